@@ -1,6 +1,6 @@
 //! Looks at columns of any numbers: none panics, and what is said of them is of their size.
 
-use leastaction_data::survey::{Clock, Guess, Motion, RawLog, Signal};
+use leastaction_data::survey::{Clock, Guess, MotionSurvey, RawLog, Signal};
 use proptest::prelude::*;
 
 /// Small numbers, and any that a file can hold.
@@ -16,7 +16,7 @@ proptest! {
     #[test]
     fn any_columns(t in prop::collection::vec(number(), 0..60), q in prop::collection::vec(number(), 0..60), even in any::<bool>()) {
         let stamps: Vec<f64> = if even { (0..q.len()).map(|k| 0.01 * k as f64).collect() } else { t.clone() };
-        if let Some(motion) = Motion::of(&stamps, &q) {
+        if let Some(motion) = MotionSurvey::of(&stamps, &q) {
             prop_assert!(motion.samples <= q.len() && motion.reversals < motion.samples && motion.outliers.len() < q.len());
             prop_assert!((0.0..=1.0).contains(&motion.moving));
             prop_assert!(motion.outliers.iter().all(|outlier| outlier.sample < q.len()));

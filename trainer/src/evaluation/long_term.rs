@@ -4,8 +4,8 @@ use crate::cli::{Failure, FileKind, folder, replaceable};
 use leastaction_learning::atomic;
 use leastaction_learning::evaluate::prediction::{Prediction, TOLERANCE, Truth};
 use leastaction_learning::ground_truth::{
-    BadMechanism, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Motion, Start, lgnn_starts,
-    starts,
+    BadMechanism, ExactMotion, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Start,
+    lgnn_starts, starts,
 };
 use leastaction_models::Model;
 use leastaction_plot::{Panel, Series, Vertical, time_series};
@@ -37,7 +37,7 @@ impl Scalable {
         }
     }
 
-    fn motion(self) -> Result<Box<dyn Motion>, BadMechanism> {
+    fn motion(self) -> Result<Box<dyn ExactMotion>, BadMechanism> {
         match self {
             Self::Modlanet(system) => system.motion(),
             Self::Lgnn(system) => Ok(Box::new(LgnnSettings::published(system, 0).truss()?)),

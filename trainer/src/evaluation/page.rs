@@ -4,7 +4,7 @@ use crate::cli::{Failure, FileKind, replaceable};
 use leastaction_learning::atomic;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::horizons::Predictor;
-use leastaction_learning::report::{Fit, Report};
+use leastaction_learning::report::{Fit, Page};
 use leastaction_learning::torque_numbers::TorqueNumbers;
 use leastaction_learning::windows::{
     Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
@@ -39,7 +39,7 @@ pub fn write(
     let Model { architecture, weights, facts, .. } = model;
     let logs = Arc::new(WindowLogs::new(log));
     let other = beside.map(|(file, model)| (file.display().to_string(), predictor(model, &logs)));
-    let report = Report {
+    let report = Page {
         title: format!("{} on {}", file.display(), data.display()),
         facts: vec![
             ("model", format!("{}, {} numbers; {}", architecture.name(), weights.len(), facts.provenance)),

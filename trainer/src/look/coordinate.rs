@@ -1,7 +1,7 @@
 //! How strongly logs excite a coordinate.
 
 use super::Seen;
-use leastaction_learning::data::survey::{Clock, Guess, Motion, time_unit};
+use leastaction_learning::data::survey::{Clock, Guess, MotionSurvey, time_unit};
 use leastaction_learning::data::unit;
 use serde::Serialize;
 use std::fmt;
@@ -49,14 +49,14 @@ impl Coordinate {
     }
 
     fn of(column: &str, t: &str, seen: &[Seen]) -> Option<Self> {
-        let motions: Vec<(&Seen, Motion)> =
+        let motions: Vec<(&Seen, MotionSurvey)> =
             seen.iter().filter_map(|seen| Some((seen, motion(seen, column, t)?))).collect();
         let samples: usize = motions.iter().map(|(_, motion)| motion.samples).sum();
-        let mean = |of: fn(&Motion) -> f64| {
+        let mean = |of: fn(&MotionSurvey) -> f64| {
             let weighted = motions.iter().map(|(_, motion)| motion.samples as f64 * of(motion));
             weighted.sum::<f64>() / samples as f64
         };
-        let sum = |of: fn(&Motion) -> usize| motions.iter().map(|(_, motion)| of(motion)).sum();
+        let sum = |of: fn(&MotionSurvey) -> usize| motions.iter().map(|(_, motion)| of(motion)).sum();
         let first = motions.iter().find_map(|(seen, motion)| Some((seen, motion.outliers.first()?)));
         (samples > 0).then(|| Self {
             column: column.to_owned(),
@@ -83,10 +83,10 @@ impl Coordinate {
     }
 }
 
-fn motion(seen: &Seen, column: &str, t: &str) -> Option<Motion> {
+fn motion(seen: &Seen, column: &str, t: &str) -> Option<MotionSurvey> {
     let (stamps, q) = (seen.log.column(t)?, seen.log.column(column)?);
     let of_topic = seen.log.topic.as_ref().map(|_| 1.0);
     let second = of_topic.or_else(|| unit(time_unit(Clock::of(stamps)?.median)))?;
     let stamps: Vec<f64> = stamps.iter().map(|t| second * t).collect();
-    Motion::of(&stamps, q)
+    MotionSurvey::of(&stamps, q)
 }

@@ -8,6 +8,6 @@ mod signal;
 
 pub use clock::Clock;
 pub use guess::{Guess, time_unit};
-pub use motion::{Motion, Outlier};
+pub use motion::{MotionSurvey, Outlier};
 pub use raw::RawLog;
 pub use signal::Signal;

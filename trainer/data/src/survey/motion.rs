@@ -22,7 +22,7 @@ const ON_LINE: f64 = 0.25;
 
 /// What the samples of a coordinate show in one file, in the units of its column and seconds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
+pub struct MotionSurvey {
     /// Differences that velocities were made of.
     pub samples: usize,
     /// Root mean square of the velocity.
@@ -50,7 +50,7 @@ pub struct Outlier {
     pub off: f64,
 }
 
-impl Motion {
+impl MotionSurvey {
     /// Of numbers at stamps (s); `None` where there are fewer than five. Samples without a number, and those whose stamp is not above that of the one
     /// before, are left out.
     #[must_use]
@@ -187,7 +187,7 @@ mod tests {
         // Two whole swings of 1 s, then as much of rest.
         let t = stamps(2000);
         let q: Vec<f64> = t.iter().map(|t| if *t < 2.0 { (TAU * t).cos() } else { 1.0 }).collect();
-        let motion = Motion::of(&t, &q).unwrap();
+        let motion = MotionSurvey::of(&t, &q).unwrap();
         assert_eq!((motion.reversals, motion.turns, motion.outliers.len()), (3, 0, 0));
         assert!((motion.moving - 0.5).abs() < 0.02, "{motion:?}");
         assert!((motion.speed / (TAU / 2.0) - 1.0).abs() < 0.02, "{motion:?}");
@@ -199,7 +199,7 @@ mod tests {
         // Half a grain of noise that makes an encoder flicker.
         let flicker = |k: usize| if (k * k) % 7 < 3 { 1.0 } else { 0.0 };
         let q: Vec<f64> = (0..t.len()).map(|k| 1e-3 * flicker(k)).collect();
-        let motion = Motion::of(&t, &q).unwrap();
+        let motion = MotionSurvey::of(&t, &q).unwrap();
         assert_eq!((motion.reversals, motion.moving, motion.outliers.len()), (0, 0.0, 0), "{motion:?}");
     }
 
@@ -214,7 +214,7 @@ mod tests {
         q[1200..].iter_mut().for_each(|q| *q -= TAU);
         q[100] += 0.05;
         q[600] -= 2.0;
-        let motion = Motion::of(&t, &q).unwrap();
+        let motion = MotionSurvey::of(&t, &q).unwrap();
         let found: Vec<_> = motion.outliers.iter().map(|outlier| outlier.sample).collect();
         assert_eq!((found, motion.turns), (vec![100, 600], 1));
         let Outlier { time, off, .. } = motion.outliers[1];
@@ -228,9 +228,9 @@ mod tests {
         t[50] = t[49];
         let mut q: Vec<f64> = t.iter().map(|t| if *t < 1.0 { *t } else { -3.0 - *t }).collect();
         q[10] = f64::NAN;
-        let motion = Motion::of(&t, &q).unwrap();
+        let motion = MotionSurvey::of(&t, &q).unwrap();
         assert_eq!(motion.reversals, 0);
         assert!((motion.speed - 1.0).abs() < 1e-9 && motion.moving == 1.0, "{motion:?}");
-        assert!(Motion::of(&[0.0; 20], &[1.0; 20]).is_none() && Motion::of(&[], &[]).is_none());
+        assert!(MotionSurvey::of(&[0.0; 20], &[1.0; 20]).is_none() && MotionSurvey::of(&[], &[]).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! Long-term prediction in ModLaNet's measures, and the floor that single precision sets to them.
 
-use crate::ground_truth::{Horizon, IntegrationError, Motion, Start, follow};
+use crate::ground_truth::{ExactMotion, Horizon, IntegrationError, Start, follow};
 use leastaction_models::parallel;
 use std::f64::consts::{PI, TAU};
 
@@ -28,7 +28,11 @@ impl Truth {
     ///
     /// # Errors
     /// Where it cannot be followed.
-    pub fn new(motion: &dyn Motion, starts: Vec<Start>, horizon: Horizon) -> Result<Self, IntegrationError> {
+    pub fn new(
+        motion: &dyn ExactMotion,
+        starts: Vec<Start>,
+        horizon: Horizon,
+    ) -> Result<Self, IntegrationError> {
         let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
         let states = |start: &Start| -> Result<Vec<f64>, IntegrationError> {
             let mut states = Vec::new();
@@ -71,7 +75,7 @@ impl Truth {
     pub fn compare(
         &self,
         tolerance: f64,
-        motion: &dyn Motion,
+        motion: &dyn ExactMotion,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
     ) -> Prediction {
         self.compare_paths(motion, |start, keep| {
@@ -84,7 +88,7 @@ impl Truth {
     /// other at the times of the horizon, or an error where it cannot go on.
     pub fn compare_paths(
         &self,
-        motion: &dyn Motion,
+        motion: &dyn ExactMotion,
         path: impl Fn(&Start, &mut dyn FnMut(&[f64])) -> Result<(), IntegrationError> + Sync,
     ) -> Prediction {
         let energy = |q: &[f64], v: &[f64]| motion.energy(q, v);
@@ -103,7 +107,7 @@ impl Truth {
         &self,
         k: usize,
         tolerance: f64,
-        motion: &dyn Motion,
+        motion: &dyn ExactMotion,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()>,
     ) -> (Vec<f64>, bool) {
         self.path(k, |start, keep| {
@@ -133,7 +137,7 @@ impl Truth {
     }
 
     /// The floor of single precision: the exact accelerations, rounded to it.
-    pub fn single_precision(&self, motion: &dyn Motion) -> Prediction {
+    pub fn single_precision(&self, motion: &dyn ExactMotion) -> Prediction {
         let rounded = |q: &[f64], v: &[f64], a: &mut [f64]| {
             motion.acceleration(q, v, a)?;
             a.iter_mut().for_each(|a| *a = f64::from(*a as f32));

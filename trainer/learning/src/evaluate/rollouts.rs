@@ -2,7 +2,7 @@
 //! exact energies of the predicted and of the exact state, with geometric means over starts and times (LGNN, section 4).
 
 use super::prediction::Truth;
-use crate::ground_truth::Motion;
+use crate::ground_truth::ExactMotion;
 use leastaction_models::parallel;
 
 /// The least error that a geometric mean takes; below it is rounding.
@@ -33,7 +33,7 @@ impl Rollouts {
     /// exact motion.
     pub fn new(
         truth: &Truth,
-        motion: &dyn Motion,
+        motion: &dyn ExactMotion,
         compared: Compared,
         tolerance: f64,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
@@ -46,7 +46,7 @@ impl Rollouts {
     }
 
     /// Other exact motions, taken for rollouts of these: how far disturbed starts lead away.
-    pub fn between(truth: &Truth, other: &Truth, motion: &dyn Motion, compared: Compared) -> Self {
+    pub fn between(truth: &Truth, other: &Truth, motion: &dyn ExactMotion, compared: Compared) -> Self {
         let one = |k: usize| (errors(motion, compared, other.states(k), truth.states(k)), false);
         Self::of(truth, (0..truth.starts().len()).map(one).collect())
     }
@@ -73,7 +73,7 @@ impl Rollouts {
 }
 
 /// Rollout error and energy violation of every comparison.
-fn errors(motion: &dyn Motion, compared: Compared, predicted: &[f64], exact: &[f64]) -> Vec<[f64; 2]> {
+fn errors(motion: &dyn ExactMotion, compared: Compared, predicted: &[f64], exact: &[f64]) -> Vec<[f64; 2]> {
     let n = motion.coordinates();
     let width = if compared == Compared::Positions { n } else { 2 * n };
     let energy = |state: &[f64]| motion.energy(&state[..n], &state[n..]);

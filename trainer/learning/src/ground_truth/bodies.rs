@@ -1,4 +1,4 @@
-use super::motion::{BadMechanism, Motion, above_zero};
+use super::motion::{BadMechanism, ExactMotion, above_zero};
 
 /// Point masses in the plane that attract each other: q = (x₁, y₁, x₂, y₂, …), V = −Σ_{i<j} k mᵢ mⱼ / rᵢⱼ.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Bodies {
     }
 }
 
-impl Motion for Bodies {
+impl ExactMotion for Bodies {
     fn coordinates(&self) -> usize {
         2 * self.masses.len()
     }

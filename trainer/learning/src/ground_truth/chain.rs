@@ -1,4 +1,4 @@
-use super::motion::{BadMechanism, Motion, above_zero};
+use super::motion::{BadMechanism, ExactMotion, above_zero};
 use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
 
 /// Acceleration of gravity of ModLaNet's experiments, m/s².
@@ -161,7 +161,7 @@ impl Chain {
     }
 }
 
-impl Motion for Chain {
+impl ExactMotion for Chain {
     fn coordinates(&self) -> usize {
         self.links.len() + self.offset()
     }

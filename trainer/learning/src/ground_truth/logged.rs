@@ -1,7 +1,7 @@
 //! Following a motion from given starts, and logging it.
 
 use super::generate::noisy;
-use super::{BadMechanism, Extrapolation, IntegrationError, Motion, second_order};
+use super::{BadMechanism, ExactMotion, Extrapolation, IntegrationError, second_order};
 use crate::data::{Dataset, Rows, Trajectory};
 use leastaction_models::parallel;
 use rand_pcg::Pcg64;
@@ -55,7 +55,7 @@ pub struct Start {
 /// # Errors
 /// Where the motion cannot be followed.
 pub fn logged(
-    motion: &dyn Motion,
+    motion: &dyn ExactMotion,
     starts: &[Start],
     horizon: Horizon,
     noise: f64,
@@ -71,7 +71,7 @@ pub fn logged(
 }
 
 fn trajectory(
-    motion: &dyn Motion,
+    motion: &dyn ExactMotion,
     horizon: Horizon,
     id: usize,
     start: &Start,
@@ -97,7 +97,7 @@ fn trajectory(
 }
 
 /// Gives `keep` the states (q, v) `h` seconds apart from the start on, `samples` of them, under the accelerations v̇(q, v); each
-/// is first brought back by `project` to where constraints keep it, as [`Motion::project`] does.
+/// is first brought back by `project` to where constraints keep it, as [`ExactMotion::project`] does.
 ///
 /// # Errors
 /// Where the motion cannot be followed to the tolerance, relative to 1 + |x| in each step; `t` counts from the start.

@@ -24,7 +24,7 @@ pub use logged::{GenerationError, Horizon, Start, follow, follow_flow, logged};
 pub use modlanet::{
     ManyBody, ModlanetSettings, circular_speed, generate_many, modlanet_set, modlanet_set_of, starts,
 };
-pub use motion::{BadMechanism, Motion};
+pub use motion::{BadMechanism, ExactMotion};
 pub use truss::{Rod, Truss};
 
 use leastaction_core::energy::inertia_network::Coordinate;

@@ -1,7 +1,7 @@
 //! The protocol of ModLaNet's experiments (Lu et al., ICML 2022), as their program has it.
 
 use super::logged::{GenerationError, Horizon, Start, logged};
-use super::{BadMechanism, Bodies, Chain, Motion};
+use super::{BadMechanism, Bodies, Chain, ExactMotion};
 use crate::data::Dataset;
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
 use rand::{RngExt, SeedableRng};
@@ -49,7 +49,7 @@ impl ManyBody {
     ///
     /// # Errors
     /// Where it has no element.
-    pub fn motion(self) -> Result<Box<dyn Motion>, BadMechanism> {
+    pub fn motion(self) -> Result<Box<dyn ExactMotion>, BadMechanism> {
         Ok(match self {
             Self::Pendulum(count) => Box::new(Chain::uniform(count)?),
             Self::Bodies(count) => Box::new(Bodies::uniform(count)?),

@@ -3,7 +3,7 @@ use thiserror::Error;
 /// A mechanism whose exact equations of motion are known, of a size known at run time.
 ///
 /// Slices have one entry for each coordinate. Energies of shorter ones panic.
-pub trait Motion: Send + Sync {
+pub trait ExactMotion: Send + Sync {
     /// Number of coordinates, n.
     fn coordinates(&self) -> usize;
 

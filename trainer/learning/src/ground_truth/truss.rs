@@ -1,4 +1,4 @@
-use super::motion::{BadMechanism, Motion, above_zero};
+use super::motion::{BadMechanism, ExactMotion, above_zero};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// A point or a direction of the plane.
@@ -177,7 +177,7 @@ impl Truss {
     }
 }
 
-impl Motion for Truss {
+impl ExactMotion for Truss {
     fn coordinates(&self) -> usize {
         2 * self.masses.len()
     }

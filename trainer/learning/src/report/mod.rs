@@ -73,7 +73,7 @@ impl Fit {
 }
 
 /// All that a page is made of.
-pub struct Report<'a> {
+pub struct Page<'a> {
     /// The title.
     pub title: String,
     /// What was done, by what and with what: names and plain text.
@@ -93,7 +93,7 @@ pub(crate) fn unit_of(letters: &str, i: usize) -> &'static str {
     if letters.as_bytes().get(i) == Some(&b't') { "m" } else { "rad" }
 }
 
-impl Report<'_> {
+impl Page<'_> {
     /// The page.
     ///
     /// # Errors

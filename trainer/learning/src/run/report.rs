@@ -5,7 +5,7 @@ use super::stages::Windowed;
 use crate::checkpoint::State;
 use crate::config::TrainingLoss;
 use crate::evaluate::horizons::Predictor;
-use crate::report::{Fit, Report, ReportError};
+use crate::report::{Fit, Page, ReportError};
 use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
 use leastaction_models::config::Origin;
 use leastaction_models::{Facts, Model};
@@ -25,7 +25,7 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let torques = plan.torques().filter(|_| plan.config.training.loss == Some(TrainingLoss::Torque));
     let torques = torques.map(|report| &report.numbers);
-    let report = Report {
+    let report = Page {
         title: format!("Learned from {}", plan.config.data.file),
         facts: facts(plan, windows, state),
         predictor: Predictor { model: &model, zeros: &calibrated.zeros, logs },

@@ -8,7 +8,7 @@ use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::acceleration_mse;
-use leastaction_learning::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
+use leastaction_learning::ground_truth::{Bodies, Chain, ExactMotion, Horizon, Link, Start, follow};
 use leastaction_learning::run::{Plan, Run};
 use leastaction_models::Architecture;
 use leastaction_models::Model;
@@ -23,12 +23,12 @@ fn example(name: &str) -> &'static str {
 }
 
 /// Motions from starts that are spread widely.
-fn log(motion: &dyn Motion, spread: f64) -> Dataset {
+fn log(motion: &dyn ExactMotion, spread: f64) -> Dataset {
     let trajectories = (0..12).map(|id| trajectory(motion, spread, id)).collect();
     Dataset { n: motion.coordinates(), h: 0.05, control: None, trajectories }
 }
 
-fn trajectory(motion: &dyn Motion, spread: f64, id: i64) -> Trajectory {
+fn trajectory(motion: &dyn ExactMotion, spread: f64, id: i64) -> Trajectory {
     let n = motion.coordinates();
     let wave = |i: usize, phase: f64| spread * (1.7 * id as f64 + 2.3 * i as f64 + phase).sin();
     // Bodies are 3 m apart.
@@ -51,7 +51,7 @@ fn trajectory(motion: &dyn Motion, spread: f64, id: i64) -> Trajectory {
 }
 
 /// Trains an example in a folder; what came out.
-fn train(folder: &Path, name: &str, motion: &dyn Motion, spread: f64) -> Trained {
+fn train(folder: &Path, name: &str, motion: &dyn ExactMotion, spread: f64) -> Trained {
     let text = example(name);
     std::fs::write(folder.join(name), text).unwrap();
     let config = Config::read(&folder.join(name)).unwrap();
@@ -63,14 +63,14 @@ fn train(folder: &Path, name: &str, motion: &dyn Motion, spread: f64) -> Trained
 }
 
 /// The error of the accelerations, relative to their mean square.
-fn relative(architecture: &Architecture, weights: &[f64], motion: &dyn Motion, spread: f64) -> f64 {
+fn relative(architecture: &Architecture, weights: &[f64], motion: &dyn ExactMotion, spread: f64) -> f64 {
     let model = Model::new(architecture.clone(), weights.to_vec());
     let (error, square) = acceleration_mse(&model, &log(motion, spread)).unwrap().unwrap();
     error.or_infinite() / square
 }
 
 /// The example is learned to this error; gives the model.
-fn learned(name: &str, motion: &dyn Motion, spread: f64, limit: f64) -> Trained {
+fn learned(name: &str, motion: &dyn ExactMotion, spread: f64, limit: f64) -> Trained {
     let folder = tempfile::tempdir().unwrap();
     let trained = train(folder.path(), name, motion, spread);
     let error = relative(&trained.architecture, &trained.best.weights, motion, spread);

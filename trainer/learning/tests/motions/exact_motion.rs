@@ -1,7 +1,7 @@
 //! Chains and attracting bodies against Lagrangians written down in Cartesian coordinates, textbook formulas and conserved quantities.
 
 use leastaction_learning::ground_truth::{
-    BadMechanism, Bodies, Chain, Extrapolation, Link, Motion, second_order,
+    BadMechanism, Bodies, Chain, ExactMotion, Extrapolation, Link, second_order,
 };
 use proptest::prelude::*;
 
@@ -62,14 +62,14 @@ fn euler_lagrange_residual(l: &dyn Fn(&[f64], &[f64]) -> f64, q: &[f64], v: &[f6
     (0..n).map(|i| residual(i).abs()).fold(0.0, f64::max)
 }
 
-fn acceleration(motion: &dyn Motion, q: &[f64], v: &[f64]) -> Vec<f64> {
+fn acceleration(motion: &dyn ExactMotion, q: &[f64], v: &[f64]) -> Vec<f64> {
     let mut a = vec![f64::NAN; q.len()];
     motion.acceleration(q, v, &mut a).unwrap();
     a
 }
 
 /// The state after `t` seconds.
-fn after(motion: &dyn Motion, q: &[f64], v: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
+fn after(motion: &dyn ExactMotion, q: &[f64], v: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
     let mut state = [q, v].concat();
     let rate = second_order(|q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a));
     Extrapolation::new(state.len(), 1e-13).advance(rate, &mut state, t).unwrap();

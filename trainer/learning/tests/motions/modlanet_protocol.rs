@@ -2,7 +2,7 @@
 
 use leastaction_learning::data::modlanet::{self, ModlanetRows};
 use leastaction_learning::ground_truth::{
-    GenerationError, ManyBody, ModlanetSettings, Motion, circular_speed, generate_many, modlanet_set_of,
+    ExactMotion, GenerationError, ManyBody, ModlanetSettings, circular_speed, generate_many, modlanet_set_of,
     starts,
 };
 use std::f64::consts::TAU;
@@ -109,7 +109,7 @@ fn the_authors_bodies_start_alike() {
 }
 
 /// Largest error of the accelerations and the energies of the rows, relative to 1 + their size.
-fn disagreement(motion: &dyn Motion, rows: &ModlanetRows) -> (f64, f64) {
+fn disagreement(motion: &dyn ExactMotion, rows: &ModlanetRows) -> (f64, f64) {
     let mut a = vec![0.0; motion.coordinates()];
     let (mut of_a, mut of_energy) = (0.0_f64, 0.0_f64);
     for k in 0..rows.q.len() {

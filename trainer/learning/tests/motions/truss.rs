@@ -1,7 +1,8 @@
 //! Nodes on rods and springs: the exact motion against that in angles, and what it must keep.
 
 use leastaction_learning::ground_truth::{
-    Chain, Horizon, LgnnSettings, LgnnSystem, Link, Motion, Rod, Start, Truss, follow, lgnn_set, lgnn_starts,
+    Chain, ExactMotion, Horizon, LgnnSettings, LgnnSystem, Link, Rod, Start, Truss, follow, lgnn_set,
+    lgnn_starts,
 };
 use proptest::prelude::*;
 
@@ -12,7 +13,7 @@ fn settings(system: LgnnSystem) -> LgnnSettings {
     LgnnSettings { trajectories: 3, ..LgnnSettings::published(system, 5) }
 }
 
-fn states(motion: &dyn Motion, start: &Start, horizon: Horizon) -> Vec<Vec<f64>> {
+fn states(motion: &dyn ExactMotion, start: &Start, horizon: Horizon) -> Vec<Vec<f64>> {
     let mut states = Vec::new();
     let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
     let project = |state: &mut [f64]| motion.project(state);

@@ -27,7 +27,7 @@ pub use node::NeuralOde;
 
 use leastaction_core::model::ModelError;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
-use leastaction_learning::ground_truth::Motion;
+use leastaction_learning::ground_truth::ExactMotion;
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 use leastaction_models::Model;
 use leastaction_models::{Architecture, Family, GraphArchitecture, ModularArchitecture};
@@ -63,7 +63,7 @@ pub trait AccelerationModel {
 #[derive(Clone, Copy)]
 pub struct Follow<'a> {
     /// The exact motion, which gives the energies.
-    pub motion: &'a dyn Motion,
+    pub motion: &'a dyn ExactMotion,
     /// Error a step, relative to 1 + |x|.
     pub tolerance: f64,
     /// When to give up: what is not followed to the end by then counts as failed.

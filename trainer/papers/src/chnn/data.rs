@@ -2,7 +2,7 @@
 
 use leastaction_learning::data::Dataset;
 use leastaction_learning::ground_truth::{
-    BadMechanism, Horizon, IntegrationError, Motion, Rod, Start, Truss, logged,
+    BadMechanism, ExactMotion, Horizon, IntegrationError, Rod, Start, Truss, logged,
 };
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};

@@ -3,7 +3,7 @@
 use super::entries::{Fitted, Training};
 use super::grid::STEP;
 use super::log::Log;
-use super::predictor::{Learned, Motion, Predictor};
+use super::predictor::{Learned, Predict, Predictor};
 use crate::task::TaskError;
 use leastaction::look::Look;
 use leastaction_learning::checkpoint::Trained;
@@ -157,7 +157,7 @@ impl Predictor for Driven {
         self.calibrated.forces(all, STEP).unwrap_or_else(|| all.clone())
     }
 
-    fn motion(&self) -> Box<Motion<'_>> {
+    fn motion(&self) -> Box<Predict<'_>> {
         self.learned.motion()
     }
 }

@@ -1,7 +1,7 @@
 //! The double pendulum by numbers that others identified: the baseline.
 
 use super::parameters::Parameters;
-use super::predictor::{Motion, Predictor};
+use super::predictor::{Predict, Predictor};
 use crate::hardware::error::HardwareError;
 use leastaction_programs::Row;
 use std::path::Path;
@@ -83,7 +83,7 @@ impl Identified {
 }
 
 impl Predictor for Identified {
-    fn motion(&self) -> Box<Motion<'_>> {
+    fn motion(&self) -> Box<Predict<'_>> {
         Box::new(|[q, v, tau], a| {
             let (mut first, mut second) = (Row::default(), Row::default());
             for (lane, (first, second)) in first.0.iter_mut().zip(&mut second.0).enumerate() {

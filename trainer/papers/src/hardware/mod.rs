@@ -44,7 +44,7 @@ pub use grid::STEP;
 pub use identified::Identified;
 pub use log::{Log, read_logs};
 pub use machine::Machine;
-pub use predictor::{ConstantVelocity, Learned, Motion, Predictor};
+pub use predictor::{ConstantVelocity, Learned, Predict, Predictor};
 pub use rollout::{Run, roll_out};
 pub use split::Split;
 pub use task::Outcome;

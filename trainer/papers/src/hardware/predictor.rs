@@ -7,7 +7,7 @@ use leastaction_programs::{Row, System};
 
 /// Writes accelerations, rad/s², n rows, of many samples side by side from their positions (rad), velocities (rad/s) and torques
 /// (N m), n rows each; not a number where there is none. It keeps its workspace.
-pub type Motion<'p> = dyn FnMut([&[Row]; 3], &mut [Row]) + 'p;
+pub type Predict<'p> = dyn FnMut([&[Row]; 3], &mut [Row]) + 'p;
 
 /// A model of a machine in physical coordinates.
 pub trait Predictor: Sync {
@@ -18,7 +18,7 @@ pub trait Predictor: Sync {
     }
 
     /// Its accelerations, with a workspace of their own.
-    fn motion(&self) -> Box<Motion<'_>>;
+    fn motion(&self) -> Box<Predict<'_>>;
 }
 
 /// No acceleration at all: what any model must be better than.
@@ -26,7 +26,7 @@ pub trait Predictor: Sync {
 pub struct ConstantVelocity;
 
 impl Predictor for ConstantVelocity {
-    fn motion(&self) -> Box<Motion<'_>> {
+    fn motion(&self) -> Box<Predict<'_>> {
         Box::new(|_, a| a.fill(Row::default()))
     }
 }
@@ -46,7 +46,7 @@ impl Learned {
 }
 
 impl Predictor for Learned {
-    fn motion(&self) -> Box<Motion<'_>> {
+    fn motion(&self) -> Box<Predict<'_>> {
         let mut accelerations = self.accelerations.clone();
         Box::new(move |state, a| {
             // What failed is not a number.

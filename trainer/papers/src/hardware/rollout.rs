@@ -1,7 +1,7 @@
 //! Predictions of many runs side by side, each under the torques of its own steps.
 
 use super::grid::STEP;
-use super::predictor::Motion;
+use super::predictor::Predict;
 use leastaction_programs::{Row, WIDTH};
 use std::array::from_fn;
 
@@ -20,12 +20,12 @@ pub struct Run<'t> {
 
 /// Positions (rad) of every run from its start on, \[steps + 1\]\[n\], flat, after every step of the grid. Classical Runge–Kutta of
 /// order 4. All runs have as many steps as the first.
-pub fn roll_out(motion: &mut Motion, runs: &[Run]) -> Vec<Vec<f64>> {
+pub fn roll_out(motion: &mut Predict, runs: &[Run]) -> Vec<Vec<f64>> {
     runs.chunks(WIDTH).flat_map(|runs| block(motion, runs)).collect()
 }
 
 /// Runs side by side; the last fills up.
-fn block(motion: &mut Motion, runs: &[Run]) -> Vec<Vec<f64>> {
+fn block(motion: &mut Predict, runs: &[Run]) -> Vec<Vec<f64>> {
     let Some(last) = runs.len().checked_sub(1) else { return Vec::new() };
     let n = runs[0].start[0].len();
     let steps = runs[0].torques.len() / n.max(1);
@@ -52,7 +52,7 @@ type State = [Vec<Row>; 2];
 
 /// Steps of h, s.
 struct Stepper<'m, 'p> {
-    motion: &'m mut Motion<'p>,
+    motion: &'m mut Predict<'p>,
     state: State,
     h: f64,
 }

@@ -163,7 +163,7 @@ mod tests {
     fn a_prediction_that_breaks_off_is_infinitely_wrong() {
         struct Broken;
         impl Predictor for Broken {
-            fn motion(&self) -> Box<super::super::predictor::Motion<'_>> {
+            fn motion(&self) -> Box<super::super::predictor::Predict<'_>> {
                 Box::new(|_, a| a.fill(leastaction_programs::Row::splat(f64::NAN)))
             }
         }

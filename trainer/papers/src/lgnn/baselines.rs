@@ -81,23 +81,23 @@ impl Baseline {
     }
 
     /// Its shape on a system.
-    fn model(self, system: LgnnSystem) -> Result<Model, ModelError> {
+    fn model(self, system: LgnnSystem) -> Result<AnyBaseline, ModelError> {
         Ok(match self {
-            Self::Gns => Model::Gns(Gns::new(GraphSizes::LGNN, &lgnn_graph(system))?),
-            Self::Lgn => Model::Lgn(Lgn::new(GraphSizes::LGNN, lgnn_graph(system))?),
-            Self::Lnn => Model::Lnn(CartesianLnn::new(lgnn_graph(system), LNN_WIDTH)),
+            Self::Gns => AnyBaseline::Gns(Gns::new(GraphSizes::LGNN, &lgnn_graph(system))?),
+            Self::Lgn => AnyBaseline::Lgn(Lgn::new(GraphSizes::LGNN, lgnn_graph(system))?),
+            Self::Lnn => AnyBaseline::Lnn(CartesianLnn::new(lgnn_graph(system), LNN_WIDTH)),
         })
     }
 }
 
 /// A baseline on a system.
-enum Model {
+enum AnyBaseline {
     Gns(Gns),
     Lgn(Lgn),
     Lnn(CartesianLnn),
 }
 
-impl Model {
+impl AnyBaseline {
     fn trained(&self) -> &dyn AccelerationModel {
         match self {
             Self::Gns(gns) => gns,
@@ -168,7 +168,7 @@ impl Experiment<'_> {
     /// The row with the rollouts of a trained model on a system: those that are not done in time have failed.
     fn baseline_on(
         &self,
-        (row, model): (Outcome, Model),
+        (row, model): (Outcome, AnyBaseline),
         system: LgnnSystem,
         weights: &[f64],
         limits: Limits,

@@ -1,6 +1,6 @@
 //! What a model has learned, beside the truth.
 
-use super::{Model, ReproduceError};
+use super::{LearnedGraph, ReproduceError};
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::particles::Particles;
 use leastaction_learning::ground_truth::Truss;
@@ -31,13 +31,13 @@ pub struct Insight {
 
 impl Insight {
     /// Of the springs and the drag of a model trained on samples; rods need a motion ([`pulls`]).
-    pub(super) fn new(model: &Model, drag: f64, samples: &Samples) -> Result<Self, ReproduceError> {
+    pub(super) fn new(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Self, ReproduceError> {
         Ok(Self { spring: spring(model, samples)?, drag: dragged(model, drag, samples)?, rods: Vec::new() })
     }
 }
 
 /// The largest distance between the ends of the model's edges.
-fn longest(model: &Model, samples: &Samples) -> Result<f64, ReproduceError> {
+fn longest(model: &LearnedGraph, samples: &Samples) -> Result<f64, ReproduceError> {
     let edges = &model.architecture.graph()?.edges;
     let length = |q: &[[f64; 2]], edge: &Edge| {
         let [a, b] = edge.ends.map(|end| q[usize::from(end)]);
@@ -48,7 +48,7 @@ fn longest(model: &Model, samples: &Samples) -> Result<f64, ReproduceError> {
     Ok(states.map(of_state).fold(0.0, f64::max))
 }
 
-fn spring(model: &Model, samples: &Samples) -> Result<Compared, ReproduceError> {
+fn spring(model: &LearnedGraph, samples: &Samples) -> Result<Compared, ReproduceError> {
     if model.architecture.graph()?.edges.is_empty() {
         return Ok(Compared::default());
     }
@@ -65,7 +65,7 @@ fn spring(model: &Model, samples: &Samples) -> Result<Compared, ReproduceError> 
     Ok(Compared { rows: (0..POINTS).map(row).collect() })
 }
 
-fn dragged(model: &Model, drag: f64, samples: &Samples) -> Result<Compared, ReproduceError> {
+fn dragged(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Compared, ReproduceError> {
     if drag == 0.0 {
         return Ok(Compared::default());
     }

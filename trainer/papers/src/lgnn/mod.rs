@@ -18,7 +18,7 @@ pub use baselines::{Baseline, run_baseline};
 pub use insight::{Compared, Insight};
 pub use outcome::{Outcome, ReproduceError, RolledOut};
 pub use published::Published;
-pub use recipe::{Model, train};
+pub use recipe::{LearnedGraph, train};
 pub use speed::{LINEAR_SIZES, step_microseconds};
 pub use task::tasks;
 pub(super) use trial::floor;
@@ -138,7 +138,7 @@ struct Experiment<'a> {
 
 /// A trained model with the row that training gives.
 struct Learned {
-    model: Model,
+    model: LearnedGraph,
     row: Outcome,
 }
 
@@ -277,7 +277,7 @@ impl Experiment<'_> {
 }
 
 /// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, those below 1% of the fastest left out.
-fn drag_error(model: &Model, drag: f64, samples: &Samples) -> Result<f64, ReproduceError> {
+fn drag_error(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<f64, ReproduceError> {
     let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
     let graph = Graph::new(types, &[0], &[])?;
     let velocities = &samples.states[1];

@@ -122,13 +122,13 @@ pub enum ReproduceError {
     Data(#[from] GenerationError),
     /// The shape does not fit in itself or the data.
     #[error(transparent)]
-    Model(#[from] ModelError),
+    LearnedGraph(#[from] ModelError),
     /// A model that the paper compares with cannot be trained.
     #[error(transparent)]
     Training(#[from] TrainingError),
     /// The exact motion cannot be followed.
     #[error(transparent)]
-    Motion(#[from] IntegrationError),
+    ExactMotion(#[from] IntegrationError),
     /// The graph cannot be.
     #[error(transparent)]
     Graph(#[from] GraphError),

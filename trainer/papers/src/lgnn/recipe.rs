@@ -14,14 +14,14 @@ const ROUNDING: f64 = 1e-26;
 
 /// A trained model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct LearnedGraph {
     /// Its shape.
     pub architecture: GraphArchitecture,
     /// Its weight block.
     pub weights: Vec<f64>,
 }
 
-impl Model {
+impl LearnedGraph {
     /// The same nodes and edges in another graph.
     #[must_use]
     pub fn on(&self, system: LgnnSystem) -> Self {
@@ -41,7 +41,7 @@ pub fn train(
     iterations: usize,
     seed: u64,
     mut watch: impl FnMut(usize, f64),
-) -> Result<(Model, [f64; 2]), ModelError> {
+) -> Result<(LearnedGraph, [f64; 2]), ModelError> {
     let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
     let (objective, judge) = (architecture.objective(rows.clone())?, architecture.objective(judges.clone())?);
     let mut best = Vec::new();
@@ -62,5 +62,5 @@ pub fn train(
     let loss = |weights: &Vec<f64>| judge.loss(weights);
     let weights = best.into_iter().min_by(|a, b| loss(a).total_cmp(&loss(b))).unwrap_or_default();
     let errors = [objective.loss(&weights), judge.loss(&weights)];
-    Ok((Model { architecture, weights }, errors))
+    Ok((LearnedGraph { architecture, weights }, errors))
 }

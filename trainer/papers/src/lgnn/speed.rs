@@ -1,6 +1,6 @@
 //! The time of a step as a system grows.
 
-use super::{LgnnSettings, LgnnSystem, Model, ReproduceError};
+use super::{LearnedGraph, LgnnSettings, LgnnSystem, ReproduceError};
 use leastaction_core::constraints::Constrained;
 use leastaction_core::discrete::{
     Order,
@@ -24,7 +24,7 @@ const STRETCHES: usize = 7;
 ///
 /// # Errors
 /// Where the graph cannot be, or a step fails.
-pub fn step_microseconds(model: &Model) -> Result<f64, ReproduceError> {
+pub fn step_microseconds(model: &LearnedGraph) -> Result<f64, ReproduceError> {
     let graph = model.architecture.graph()?;
     let nodes = graph.nodes.len();
     let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(LgnnSystem::Spring(nodes), 0) };

@@ -5,7 +5,8 @@ use leastaction_core::particles::Particles;
 use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
 use leastaction_learning::ground_truth::{
-    GenerationError, Horizon, IntegrationError, LgnnSettings, LgnnSystem, Motion, Start, Truss, lgnn_starts,
+    ExactMotion, GenerationError, Horizon, IntegrationError, LgnnSettings, LgnnSystem, Start, Truss,
+    lgnn_starts,
 };
 use leastaction_models::particles::Driven;
 
@@ -81,7 +82,7 @@ impl Trial {
     }
 
     /// The exact motion.
-    pub fn motion(&self) -> &dyn Motion {
+    pub fn motion(&self) -> &dyn ExactMotion {
         &self.truss
     }
 }

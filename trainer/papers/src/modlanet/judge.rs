@@ -5,7 +5,7 @@ use crate::baselines::{AccelerationModel, Follow};
 use leastaction_core::model::ModelError;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::ground_truth::{
-    GenerationError, Horizon, ManyBody, ModlanetSettings, Motion, starts,
+    ExactMotion, GenerationError, Horizon, ManyBody, ModlanetSettings, starts,
 };
 
 /// Makes the stream of prediction starts another than that of the data.
@@ -14,7 +14,7 @@ const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 /// Exact motions of a system, and how far single precision leads from them.
 pub(super) struct Judge {
     /// The exact motion.
-    pub motion: Box<dyn Motion>,
+    pub motion: Box<dyn ExactMotion>,
     /// s.
     pub length: f64,
     truth: Truth,

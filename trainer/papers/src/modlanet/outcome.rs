@@ -157,7 +157,7 @@ pub enum ReproduceError {
     Stepping(#[from] SteppingError),
     /// The exact motion cannot be followed.
     #[error(transparent)]
-    Motion(#[from] leastaction_learning::ground_truth::IntegrationError),
+    ExactMotion(#[from] leastaction_learning::ground_truth::IntegrationError),
     /// The data of another system.
     #[error("the data has {found} coordinates, the case needs {needed}")]
     Coordinates {

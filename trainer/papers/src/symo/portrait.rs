@@ -19,7 +19,7 @@ const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 pub(super) enum PortraitError {
     /// The exact motion.
     #[error(transparent)]
-    Motion(#[from] IntegrationError),
+    ExactMotion(#[from] IntegrationError),
     /// The learned one.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -4,7 +4,7 @@ mod robot;
 
 use super::{Demo, MARK, say, write_model};
 use crate::commands::simulate::{
-    self, Floats, LawName, Motion, Plant, Request, Scenario, Trace, World, simulate,
+    self, Floats, LawName, Plant, Request, Scenario, Trace, TrackArgs, World, simulate,
 };
 use crate::commands::train;
 use leastaction::cli::{Done, Failure, Output, written};
@@ -84,7 +84,7 @@ fn steps(demo: &Demo, output: Output) -> Result<Report, Failure> {
     let plant = decode(&plant).map_err(|error| Failure::Work(error.to_string()))?;
     text("motion.toml", &robot::motion(demo.seed))?;
     let follow = |law, name: &str| {
-        let motion = Motion::along(at("motion.toml"), law, BANDWIDTH);
+        let motion = TrackArgs::along(at("motion.toml"), law, BANDWIDTH);
         follow(
             (&model, &at("arm.postcard")),
             (&plant, &at("plant.postcard")),
@@ -112,7 +112,7 @@ fn steps(demo: &Demo, output: Output) -> Result<Report, Failure> {
 fn follow(
     (model, file): (&Model, &Path),
     (plant, plant_file): (&Model, &Path),
-    motion: &Motion,
+    motion: &TrackArgs,
     (seed, name): (u64, &Path),
 ) -> Result<(simulate::Report, Trace), Failure> {
     let request = Request {

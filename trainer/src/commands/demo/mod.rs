@@ -3,7 +3,7 @@
 mod arm;
 mod portrait;
 
-use super::simulate::{self, Floats, Motion, Plant, Request, Scenario, World, simulate};
+use super::simulate::{self, Floats, Plant, Request, Scenario, TrackArgs, World, simulate};
 use super::{interrupt, train};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
@@ -113,7 +113,7 @@ impl Demo {
             seconds: None,
             tick: None,
             world: &World::default(),
-            motion: &Motion::default(),
+            motion: &TrackArgs::default(),
             floats: &Floats::default(),
             config: None,
             on: None,

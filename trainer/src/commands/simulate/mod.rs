@@ -20,7 +20,7 @@ pub use remote::{Emulated, Target};
 pub use report::Report;
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
-pub use track::{LawName, Motion};
+pub use track::{LawName, TrackArgs};
 pub use world::World;
 
 use super::system::SymoSystem;
@@ -104,7 +104,7 @@ pub struct Simulate {
     #[arg(long, requires = "on", default_value_t = 20.0, value_parser = positive, allow_negative_numbers = true)]
     timeout: f64,
     #[command(flatten)]
-    motion: Motion,
+    motion: TrackArgs,
     #[command(flatten)]
     floats: Floats,
     #[command(flatten)]

@@ -5,7 +5,7 @@ use super::plant::{Plant, Predicting, no_graphs, on_plant};
 use super::remote::Target;
 use super::track::Following;
 use super::world::World;
-use super::{Motion, Report, Trace};
+use super::{Report, Trace, TrackArgs};
 use clap::ValueEnum;
 use leastaction::cli::{Failure, Output};
 use leastaction::models::{chip_file, meant};
@@ -68,7 +68,7 @@ pub struct Request<'a> {
     /// Friction and devices.
     pub world: &'a World,
     /// What track follows, and how.
-    pub motion: &'a Motion,
+    pub motion: &'a TrackArgs,
     /// What floats, and how it is pushed.
     pub floats: &'a Floats,
     /// The configuration whose `[data]` says how a motion's log is read.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// How a motion is followed.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Following a motion (track)")]
-pub struct Motion {
+pub struct TrackArgs {
     /// A motion of all coordinates: a log of one motion (.csv, .npz), followed once by a smooth curve through its positions, entered from
     /// rest over 2 s where it does not begin at rest; or, periodic, a .toml with `frequency` (Hz), `centre` (rad or m), and a row of at most five
     /// harmonics a coordinate each of `cosine` and `sine` (rad or m); `limit`, the largest forces (N m or N); `ramp`, the seconds in which
@@ -66,7 +66,7 @@ pub(super) const MEMORY: f32 = 0.05;
 /// Of the filter of velocities without an observer, Hz.
 const CUT_OFF: f32 = 50.0;
 
-impl Motion {
+impl TrackArgs {
     /// The motion of a file, a law, and ω of its feedback (rad/s).
     pub fn along(file: PathBuf, law: LawName, bandwidth: f32) -> Self {
         Self {
@@ -152,7 +152,7 @@ fn config<'m, const N: usize>(
     motion: &'m Followed<N>,
     limit: [f32; N],
 ) -> Result<TrackConfig<N, &'m Followed<N>>, Failure> {
-    let Motion { law, bandwidth, damping, memory, .. } = request.motion;
+    let TrackArgs { law, bandwidth, damping, memory, .. } = request.motion;
     let mut config = TrackConfig::new(encoders(request), limit, (motion.at(0.0).q, motion));
     config.setup.tick = 1e-3;
     config.setup.seconds = motion.end().unwrap_or(config.setup.seconds);

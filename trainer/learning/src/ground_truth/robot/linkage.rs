@@ -157,7 +157,7 @@ impl Linkage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ground_truth::Motion;
+    use crate::ground_truth::ExactMotion;
     use leastaction_core::energy::trigonometric::ACROBOT;
     use leastaction_core::lagrangian::Lagrangian;
 

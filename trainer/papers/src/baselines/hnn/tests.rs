@@ -3,7 +3,7 @@
 use super::*;
 use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
 use leastaction_learning::ground_truth::{
-    Horizon, ManyBody, ModlanetSettings, Motion, generate_many, starts,
+    ExactMotion, Horizon, ManyBody, ModlanetSettings, generate_many, starts,
 };
 use leastaction_learning::training::{Adam, AdamSettings, Levenberg};
 use num_dual::DualNum;
@@ -100,7 +100,7 @@ fn predictions_keep_the_learned_hamiltonian() {
     let hnn = Hnn::new("aa", 11, Momenta::Chain).unwrap();
     let weights = hnn.initial_weights(1);
     let system = ManyBody::Pendulum(2);
-    let motion: Box<dyn Motion> = system.motion().unwrap();
+    let motion: Box<dyn ExactMotion> = system.motion().unwrap();
     let settings = ModlanetSettings { trajectories: 1, ..ModlanetSettings::published(system, 1) };
     let truth = Truth::new(motion.as_ref(), starts(&settings), Horizon::of_seconds(5.0)).unwrap();
     let follow = Follow { motion: motion.as_ref(), tolerance: 1e-12, deadline: None };

@@ -10,7 +10,7 @@ mod models;
 mod network;
 mod panda;
 
-pub use models::{MODELS, Model};
+pub use models::{Identification, MODELS};
 pub use panda::{panda, panda_urdf};
 
 use super::error::HardwareError;
@@ -103,7 +103,7 @@ impl ArmData {
 
 /// The tasks of all models.
 pub fn arm_tasks(data: &Arc<ArmData>, arguments: &str) -> Vec<Box<dyn Task>> {
-    let task = |model: &Model| -> Box<dyn Task> {
+    let task = |model: &Identification| -> Box<dyn Task> {
         Box::new(ArmTask { model: *model, data: Arc::clone(data), arguments: arguments.to_owned() })
     };
     MODELS.iter().map(task).collect()
@@ -111,7 +111,7 @@ pub fn arm_tasks(data: &Arc<ArmData>, arguments: &str) -> Vec<Box<dyn Task>> {
 
 /// A model on the arm's log.
 struct ArmTask {
-    model: Model,
+    model: Identification,
     data: Arc<ArmData>,
     arguments: String,
 }

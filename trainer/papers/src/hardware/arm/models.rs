@@ -13,7 +13,7 @@ use leastaction_models::tree::Tree;
 
 /// A row of the table.
 #[derive(Clone, Copy)]
-pub struct Model {
+pub struct Identification {
     /// As in the table and, in small letters, in the names of tasks.
     pub name: &'static str,
     /// Whether it is what a fit gives where nothing is chosen.
@@ -41,7 +41,7 @@ pub struct Learned {
     pub consistency: Option<f64>,
 }
 
-impl Model {
+impl Identification {
     /// In the names of tasks.
     pub fn label(&self) -> String {
         let words = self.name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
@@ -76,7 +76,7 @@ const WEAKEST: f64 = 1e-6;
 /// Strengths of the prior that are tried.
 const STRENGTHS: [f64; 9] = [1000.0, 300.0, 100.0, 30.0, 10.0, 3.0, 1.0, 0.1, 0.01];
 
-const LINEAR: Model = Model {
+const LINEAR: Identification = Identification {
     name: "least squares, rigid bodies alone",
     is_default: false,
     is_ours: false,
@@ -85,11 +85,15 @@ const LINEAR: Model = Model {
 };
 
 /// The rows of the table, in order.
-pub const MODELS: [Model; 8] = [
+pub const MODELS: [Identification; 8] = [
     LINEAR,
-    Model { name: "least squares, viscous", learn: |data| linear(data, VISCOUS), ..LINEAR },
-    Model { name: "least squares, viscous + Coulomb", learn: |data| linear(data, COULOMB), ..LINEAR },
-    Model {
+    Identification { name: "least squares, viscous", learn: |data| linear(data, VISCOUS), ..LINEAR },
+    Identification {
+        name: "least squares, viscous + Coulomb",
+        learn: |data| linear(data, COULOMB),
+        ..LINEAR
+    },
+    Identification {
         name: "least squares, Coulomb that grows with the load",
         learn: |data| {
             let learned = Numbers { bodies: Bodies::Free, width: [WIDTH; 2], ..Numbers::default() };
@@ -97,27 +101,27 @@ pub const MODELS: [Model; 8] = [
         },
         ..LINEAR
     },
-    Model {
+    Identification {
         name: "consistent bodies, Coulomb of constant size",
         is_ours: true,
         expected_seconds: 12.0,
         learn: |data| Ok(of_fit(consistent(data, &WITHOUT_LOAD)?)),
         ..LINEAR
     },
-    Model {
+    Identification {
         name: "leastaction, consistent bodies and friction that grows with the load",
         is_default: true,
         is_ours: true,
         expected_seconds: 12.0,
         learn: |data| Ok(of_fit(consistent(data, &Numbers::default())?)),
     },
-    Model {
+    Identification {
         name: "network of energies (DeLaN), from nothing",
         expected_seconds: 300.0,
         learn: from_nothing,
         ..LINEAR
     },
-    Model {
+    Identification {
         name: "network of energies, from the consistent bodies",
         is_ours: true,
         expected_seconds: 300.0,

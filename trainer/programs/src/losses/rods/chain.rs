@@ -8,7 +8,7 @@
 //! where λ has the impulses of both steps, and v_k is the velocity that the step before arrives with ([`Arrival`]). So two
 //! positions determine what follows without a velocity.
 
-use super::model::{Expansion, Model};
+use super::model::{Expansion, RodModel};
 use super::velocity::{Arrival, Velocity};
 use crate::dynamics::{Failures, add, contracted, product};
 use crate::losses::Block;
@@ -117,7 +117,7 @@ impl Chain {
     /// Evaluates all that has changed for the equations of a stretch since the last update, or since others were solved.
     pub fn evaluate(
         &mut self,
-        (model, weights): (&mut Model, &[f64]),
+        (model, weights): (&mut RodModel, &[f64]),
         stretch: Stretch,
         first: bool,
         skip: Failures,
@@ -145,19 +145,19 @@ impl Chain {
     }
 
     /// Evaluates everything, with all derivatives, where the equations hold.
-    pub fn linearise(&mut self, model: &mut Model, weights: &[f64]) {
+    pub fn linearise(&mut self, model: &mut RodModel, weights: &[f64]) {
         let last = self.steps.len();
         self.evaluate((&mut *model, weights), Stretch { start: 1, end: last, ahead: 0 }, true, self.failures);
         self.place(model, last);
     }
 
-    fn place(&mut self, model: &Model, k: usize) {
+    fn place(&mut self, model: &RodModel, k: usize) {
         let point = &mut self.points[k];
         point.phi = model.rods.values(&point.x);
         point.gradients = model.rods.gradients(&point.x);
     }
 
-    fn arrive(&mut self, (model, weights): (&mut Model, &[f64]), k: usize, derive: bool, skip: Failures) {
+    fn arrive(&mut self, (model, weights): (&mut RodModel, &[f64]), k: usize, derive: bool, skip: Failures) {
         let arrival = Arrival {
             half: 0.5 * self.steps[k - 1].h,
             momentum: self.brought(k),
@@ -192,7 +192,7 @@ impl Chain {
     }
 
     /// The derivatives of the equation of an inner point, all or that in the position of the point after.
-    fn slopes(&self, model: &Model, k: usize, all: bool) -> [Vec<Row>; 3] {
+    fn slopes(&self, model: &RodModel, k: usize, all: bool) -> [Vec<Row>; 3] {
         let (n, span, point) = (model.n, self.span(k), &self.points[k]);
         let [before, after] = [k - 1, k].map(|k| &self.steps[k]);
         let zero = vec![Row::default(); n * n];

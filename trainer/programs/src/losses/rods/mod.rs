@@ -17,13 +17,13 @@ use crate::row::Row;
 use crate::system::System;
 use chain::{Chain, Stretch};
 use leastaction_core::discrete;
-use model::Model;
+use model::RodModel;
 use solve::Adjoints;
 
 /// A loss of three consecutive positions under RATTLE ([`leastaction_core::discrete::rattle`]), for L = T(v) − V(q) with drag Q(v).
 /// The force of a step is the mean of the control during it: at its start where it is held, of both ends where it is linear.
 pub struct RodsLoss {
-    model: Model,
+    model: RodModel,
     /// Lengths of the steps of order 2 that a step is made of, s.
     substeps: Vec<f64>,
     /// Whether the residual is that of the next position; else that of the DEL equation at the middle position, along what the
@@ -45,7 +45,7 @@ impl RodsLoss {
         };
         let directions = [1, system.n()];
         Some(Self {
-            model: Model::new(system, rods)?,
+            model: RodModel::new(system, rods)?,
             substeps: order.substeps(h).collect(),
             next_position,
             of_steps: directions.map(|n| system.momentum_along(n).with_workspace()),

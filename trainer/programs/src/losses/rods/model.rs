@@ -11,7 +11,7 @@ pub(super) const MAX_ITERATIONS: usize = 12;
 pub(super) const SETTLED: f64 = 1e-9;
 
 /// L = T(v) − V(q) with drag Q(v), on rods.
-pub(super) struct Model {
+pub(super) struct RodModel {
     pub n: usize,
     pub rods: Rods,
     /// L_q(q), N.
@@ -23,7 +23,7 @@ pub(super) struct Model {
     pub lu: Lu,
 }
 
-impl Model {
+impl RodModel {
     /// `None` where the Lagrangian or the drag is of another form.
     pub fn new(system: &System, rods: Rods) -> Option<Self> {
         let parts = system.separable()?;

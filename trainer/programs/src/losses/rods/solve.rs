@@ -1,19 +1,19 @@
 //! Newton's method for the points of a chain, and the transposed equations that its derivatives need.
 
 use super::chain::{Chain, Stretch};
-use super::model::{MAX_ITERATIONS, Model, SETTLED, settled};
+use super::model::{MAX_ITERATIONS, RodModel, SETTLED, settled};
 use crate::dynamics::{Failures, Lu, contracted, max_abs};
 use crate::row::{Row, WIDTH};
 
 impl Chain {
     /// Solves for what is not logged.
-    pub fn solve(&mut self, model: &mut Model, weights: &[f64]) {
+    pub fn solve(&mut self, model: &mut RodModel, weights: &[f64]) {
         for stretch in self.stretches.clone() {
             self.solve_stretch(model, weights, stretch);
         }
     }
 
-    fn solve_stretch(&mut self, model: &mut Model, weights: &[f64], stretch: Stretch) {
+    fn solve_stretch(&mut self, model: &mut RodModel, weights: &[f64], stretch: Stretch) {
         let mut done = self.failures;
         let scales = self.points.iter().map(|point| max_abs(&point.x));
         let scale = scales.fold(Row::default(), |a, b| a.zip(&b, f64::max));
@@ -111,7 +111,7 @@ impl Adjoints {
 
     /// What is solved moves with the weights, by the implicit function theorem: y = −K⁻ᵀ ∂r, K being block triangular in the
     /// stretches.
-    pub fn solve(&mut self, chain: &mut Chain, model: &mut Model) {
+    pub fn solve(&mut self, chain: &mut Chain, model: &mut RodModel) {
         for stretch in chain.stretches.clone().iter().rev() {
             for sample in 0..WIDTH {
                 if chain.failures.0[sample] {
@@ -127,7 +127,7 @@ impl Adjoints {
         }
     }
 
-    fn solve_sample(&mut self, model: &mut Model, Stretch { start, end, ahead }: Stretch, sample: usize) {
+    fn solve_sample(&mut self, model: &mut RodModel, Stretch { start, end, ahead }: Stretch, sample: usize) {
         let (n, size) = (model.n, model.size());
         for (y, moves) in self.y.iter_mut().zip(&self.moves) {
             let solution = model.lu.solve_transposed(|i| {

@@ -1,6 +1,6 @@
 //! The velocity at a position, which drag acts with: the second line of a RATTLE step.
 
-use super::model::{Gradient, MAX_ITERATIONS, Model, SETTLED, settled};
+use super::model::{Gradient, MAX_ITERATIONS, RodModel, SETTLED, settled};
 use crate::dynamics::{Failures, Lu, Rods, add, contracted, max_abs, product, times};
 use crate::row::{Row, WIDTH};
 
@@ -49,12 +49,12 @@ impl Arrival<'_> {
     /// without drag.
     pub fn velocity(
         self,
-        model: &mut Model,
+        model: &mut RodModel,
         weights: &[f64],
         skip: Failures,
         derive: bool,
     ) -> (Velocity, Failures) {
-        let Model { n, rods, momentum, drag: Some(drag), lu, .. } = model else {
+        let RodModel { n, rods, momentum, drag: Some(drag), lu, .. } = model else {
             return Default::default();
         };
         let of = &mut [momentum, drag];
