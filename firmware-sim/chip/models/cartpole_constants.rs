@@ -5,7 +5,7 @@
 use leastaction_core::discrete::{Galerkin, Order};
 use leastaction_core::energy::inertia_network::{Inertia, InertiaNetwork};
 use leastaction_core::forces::{ControlKind, System, Viscous};
-use leastaction_core::model::{self, Laws, ModelError, InertiaNetworkHeader, TrainedStep};
+use leastaction_core::model::{self, InertiaNetworkHeader, Laws, ModelError, TrainedStep};
 use leastaction_core::network::Activation;
 use leastaction_core::stepper::{self, Direct, Linear};
 

@@ -5,7 +5,7 @@ use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::forces::{Coulomb, Dissipation, PotentialCorrection, Viscous};
 use leastaction_core::model::{
-    ArmModel, BodiesModel, Family, GraphModel, MAGIC, ModelError, ModularModel, InertiaNetworkModel, parse,
+    ArmModel, BodiesModel, Family, GraphModel, InertiaNetworkModel, MAGIC, ModelError, ModularModel, parse,
 };
 use leastaction_core::scalar::{FileWeightFormat, Weights, f16};
 
@@ -75,7 +75,9 @@ fn is_of_size(error: &ModelError) -> bool {
 
 fn by_type<W: FileWeightFormat>(bytes: &[u8], family: &Family) -> Result<(), ModelError> {
     match family {
-        Family::InertiaNetwork(inertia_network) if inertia_network.n() == 1 => InertiaNetworkModel::<1, 8, 2, W, Laws<W, 1>>::load(bytes).map(drop),
+        Family::InertiaNetwork(inertia_network) if inertia_network.n() == 1 => {
+            InertiaNetworkModel::<1, 8, 2, W, Laws<W, 1>>::load(bytes).map(drop)
+        }
         Family::InertiaNetwork(_) => InertiaNetworkModel::<2, 8, 2, W, Laws<W, 2>>::load(bytes).map(drop),
         Family::Modular(modular) => {
             let name = modular.trees().next().map_or("", |tree| tree.name);

@@ -2,8 +2,8 @@
 
 use crate::model::File;
 use crate::{HEAD, Random};
-use leastaction_replica::{Replica, Control, ModelFile, Step};
 use leastaction_core::discrete::Order;
+use leastaction_replica::{Control, ModelFile, Replica, Step};
 
 /// Steps of a motion.
 const STEPS: usize = 10;

@@ -1,9 +1,9 @@
 //! Texts that people write.
 
+#[cfg(feature = "learning")]
+use leastaction_learning::config::Config;
 #[cfg(feature = "arms")]
 use leastaction_models::urdf::{self, Inertias};
-#[cfg(feature = "learning")]
-use leastaction_learning::config::{Config};
 #[cfg(feature = "learning")]
 use std::path::Path;
 

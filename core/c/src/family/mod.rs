@@ -7,10 +7,10 @@ mod arm;
 mod bodies;
 #[cfg(feature = "graph")]
 mod graph;
-#[cfg(feature = "modular")]
-mod modular;
 #[cfg(feature = "inertia-network")]
 mod inertia_network;
+#[cfg(feature = "modular")]
+mod modular;
 
 #[cfg(feature = "arm")]
 pub(crate) use arm::{FAMILY, Lists, Mechanism, load, system};
@@ -22,10 +22,10 @@ pub(crate) use graph::system;
 pub(crate) use graph::{AnyGraph, constrained};
 #[cfg(feature = "graph")]
 pub(crate) use graph::{FAMILY, Lists, Mechanism, load};
-#[cfg(feature = "modular")]
-pub(crate) use modular::{FAMILY, Lists, Mechanism, load, system};
 #[cfg(feature = "inertia-network")]
 pub(crate) use inertia_network::{FAMILY, Lists, Mechanism, load, system};
+#[cfg(feature = "modular")]
+pub(crate) use modular::{FAMILY, Lists, Mechanism, load, system};
 
 #[cfg(not(feature = "graph"))]
 use crate::config::LEASTACTION_COORDINATES as N;

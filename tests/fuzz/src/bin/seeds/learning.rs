@@ -3,7 +3,7 @@
 use super::logs::motions;
 use super::{Done, Seeds};
 use leastaction_fuzz::CHECKPOINT;
-use leastaction_learning::config::{Config};
+use leastaction_learning::config::Config;
 use leastaction_learning::run::{Monitor, Plan, Row, Run};
 use safetensors::tensor::{Dtype, TensorView};
 use std::fs;

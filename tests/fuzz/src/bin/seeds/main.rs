@@ -1,8 +1,8 @@
 //! What fuzzing begins with: small inputs of every target, made by our own writers, in a folder a target: `seeds CORPUS`.
 
 use leastaction_core::discrete::Order;
-use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::inertia_network::Inertia;
+use leastaction_core::energy::modular::PairInput;
 use leastaction_core::model::Laws;
 use leastaction_core::network::Activation;
 use std::error::Error;
@@ -105,7 +105,8 @@ fn small() -> Vec<Vec<u8>> {
         let coordinates = ["a", "ta", "at"][seed as usize % 3].to_owned();
         let inertia = if coordinates.len() == 1 { Inertia::Diagonal } else { inertias[seed as usize % 3] };
         let widths = [3, 2 * (seed as u16 % 2), 0, 0];
-        let inertia_network = samples::InertiaNetworkSample { coordinates, widths, activation, inertia, laws, seed };
+        let inertia_network =
+            samples::InertiaNetworkSample { coordinates, widths, activation, inertia, laws, seed };
         files.push(inertia_network.file(Order::Two));
         let pair = [PairInput::Distance, PairInput::Difference, PairInput::Concat][seed as usize % 3];
         files.push(samples::TreeSample::chain(2, 2, pair, laws, seed).file(Order::Four));

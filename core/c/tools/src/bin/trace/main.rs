@@ -142,7 +142,8 @@ fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vect
 
 #[cfg(not(any(feature = "modular", feature = "graph", feature = "bodies", feature = "arm")))]
 fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
-    let model = leastaction_core::model::InertiaNetworkModel::<N, H, L, Weight, Laws>::load(file).map_err(words)?;
+    let model =
+        leastaction_core::model::InertiaNetworkModel::<N, H, L, Weight, Laws>::load(file).map_err(words)?;
     trace(&model.system, model.trained_step, q)
 }
 
