@@ -18,7 +18,7 @@ use crate::data::Dataset;
 use crate::torques::SplitErrors;
 use crate::training::{LossKind, Progress};
 use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, first_guess};
-use checks::{check_coordinates, check_gauge, check_state_noise};
+use checks::{check_coordinates, check_gauge, check_state_noise, check_torque_calibration};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::config::{Origin, Source};
@@ -81,6 +81,7 @@ impl Plan {
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = settle_loss(&mut config, &architecture, &data, &mut notices);
         check_state_noise(&config.training, loss)?;
+        check_torque_calibration(&config, &architecture, loss)?;
         let training = match scope {
             Scope::Whole => split(&data, config.data.validation, &mut notices),
             Scope::Fold { training, .. } => training,

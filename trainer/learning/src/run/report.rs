@@ -3,9 +3,10 @@
 use super::plan::Plan;
 use super::stages::Windowed;
 use crate::checkpoint::State;
-use crate::config::TrainingLoss;
+use crate::config::{TrainingConfig, TrainingLoss};
 use crate::evaluate::horizons::Predictor;
 use crate::report::{Fit, Page, ReportError};
+use crate::torques::SplitErrors;
 use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
 use leastaction_models::config::Origin;
 use leastaction_models::{Facts, Model};
@@ -27,7 +28,7 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let torques = torques.map(|report| &report.numbers);
     let report = Page {
         title: format!("Learned from {}", plan.config.data.file),
-        facts: facts(plan, windows, state),
+        facts: facts(plan, windows, (state, &model)),
         predictor: Predictor { model: &model, zeros: &calibrated.zeros, logs },
         beside: simple.as_ref().map(|simple| (simple.name.to_owned(), simple.predictor(logs))),
         fit: Some(Fit::new(&loss, shared, length, torques.is_none().then_some(&plan.architecture))),
@@ -68,8 +69,7 @@ impl Simple {
     }
 }
 
-fn facts(plan: &Plan, windows: &Windowed, state: &State) -> Vec<(&'static str, String)> {
-    let State { best, seconds, alone, .. } = state;
+fn facts(plan: &Plan, windows: &Windowed, (state, model): (&State, &Model)) -> Vec<(&'static str, String)> {
     let (logs, architecture) = (&windows.logs, &plan.architecture);
     let samples: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
     let length = windows.settings.steps as f64 * logs.h;
@@ -96,30 +96,42 @@ fn facts(plan: &Plan, windows: &Windowed, state: &State) -> Vec<(&'static str, S
                 plan.data_fingerprint
             ),
         ),
-        (
-            "training",
-            format!(
-                "over windows of {length} s, seed {}; {seconds:.1} s; best at iteration {}, loss {:.3e} (m, rad)²",
-                plan.config.training.seed, best.iteration, best.train
-            ),
-        ),
     ];
-    if let Some(loss) = best.validation {
-        let text = format!(
-            "positions of logs that were held back were {:.2e} (m, rad) off, over windows from the start states that fit them best; \
-             then these logs were learned from as well, and all that follows is of all logs",
-            loss.sqrt()
-        );
-        facts.push(("held back", text));
-    } else {
-        facts.push(("held back", "no log: all that follows is of logs that were learned from".to_owned()));
+    match plan.torque_errors(model) {
+        Some(errors) => facts.extend(of_torques(plan, state, &errors)),
+        None => facts.extend(of_windows(plan, state, length)),
     }
-    if alone.is_some() {
+    if state.alone.is_some() {
         let text = "the model alone, as it was learned before its networks; of logs that were held back it has seen nothing";
         facts.push(("without networks", text.to_owned()));
     }
     facts.push(("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))));
     facts
+}
+
+/// How it was trained on torques.
+fn of_torques(plan: &Plan, state: &State, errors: &SplitErrors) -> [(&'static str, String); 2] {
+    let TrainingConfig { cut_off, seed, .. } = plan.config.training;
+    let training = format!("on torques, filtered at {cut_off} Hz, seed {seed}; {:.1} s", state.seconds);
+    [("training", training), ("torques", errors.to_string())]
+}
+
+/// How it was trained over windows of so many seconds.
+fn of_windows(plan: &Plan, state: &State, length: f64) -> [(&'static str, String); 2] {
+    let State { best, seconds, .. } = state;
+    let training = format!(
+        "over windows of {length} s, seed {}; {seconds:.1} s; best at iteration {}, loss {:.3e} (m, rad)²",
+        plan.config.training.seed, best.iteration, best.train
+    );
+    let held_back = match best.validation {
+        Some(loss) => format!(
+            "positions of logs that were held back were {:.2e} (m, rad) off, over windows from the start states that fit them best; \
+             then these logs were learned from as well, and all that follows is of all logs",
+            loss.sqrt()
+        ),
+        None => "no log: all that follows is of logs that were learned from".to_owned(),
+    };
+    [("training", training), ("held back", held_back)]
 }
 
 #[cfg(test)]

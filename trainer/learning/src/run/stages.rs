@@ -1,5 +1,10 @@
 //! The stages of a run, each with its loss.
 
+mod torques;
+mod windowed;
+
+pub(super) use windowed::Windowed;
+
 use super::TorqueError;
 use super::lengths;
 use super::notice::Notice;
@@ -126,46 +131,6 @@ pub(super) const NETWORKS: &str = "networks";
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
-/// What is learned from over windows, once all of it is.
-pub(super) struct Windowed {
-    pub logs: Arc<WindowLogs>,
-    pub settings: WindowSettings,
-    /// Where what is learned of sensors and actuators is.
-    pub layout: CalibrationLayout,
-}
-
-impl Windowed {
-    /// The loss over all logs.
-    ///
-    /// # Errors
-    /// As [`WindowModel::new`] and [`WindowLoss::new`].
-    pub fn loss(&self, architecture: &Architecture) -> Result<WindowLoss, PlanError> {
-        self.loss_over(architecture, 0..self.logs.count(), self.settings)
-    }
-
-    /// That over windows of so many steps, side by side, of some logs.
-    ///
-    /// # Errors
-    /// As [`Windowed::loss`].
-    pub fn loss_of(
-        &self,
-        architecture: &Architecture,
-        of: Range<usize>,
-        steps: usize,
-    ) -> Result<WindowLoss, PlanError> {
-        self.loss_over(architecture, of, WindowSettings { steps, stride: steps, ..self.settings })
-    }
-
-    fn loss_over(
-        &self,
-        architecture: &Architecture,
-        of: Range<usize>,
-        settings: WindowSettings,
-    ) -> Result<WindowLoss, PlanError> {
-        Ok(WindowLoss::new(WindowModel::new(architecture)?, &self.logs, of, settings)?)
-    }
-}
-
 /// The stages of a loss over windows of the first so many trajectories, the others being held back.
 ///
 /// # Errors
@@ -178,7 +143,7 @@ pub(super) fn of_windows(
 ) -> Result<(Vec<Stage>, Windowed), PlanError> {
     let TrainingConfig { overlap, integrator, order, warm_up, iterations, optimiser, .. } = config.training;
     let window = config.training.window.unwrap_or_else(|| lengths::usual(data));
-    let [warm_up, iterations] = [warm_up, iterations].map(|iterations| scope.iterations(iterations));
+    let [warm_up, learned] = [warm_up, iterations].map(|iterations| scope.iterations(iterations));
     let integrator = integrator.unwrap_or_default();
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
@@ -191,7 +156,7 @@ pub(super) fn of_windows(
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     // What is learned from torques is learned before.
     let of_torques = config.training.loss == Some(TrainingLoss::Torque);
-    let iterations = if of_torques { 0 } else { iterations };
+    let iterations = if of_torques { 0 } else { learned };
     let mut spans = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     let corrections = Some(&architecture.corrections)
         .filter(|own| !own.is_none() && config.model.source() != Source::Weights);
@@ -242,7 +207,11 @@ pub(super) fn of_windows(
     };
     let mut stages = Vec::new();
     for span in spans {
-        stages.push(stage(span, 0..training, held_back.clone())?);
+        stages.push(if of_torques && span.0 == NETWORKS {
+            torques::networks((config, learned), architecture, (data, training), &layout)?
+        } else {
+            stage(span, 0..training, held_back.clone())?
+        });
     }
     if !held_back.is_empty() && !of_torques {
         // What the held-back logs had to say of the model they have said; now they are learned from as well.

@@ -205,6 +205,12 @@ impl Residuals for Blocks {
         })
     }
 
+    /// What other losses have behind these numbers is theirs alone.
+    fn enter(&self, mut weights: Vec<f64>) -> Vec<f64> {
+        weights.truncate(self.parameters);
+        weights
+    }
+
     fn project(&self, weights: &mut [f64]) {
         (self.project)(weights);
     }

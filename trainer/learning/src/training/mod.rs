@@ -23,7 +23,9 @@ pub use levenberg::{Levenberg, Progress};
 pub use linear_start::linear_start;
 pub use network_start::{Covered, inverse_dynamics, network_start};
 pub use normal::NormalEquations;
-pub use objective::{LossKind, Objective, Solved, TorqueTerms, objective, objective_of, torque_objective};
+pub use objective::{
+    LossKind, Objective, Offsets, Solved, TorqueTerms, objective, objective_of, torque_objective,
+};
 pub(crate) use residuals::normal_equations_of;
 pub use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};

@@ -35,8 +35,17 @@ pub enum LossKind {
 pub struct TorqueTerms {
     /// Units of the coordinates' residuals, N m or N; none: 1 of each.
     pub units: Vec<f64>,
-    /// Whether offsets o of the drives, τ = u + o, are learned: they follow the weights of the model, N m or N.
-    pub offsets: bool,
+    /// Offsets o of the drives, τ = u + o, behind the weights of the model, N m or N, where there are such.
+    pub offsets: Option<Offsets>,
+}
+
+/// Where offsets of drives stand behind the weights of a model, and whether they are learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Offsets {
+    /// Numbers between the weights and the offsets, and behind these, that the torque does not depend on.
+    pub beside: [usize; 2],
+    /// Whether they are known.
+    pub are_known: bool,
 }
 
 impl LossKind {
@@ -147,7 +156,8 @@ pub fn objective(
     let rods = architecture.rods()?;
     check_rods(&system, &rods, kind)?;
     let units = if kind == LossKind::Torque { samples.torque_deviations() } else { Vec::new() };
-    of_architecture((architecture, 0), samples, move || loss(kind, &system, &rods, (h, order, &units)))
+    let place = (architecture, system.parameters(), 0..0);
+    of_architecture(place, samples, move || loss(kind, &system, &rods, (h, order, &units)))
 }
 
 /// The objective of the torque that a motion takes by a model of this shape ([`TorqueLoss`]), over states with accelerations and
@@ -162,19 +172,25 @@ pub fn torque_objective(
 ) -> Result<Box<dyn Objective>, ModelError> {
     architecture.check_without_rods("rods under the torque loss")?;
     let energies = architecture.energies()?;
-    let system = if offsets { System::new(&WithOffsets(energies)) } else { System::new(&*energies) };
-    let beside = if offsets { architecture.n() } else { 0 };
+    let Offsets { beside, are_known } = offsets.unwrap_or_default();
+    let system = match offsets {
+        Some(_) => System::new(&WithOffsets::new(energies).among(beside)),
+        None => System::new(&*energies),
+    };
+    let start = architecture.parameters()? + beside[0];
+    let known = if are_known { start..start + architecture.n() } else { 0..0 };
+    let parameters = system.parameters();
     let make = move || -> Box<dyn Loss> { Box::new(TorqueLoss::new(&system).in_units(&units)) };
-    of_architecture((architecture, beside), samples, make)
+    of_architecture((architecture, parameters, known), samples, make)
 }
 
-/// That of a loss, in the numbers that the shape learns and so many beside them.
+/// That of a loss in so many numbers, of which the shape learns the first and some behind them are known.
 fn of_architecture(
-    (architecture, beside): (&Architecture, usize),
+    (architecture, parameters, known): (&Architecture, usize, Range<usize>),
     samples: Samples,
     make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
 ) -> Result<Box<dyn Objective>, ModelError> {
-    let place = (architecture.parameters()? + beside, architecture.fixed_positions());
+    let place = (parameters, architecture.fixed_positions().into_iter().chain(known).collect());
     let own = architecture.clone();
     let project = Box::new(move |weights: &mut [f64]| own.project(weights));
     let blocks = Blocks::new(make, place, samples, project);

@@ -145,6 +145,11 @@ impl CalibrationLayout {
         self.start + self.controls() + log * self.n + i
     }
 
+    /// Numbers before the offsets o and behind them.
+    pub(crate) fn beside_offsets(&self) -> [usize; 2] {
+        [self.offset(0) - self.start, self.end() - self.delay()]
+    }
+
     /// The position after the last.
     pub fn end(&self) -> usize {
         self.zero(self.logs, 0)

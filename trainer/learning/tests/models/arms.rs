@@ -1,9 +1,10 @@
 //! Arms from a robot description and torques: configurations, what is wrong with them, training, and the model file.
 
 use leastaction_core::forces::ControlKind;
+use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::{Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
-use leastaction_learning::run::{Notice, Plan};
+use leastaction_learning::run::{Monitor, Notice, Plan, Row, Run};
 use leastaction_learning::torque::Samples;
 use leastaction_learning::torque::fit::{Arm, JointNumbers};
 use leastaction_learning::torques::torque_errors;
@@ -17,9 +18,20 @@ use leastaction_models::{
 };
 use leastaction_programs::System;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 const N: usize = 3;
 const H: f64 = 0.01;
+
+struct Silent;
+
+impl Monitor for Silent {
+    fn row(&mut self, _: &Row) {}
+
+    fn warning(&mut self, message: &str) {
+        panic!("{message}");
+    }
+}
 
 /// Three links, the second on an axis askew, of which the last slides; `mass` is that of the first.
 fn description(mass: f64) -> String {
@@ -99,6 +111,11 @@ fn data() -> Dataset {
 }
 
 fn data_of(robot: &Arm) -> Dataset {
+    data_with(robot, |_, _| [0.0; N])
+}
+
+/// The same with more torques, of positions and velocities.
+fn data_with(robot: &Arm, more: impl Fn(&[f64], &[f64]) -> [f64; N]) -> Dataset {
     let log = |log: usize| {
         let states: Vec<[[f64; N]; 3]> = (0..400).map(|k| motion(log, k as f64 * H)).collect();
         let rows = |part: usize| {
@@ -107,7 +124,9 @@ fn data_of(robot: &Arm) -> Dataset {
         let (q, v, a) = (rows(0), rows(1), rows(2));
         let t = (0..400).map(|k| k as f64 * H).collect();
         let samples = Samples { t, q: q.clone(), v: v.clone(), a, tau: q.clone() };
-        let u = Rows::from_flat(N, robot.torques(&samples)).unwrap();
+        let more = q.iter().zip(v.iter()).flat_map(|(q, v)| more(q, v));
+        let torques = robot.torques(&samples).into_iter().zip(more).map(|(own, more)| own + more);
+        let u = Rows::from_flat(N, torques.collect()).unwrap();
         Trajectory { id: log as i64, t0: 0.0, q, v: Some(v), a: None, u: Some(u) }
     };
     Dataset { n: N, h: H, control: Some(ControlKind::Linear), trajectories: (0..3).map(log).collect() }
@@ -342,6 +361,50 @@ fn networks_and_arms_take_torques_alike() {
     for (found, expected) in found.iter().zip(&expected) {
         assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} {expected}");
     }
+}
+
+/// Air that brakes one joint and a spring at another, which no number of an arm is, by either loss.
+#[test]
+fn networks_beside_an_arm_are_learned_from_torques_and_over_windows() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &description(2.6));
+    let of = |size: f64| {
+        data_with(&robot(), move |q, v| [size * v[0] * v[0].abs(), 3.0 * size * (2.0 * q[1]).sin(), 0.0])
+    };
+    let mut data = of(2.0);
+    let networks = "[model.dissipation]\ncoordinates = [0]\nhidden = [4]\n[model.potential]\ncoordinates = [1]\nhidden = [4]";
+    let plan = |rest: &str, data: &Dataset| {
+        let text = format!("bodies = \"known\"\n{LEARNED}\n{rest}");
+        Plan::new(config_of(folder.path(), &text).unwrap(), data).unwrap()
+    };
+    let nmse = |rest: &str, data: &Dataset| {
+        torque_errors(&plan(rest, data).train().unwrap().model(), data, 20.0).unwrap().nmse
+    };
+    let (alone, both) = (nmse("", &data), nmse(&format!("{networks}\n[training]\niterations = 40"), &data));
+    assert!(both < 0.05 * alone, "{alone} {both}");
+    // The bodies are as they were, and the page has the torques of all of it.
+    let report = folder.path().join("run");
+    let plan_of_run = plan(&format!("{networks}\n[training]\niterations = 5"), &data);
+    let mut run = Run::begin(plan_of_run, &report, true).unwrap();
+    run.train(&mut Silent, &AtomicBool::new(false)).unwrap();
+    let errors = run.torque_errors().unwrap();
+    assert!(errors.held_back.as_ref().unwrap().nmse < alone, "{errors:?}");
+    let page = std::fs::read_to_string(run.report().unwrap()).unwrap();
+    assert!(page.contains(&errors.to_string()) && page.contains("without networks"), "{errors}");
+    let trained = Trained::read(&report).unwrap();
+    let described = parse_urdf(&description(2.6), Inertias::Required).unwrap();
+    let tree = bodies(&trained.architecture, &trained.best.weights);
+    assert!(tree.bodies().iter().zip(described.bodies()).all(|(own, given)| own.inertia == given.inertia));
+    // Over windows networks begin where the arm alone is.
+    data = of(0.3);
+    data.trajectories.truncate(2);
+    let windows = "[training]\nloss = \"windows\"\nwindow = 0.4\nwarm_up = 0\niterations = 4";
+    let (alone, both) = (nmse(windows, &data), nmse(&format!("{networks}\n{windows}"), &data));
+    assert!(both < 0.5 * alone, "{alone} {both}");
+    // What torques cannot tell is refused.
+    let rest = format!("[calibration]\ngain = \"learned\"\n{networks}");
+    let refused = Plan::new(config_of(folder.path(), &rest).unwrap(), &data).err().unwrap().to_string();
+    assert!(refused.contains("learns offset alone"), "{refused}");
 }
 
 /// The arm is learned first, then what it carries, all else being known.

@@ -167,7 +167,7 @@ fn torques_of_drives_in_units_of_their_own() {
     let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
     let plain = InertiaNetworkEnergies::new(vec![KINDS[0]; 3], (&[5], Activation::Tanh), INERTIA, false);
     let of_network = plain.parameters();
-    let model = WithOffsets(WithFriction::new(plain, laws, 3, vec![0, 1, 2]).unwrap());
+    let model = WithOffsets::new(WithFriction::new(plain, laws, 3, vec![0, 1, 2]).unwrap());
     let mut stream = Pcg64::seed_from_u64(7);
     let mut weights: Vec<f64> = (0..model.parameters()).map(|_| stream.random_range(-0.8..0.8)).collect();
     weights[of_network..].iter_mut().for_each(|number| *number = number.abs() + 0.1);

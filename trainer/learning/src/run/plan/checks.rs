@@ -1,8 +1,9 @@
 //! Whether data, model and loss fit each other.
 
 use super::PlanError;
-use crate::config::{OptimiserKind, TrainingConfig, TrainingLoss};
+use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
+use crate::windows::{Calibration, Setting};
 use leastaction_models::{Architecture, OpenGauge};
 
 /// Refuses data of another number of coordinates.
@@ -17,6 +18,18 @@ pub(super) fn check_coordinates(architecture: &Architecture, data: &Dataset) -> 
 pub(super) fn check_state_noise(training: &TrainingConfig, loss: TrainingLoss) -> Result<(), PlanError> {
     let takes = (loss, training.optimiser) == (TrainingLoss::Acceleration, OptimiserKind::LevenbergMarquardt);
     if takes || training.state_noise.is_none() { Ok(()) } else { Err(PlanError::StateNoise) }
+}
+
+/// Refuses numbers of sensors and drives that a fit of an arm to torques does not learn.
+pub(super) fn check_torque_calibration(
+    config: &Config,
+    architecture: &Architecture,
+    loss: TrainingLoss,
+) -> Result<(), PlanError> {
+    let is_fit = loss == TrainingLoss::Torque && architecture.family.arm().is_some();
+    let Calibration { zero, gain, delay, .. } = config.calibration.calibration();
+    let is_learned = zero || [gain, delay].contains(&Setting::Learned);
+    if is_fit && is_learned { Err(PlanError::TorqueCalibration) } else { Ok(()) }
 }
 
 /// Refuses what free motion does not determine.

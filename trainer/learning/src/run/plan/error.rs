@@ -74,6 +74,12 @@ pub enum PlanError {
     /// Only windows learn sensors and actuators.
     #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
     Calibration,
+    /// A fit to torques takes all logs as they are, but for a constant.
+    #[error(
+        "[calibration] loss = \"torque\" learns offset alone: a gain is a factor of all masses there, and motion is taken where and when it was \
+         logged; give gain and delay as numbers, or set loss = \"windows\""
+    )]
+    TorqueCalibration,
     /// Only over windows, of coordinates that can have them, networks are tried.
     #[error(
         "[training] try_networks: networks correct models of coordinates, which a graph has not, over windows; set loss = \"windows\", or \

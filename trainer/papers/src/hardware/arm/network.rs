@@ -8,7 +8,7 @@ use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_learning::torque::Samples;
 use leastaction_learning::torque::fit::{Arm, JointNumbers, SOFTNESS};
 use leastaction_learning::training::{
-    Covered, Levenberg, Objective, Samples as States, TorqueTerms, inverse_dynamics, network_start,
+    Covered, Levenberg, Objective, Offsets, Samples as States, TorqueTerms, inverse_dynamics, network_start,
     torque_objective,
 };
 use leastaction_models::Family as _;
@@ -102,7 +102,7 @@ fn learn(
 ) -> Result<Learned, TaskError> {
     let units = States::of_torques(&data.train, STEP).torque_deviations();
     let objective = |network: &Architecture, of: &Samples| {
-        let terms = TorqueTerms { units: units.clone(), offsets: true };
+        let terms = TorqueTerms { units: units.clone(), offsets: Some(Offsets::default()) };
         torque_objective(network, States::of_torques(of, STEP), terms)
     };
     let folds = data.folds();
@@ -113,7 +113,7 @@ fn learn(
     let (network, initial) = begin(data)?;
     let all = objective(&network, &data.train)?;
     let weights = run(&*all, initial, choice.decay, choice.iterations, |_, _| ());
-    let system = System::new(&WithOffsets(network.energies()?));
+    let system = System::new(&WithOffsets::new(network.energies()?));
     Ok(Learned {
         predict: Box::new(move |of| inverse_dynamics(&system, &weights, &States::of_torques(of, STEP))),
         parameters: network.learned_parameters()? + network.n(),
