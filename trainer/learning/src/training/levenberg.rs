@@ -3,6 +3,7 @@
 //! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
 //! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
 
+use super::limits::{Limited, fall};
 use super::{NormalEquations, Objective};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -48,6 +49,12 @@ impl Levenberg {
         let weights = objective.enter(objective.bounds().within(weights));
         let loss = objective.loss(&weights);
         Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
+    }
+
+    /// The same with another damping to begin with, relative to the diagonal of JᵀJ, than 10⁻²: a smaller one where the first step is near its end.
+    #[must_use]
+    pub fn with_damping(self, mu: f64) -> Self {
+        Self { mu, ..self }
     }
 
     /// The same with a penalty λ|θ|² on the weights, in the units of the loss: for noisy or few data.
@@ -140,7 +147,12 @@ impl Levenberg {
         (equations, scales): (&NormalEquations, &[f64]),
     ) -> bool {
         let damping: Vec<f64> = scales.iter().map(|scale| self.mu * scale).collect();
-        let Some(step) = damped_step(equations, &damping) else { return false };
+        let limits = objective.limits();
+        let step = match limits {
+            [] => damped_step(equations, &damping),
+            limits => Limited { numbers: theta, limits }.step(equations, &damping),
+        };
+        let Some(step) = step else { return false };
         let mut trial = theta.to_vec();
         trial.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
         let mut trial = objective.bounds().weights(&trial);
@@ -151,7 +163,11 @@ impl Levenberg {
         if decrease.is_nan() || decrease <= 0.0 {
             return false;
         }
-        let gain = decrease / predicted_decrease(equations, &step, &damping);
+        let predicted = match limits {
+            [] => predicted_decrease(equations, &step, &damping),
+            _ => fall(equations, &step),
+        };
+        let gain = decrease / predicted;
         self.mu = (self.mu * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1)).max(MU_FLOOR);
         self.raise = 2.0;
         (self.weights, self.loss) = (trial, loss);

@@ -9,12 +9,14 @@ mod blocks;
 mod bounds_tests;
 mod free_states;
 mod levenberg;
+mod limits;
 mod linear_start;
 mod network_start;
 mod normal;
 mod objective;
 mod residuals;
 mod samples;
+mod shown;
 
 pub use adam::{Adam, AdamSettings, Schedule};
 pub use free_states::{StateNoise, free_states_objective};
@@ -29,3 +31,5 @@ pub use objective::{
 pub(crate) use residuals::normal_equations_of;
 pub use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};
+pub(crate) use shown::Directions;
+pub use shown::{Shown, student};

@@ -121,6 +121,11 @@ impl NormalEquations {
         }
     }
 
+    /// An entry of JᵀJ.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        self.gram[(i.max(j), i.min(j))]
+    }
+
     /// Adds another part.
     pub fn merge(&mut self, other: &Self) {
         // None where the gradient alone is summed.

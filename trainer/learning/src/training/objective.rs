@@ -108,6 +108,10 @@ pub trait Objective: Sync {
     fn tolerance(&self) -> f64 {
         0.0
     }
+    /// Where every number may be, of a loss whose numbers may end at an end of their range: steps are cut off there. Of all others nothing.
+    fn limits(&self) -> &[[f64; 2]] {
+        &[]
+    }
     /// The ranges of weights that the optimisers see as free numbers θ; everything else sees the weights.
     fn bounds(&self) -> &Bounds {
         &bounds::NONE

@@ -107,7 +107,10 @@ pub trait Residuals: Sync {
     fn tolerance(&self) -> f64 {
         0.0
     }
-
+    /// As [`Objective::limits`].
+    fn limits(&self) -> &[[f64; 2]] {
+        &[]
+    }
     /// As [`Objective::bounds`]: none where every number is a weight.
     fn bounds(&self) -> &Bounds {
         &bounds::NONE
@@ -294,6 +297,10 @@ impl<R: Residuals> Objective for R {
 
     fn tolerance(&self) -> f64 {
         Residuals::tolerance(self)
+    }
+
+    fn limits(&self) -> &[[f64; 2]] {
+        Residuals::limits(self)
     }
 
     fn bounds(&self) -> &Bounds {

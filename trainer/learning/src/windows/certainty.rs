@@ -15,6 +15,7 @@
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
+use crate::training::{Directions, student};
 use crate::training::{LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
@@ -35,10 +36,8 @@ const WINDOWS: usize = 4096;
 const OWN: f64 = 0.99;
 /// Eigenvalues of the scaled matrix below this are rounding errors of 0.
 const RANK: f64 = 1e-9;
-/// A number is free where directions that are not shown have this part of it.
-const FREE: f64 = 1e-4;
 
-pub use crate::torque::fit::Shown;
+pub use crate::training::Shown;
 
 /// A learned number.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +69,7 @@ impl Certainty {
     /// By how many standard errors a number is off at most in 95 of 100 cases, by Student's distribution with one degree of freedom less
     /// than there are clusters.
     pub fn interval(&self) -> f64 {
-        crate::torque::fit::student(self.clusters.saturating_sub(1))
+        student(self.clusters.saturating_sub(1))
     }
 }
 
@@ -93,12 +92,14 @@ pub fn certainty(loss: &WindowLoss, weights: &[f64], ranges: &[(usize, Range)]) 
             position,
             value: weights[position],
             shown: k.map_or(Shown::AtBound, |k| spread.shown(k)),
-            strongest: k.and_then(|k| spread.strongest(k)).map(|(k, part)| (positions[k], part)),
+            strongest: k
+                .and_then(|k| spread.directions.strongest(&spread.inverse, k))
+                .map(|(k, part)| (positions[k], part)),
         }
     };
     Some(Certainty {
         numbers: learned.iter().map(|position| number(*position)).collect(),
-        hidden: spread.hidden,
+        hidden: spread.directions.hidden(),
         clusters: clusters.parts.len(),
         whole_logs: clusters.whole_logs,
     })
@@ -138,12 +139,10 @@ impl Clusters {
 struct Spread {
     /// 1/√(JᵀJ)_ii.
     sizes: Vec<f64>,
+    directions: Directions,
     /// H⁻¹ in the directions that are shown.
     inverse: Mat<f64>,
     variances: Vec<f64>,
-    /// How much of every number is in directions that are not shown.
-    free: Vec<f64>,
-    hidden: usize,
 }
 
 impl Spread {
@@ -157,25 +156,17 @@ impl Spread {
         let size = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
         let sizes: Vec<f64> = (0..p).map(|i| size(data(i, i))).collect();
         let scaled = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * data(i, j));
-        let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
-        let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-        let shown: Vec<usize> = (0..p).filter(|k| values[*k] > RANK).collect();
-        let free = (0..p).map(|i| 1.0 - shown.iter().map(|k| vectors[(i, *k)].powi(2)).sum::<f64>());
+        let directions = Directions::of(&scaled, |_| RANK);
         let ratio = curvature_ratio(loss, weights);
         let own = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of(&prior, i, j)));
-        let basis = Mat::from_fn(p, shown.len(), |i, k| vectors[(i, shown[k])]);
-        let within = basis.transpose() * &own * &basis;
-        let inverse_of_all = &basis * within.llt(Side::Lower).ok()?.inverse() * basis.transpose();
+        let inverse = directions.inverse(&own)?;
         let part = |of: &ops::Range<usize>| -> Option<(Mat<f64>, Vec<usize>)> {
             let log = normal_equations_of(loss, weights, of.clone())?;
             let rest = Mat::from_fn(p, p, |i, j| {
                 own[(i, j)] - ratio * sizes[i] * sizes[j] * entry(&log, positions, i, j)
             });
             let gradient = Mat::from_fn(p, 1, |i, _| sizes[i] * log.gradient[positions[i]]);
-            let within = basis.transpose() * rest * &basis;
-            // Where this log alone shows something, the others say nothing of it without it.
-            let inverse = within.llt(Side::Lower).map(|factor| &basis * factor.inverse() * basis.transpose());
-            let mut moved = inverse.as_ref().unwrap_or(&inverse_of_all) * gradient;
+            let mut moved = directions.moved(&rest, &gradient, &inverse);
             let owns = |i: &usize| entry(&log, positions, *i, *i) > OWN * data(*i, *i);
             let own: Vec<usize> = (0..p).filter(owns).collect();
             // Without its log a number is what is expected of it.
@@ -192,30 +183,14 @@ impl Spread {
             (count - 1.0) / count * squares + if is_of_one { alone[i] } else { 0.0 }
         };
         let variances = (0..p).map(variance).collect();
-        Some(Self {
-            free: free.collect(),
-            hidden: p - shown.len(),
-            inverse: inverse_of_all,
-            variances,
-            sizes,
-        })
+        Some(Self { sizes, directions, inverse, variances })
     }
 
     fn shown(&self, i: usize) -> Shown {
-        if self.free[i] > FREE || self.sizes[i] == 0.0 {
+        if !self.directions.shows(i) || self.sizes[i] == 0.0 {
             return Shown::Together;
         }
         Shown::Within(self.sizes[i] * self.variances[i].sqrt())
-    }
-
-    fn strongest(&self, i: usize) -> Option<(usize, f64)> {
-        let correlation = |j: usize| {
-            let both = self.inverse[(i, i)] * self.inverse[(j, j)];
-            (j, self.inverse[(i, j)] / both.sqrt())
-        };
-        let others = (0..self.sizes.len()).filter(|j| *j != i && self.free[*j] <= FREE).map(correlation);
-        let known = others.filter(|(_, part)| part.is_finite() && self.free[i] <= FREE);
-        known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
     }
 }
 
@@ -229,9 +204,9 @@ fn curvature_ratio(loss: &WindowLoss, weights: &[f64]) -> f64 {
     if sum[0] > 0.0 { sum[1] / sum[0] } else { 1.0 }
 }
 
-/// Entry (i, j) of JᵀJ of the numbers at these positions, of which the lower triangle is there.
+/// Entry (i, j) of JᵀJ of the numbers at these positions.
 fn entry(equations: &NormalEquations, positions: &[usize], i: usize, j: usize) -> f64 {
-    equations.gram[(positions[i.max(j)], positions[i.min(j)])]
+    equations.entry(positions[i], positions[j])
 }
 
 /// Variances of numbers that belong to one log alone, given the others; 0 of all others.

@@ -6,17 +6,18 @@
 mod alone;
 mod friction;
 mod learned;
-mod levenberg;
 mod problem;
 
-pub use alone::{Alone, Estimate, Shown, student};
+pub use crate::training::{Shown, student};
+pub use alone::{Alone, Estimate};
 pub use friction::{JOINT, JointNumber, JointNumbers, SOFTNESS};
 pub use learned::{Bodies, Learned};
 
 use crate::torque::Samples;
 use crate::torque::linear::{Design, Terms};
+use crate::training::{Levenberg, normal_equations_of};
 use leastaction_models::tree::{INERTIAL, Tree};
-use problem::{Near, Problem, charts, regressors};
+use problem::{Problem, Squares, Torques, charts, joints, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;
 
@@ -185,6 +186,16 @@ pub fn alone(tree: &Tree, samples: &Samples, learned: &Learned) -> Result<Alone,
     Ok(alone::alone(&start, learned))
 }
 
+/// Iterations at most.
+const ITERATIONS: usize = 60;
+/// Damping to begin with: torques are nearly linear in the numbers.
+const DAMPING: f64 = 1e-3;
+
+/// The numbers of a minimum, from x on.
+fn minimum<T: Torques>(squares: &Squares<T>, x: Vec<f64>) -> Vec<f64> {
+    Levenberg::new(squares, x).with_damping(DAMPING).run(squares, ITERATIONS, |_, _| ()).weights
+}
+
 /// What fits of the same samples have in common.
 struct Start<'a> {
     tree: &'a Tree,
@@ -234,10 +245,15 @@ impl<'a> Start<'a> {
     fn path(&self, strengths: &[f64]) -> Vec<Vec<f64>> {
         let mut x = self.x.clone();
         let mut minimum = |prior: &f64| {
-            x = levenberg::minimise(&Near(&self.problem, *prior), x.clone(), &self.bounds);
+            x = minimum(&self.squares(*prior), x.clone());
             x.clone()
         };
         strengths.iter().map(&mut minimum).collect()
+    }
+
+    /// What is minimised under a prior of this strength.
+    fn squares(&self, prior: f64) -> Squares<'_, Problem<'a>> {
+        Squares { torques: &self.problem, prior, limits: &self.bounds }
     }
 
     fn fitted(&self, x: &[f64], prior: f64) -> Fitted {
@@ -246,21 +262,23 @@ impl<'a> Start<'a> {
     }
 
     fn arm(&self, x: &[f64]) -> Arm {
-        let joints = self.problem.joints(x);
+        let (bodies, own) = x.split_at(self.problem.body_numbers());
+        let joints = joints(own);
         let rotors = joints.iter().map(|joint| joint.rotor);
-        let parameters: Vec<f64> = self.problem.inertial(x).into_iter().chain(rotors).collect();
+        let parameters: Vec<f64> = self.problem.inertial(bodies).into_iter().chain(rotors).collect();
         Arm { tree: self.tree.with_parameters(&parameters), joints }
     }
 
     /// Of the Jacobian without the prior, over the numbers that are learned.
     fn rank(&self, x: &[f64]) -> usize {
-        let gram = self.problem.equations(x, 0.0).gram;
-        let learned: Vec<usize> = (0..x.len())
-            .filter(|k| self.bounds[*k][0] < self.bounds[*k][1] && gram[(*k, *k)] > 0.0)
-            .collect();
+        let samples = self.problem.samples.count();
+        let Some(equations) = normal_equations_of(&self.squares(0.0), x, 0..samples) else { return 0 };
+        let entry = |i: usize, j: usize| equations.entry(i, j);
+        let is_learned = |k: &usize| self.bounds[*k][0] < self.bounds[*k][1] && entry(*k, *k) > 0.0;
+        let learned: Vec<usize> = (0..x.len()).filter(is_learned).collect();
         let scaled = faer::Mat::from_fn(learned.len(), learned.len(), |i, j| {
             let (i, j) = (learned[i], learned[j]);
-            gram[(i, j)] / (gram[(i, i)] * gram[(j, j)]).sqrt()
+            entry(i, j) / (entry(i, i) * entry(j, j)).sqrt()
         });
         let Ok(values) = scaled.self_adjoint_eigenvalues(faer::Side::Lower) else { return 0 };
         let largest = values.iter().copied().fold(0.0, f64::max);

@@ -1,10 +1,11 @@
-//! The least-squares problem of a fit: residuals of torques and their derivatives, in numbers without bounds on the bodies.
+//! The least-squares problem of a fit: residuals of torques and their derivatives, in numbers of bodies and then of joints.
 
 use super::Bodies;
 use super::friction::{JOINT, JointNumbers};
 use crate::torque::Samples;
-use faer::Mat;
+use crate::training::{ChunkRows, Failed, NormalEquations, Residuals};
 use leastaction_models::tree::{INERTIAL, LogCholesky, Tree};
+use std::ops::Range;
 
 /// How the numbers of a body come from what is learned.
 #[derive(Clone, Debug)]
@@ -25,14 +26,32 @@ pub(super) struct Problem<'a> {
     pub scales: Vec<f64>,
 }
 
-/// JᵀJ and Jᵀr.
-pub(super) struct Equations {
-    pub gram: Mat<f64>,
-    pub gradient: Vec<f64>,
+/// Torques of the bodies, row by row, in numbers of their own.
+pub(super) trait Torques: Sync {
+    /// What all rows need of the numbers.
+    type At;
+    /// The samples.
+    fn problem(&self) -> &Problem<'_>;
+    /// How many numbers.
+    fn count(&self) -> usize;
+    /// At some numbers, for torques alone or for their derivatives too.
+    fn at(&self, numbers: &[f64], with_derivatives: bool) -> Self::At;
+    /// The torque of a row.
+    fn torque(&self, at: &Self::At, row: usize) -> f64;
+    /// Its derivatives in the numbers, which are 0 before.
+    fn slopes(&self, at: &Self::At, row: usize, slopes: &mut [f64]);
 }
 
-/// Rows of J at a time.
-pub(super) const BLOCK: usize = 1024;
+/// Σ ((τ̂ − τ)/s)² + λ Σ θ², θ the numbers of the bodies, behind which those of the joints stand.
+pub(super) struct Squares<'a, T> {
+    pub torques: &'a T,
+    /// λ.
+    pub prior: f64,
+    pub limits: &'a [[f64; 2]],
+}
+
+/// A relative fall of the sum of squares that is not worth another iteration.
+const WORTH: f64 = 1e-7;
 
 /// Y of the bodies at all samples.
 pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
@@ -84,15 +103,9 @@ impl Problem<'_> {
     }
 
     /// The inertial numbers of all bodies.
-    pub fn inertial(&self, x: &[f64]) -> Vec<f64> {
-        let (thetas, _) = x[..self.body_numbers()].as_chunks();
+    pub fn inertial(&self, thetas: &[f64]) -> Vec<f64> {
+        let (thetas, _) = thetas.as_chunks();
         self.charts.iter().zip(thetas).flat_map(|(chart, theta)| chart.numbers(theta)).collect()
-    }
-
-    /// The numbers of the joints.
-    pub fn joints(&self, x: &[f64]) -> Vec<JointNumbers> {
-        let (joints, _) = x[self.body_numbers()..].as_chunks();
-        joints.iter().map(|numbers| JointNumbers::of_array(*numbers)).collect()
     }
 
     /// What drives one row: coordinate, v, a, logged torque.
@@ -100,104 +113,106 @@ impl Problem<'_> {
         let of = |rows: &leastaction_data::Rows| rows.as_flat()[row];
         (row % self.n(), of(&self.samples.v), of(&self.samples.a), of(&self.samples.tau))
     }
+}
 
-    /// Predicted torques, row by row.
-    pub fn predict(&self, x: &[f64]) -> Vec<f64> {
-        let (inertial, joints) = (self.inertial(x), self.joints(x));
-        let predict = |(k, row): (usize, &Vec<f64>)| {
-            let (i, v, a, _) = self.row(k);
-            joints[i].torque(dot(row, &inertial), v, a)
-        };
-        self.regressors.iter().enumerate().map(predict).collect()
+/// Joints by their numbers, one joint after the other.
+pub(super) fn joints(numbers: &[f64]) -> Vec<JointNumbers> {
+    let (joints, _) = numbers.as_chunks();
+    joints.iter().map(|numbers| JointNumbers::of_array(*numbers)).collect()
+}
+
+/// In the numbers of the charts.
+impl Torques for Problem<'_> {
+    type At = (Vec<f64>, Vec<[[f64; INERTIAL]; INERTIAL]>);
+
+    fn problem(&self) -> &Problem<'_> {
+        self
     }
 
-    /// The sum of squares that is minimised, with a prior of this strength λ.
-    pub fn squares(&self, x: &[f64], prior: f64) -> f64 {
-        self.squares_of(&self.predict(x))
-            + prior * x[..self.body_numbers()].iter().map(|x| x * x).sum::<f64>()
+    fn count(&self) -> usize {
+        self.body_numbers()
     }
 
-    /// The sum of squares of the residuals of these torques.
-    pub fn squares_of(&self, predicted: &[f64]) -> f64 {
-        let residual =
-            |(k, predicted): (usize, &f64)| (predicted - self.row(k).3) / self.scales[k % self.n()];
-        predicted.iter().enumerate().map(residual).map(|r| r * r).sum()
+    fn at(&self, numbers: &[f64], with_derivatives: bool) -> Self::At {
+        let thetas = if with_derivatives { numbers.as_chunks().0 } else { &[] };
+        let charts = self.charts.iter().zip(thetas);
+        (self.inertial(numbers), charts.map(|(chart, theta)| chart.slopes(theta)).collect())
     }
 
-    /// Normal equations at x with a prior of this strength λ.
-    pub fn equations(&self, x: &[f64], prior: f64) -> Equations {
-        let p = x.len();
-        let mut all = Equations::zero(p);
-        let (inertial, joints) = (self.inertial(x), self.joints(x));
-        let (thetas, _) = x[..self.body_numbers()].as_chunks();
-        let slopes: Vec<_> =
-            self.charts.iter().zip(thetas).map(|(chart, theta)| chart.slopes(theta)).collect();
-        for first in (0..self.regressors.len()).step_by(BLOCK) {
-            let rows = first..(first + BLOCK).min(self.regressors.len());
-            let mut jacobian = Mat::zeros(rows.len(), p);
-            let mut residuals = Vec::with_capacity(rows.len());
-            for (at, k) in rows.enumerate() {
-                let (i, v, a, tau) = self.row(k);
-                let (predicted, gain, own) = joints[i].slopes(dot(&self.regressors[k], &inertial), v, a);
-                let (gain, scale) = (gain / self.scales[i], self.scales[i]);
-                for (body, (row, slopes)) in
-                    self.regressors[k].as_chunks::<INERTIAL>().0.iter().zip(&slopes).enumerate()
-                {
-                    if row.iter().all(|x| *x == 0.0) {
-                        continue;
-                    }
-                    for (number, slope) in slopes.iter().enumerate() {
-                        jacobian[(at, INERTIAL * body + number)] = gain * dot(row, slope);
-                    }
-                }
-                let joint = self.body_numbers() + JOINT * i;
-                own.iter()
-                    .enumerate()
-                    .for_each(|(number, slope)| jacobian[(at, joint + number)] = slope / scale);
-                residuals.push((predicted - tau) / scale);
+    fn torque(&self, (inertial, _): &Self::At, row: usize) -> f64 {
+        dot(&self.regressors[row], inertial)
+    }
+
+    fn slopes(&self, (_, slopes): &Self::At, row: usize, into: &mut [f64]) {
+        let bodies = self.regressors[row].as_chunks::<INERTIAL>().0.iter().zip(slopes);
+        for ((row, slopes), into) in bodies.zip(into.as_chunks_mut::<INERTIAL>().0) {
+            if row.iter().any(|x| *x != 0.0) {
+                *into = slopes.map(|slope| dot(row, &slope));
             }
-            all.add(&jacobian, &residuals);
         }
-        for (k, x) in x[..self.body_numbers()].iter().enumerate() {
-            all.gram[(k, k)] += prior;
-            all.gradient[k] += prior * x;
-        }
-        all
     }
 }
 
-/// Sums of squares with their normal equations.
-pub(super) trait LeastSquares {
-    /// What is minimised.
-    fn squares(&self, x: &[f64]) -> f64;
-    /// Its normal equations.
-    fn equations(&self, x: &[f64]) -> Equations;
-}
-
-/// A problem with a prior of this strength λ.
-pub(super) struct Near<'a, 'b>(pub &'a Problem<'b>, pub f64);
-
-impl LeastSquares for Near<'_, '_> {
-    fn squares(&self, x: &[f64]) -> f64 {
-        self.0.squares(x, self.1)
+impl<T: Torques> Residuals for Squares<'_, T> {
+    fn parameters(&self) -> usize {
+        self.limits.len()
     }
 
-    fn equations(&self, x: &[f64]) -> Equations {
-        self.0.equations(x, self.1)
-    }
-}
-
-impl Equations {
-    /// Of so many numbers, without rows.
-    pub fn zero(p: usize) -> Self {
-        Self { gram: Mat::zeros(p, p), gradient: vec![0.0; p] }
+    fn samples(&self) -> usize {
+        self.torques.problem().samples.count()
     }
 
-    pub fn add(&mut self, jacobian: &Mat<f64>, residuals: &[f64]) {
-        self.gram += jacobian.transpose() * jacobian;
-        for (j, sum) in self.gradient.iter_mut().enumerate() {
-            *sum += dot(jacobian.col_as_slice(j), residuals);
+    fn components(&self) -> usize {
+        self.torques.problem().n()
+    }
+
+    fn squares(&self, x: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let (problem, (bodies, own)) = (self.torques.problem(), x.split_at(self.torques.count()));
+        let (at, joints, n) = (self.torques.at(bodies, false), joints(own), problem.n());
+        let residual = |row: usize| {
+            let (i, v, a, tau) = problem.row(row);
+            (joints[i].torque(self.torques.torque(&at, row), v, a) - tau) / problem.scales[i]
+        };
+        let sum: f64 = (n * samples.start..n * samples.end).map(residual).map(|r| r * r).sum();
+        let prior = if samples.start == 0 { self.prior * dot(bodies, bodies) } else { 0.0 };
+        Ok(sum + prior)
+    }
+
+    fn linearise(&self, x: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let (problem, (bodies, own)) = (self.torques.problem(), x.split_at(self.torques.count()));
+        let (at, joints, n) = (self.torques.at(bodies, true), joints(own), problem.n());
+        rows.reset(n * samples.len(), x.len());
+        let mut slopes = vec![0.0; x.len()];
+        for (k, row) in (n * samples.start..n * samples.end).enumerate() {
+            let (i, v, a, tau) = problem.row(row);
+            let (place, scale) = (i * samples.len() + k / n, problem.scales[i]);
+            let (predicted, gain, own) = joints[i].slopes(self.torques.torque(&at, row), v, a);
+            slopes.fill(0.0);
+            let (of_bodies, of_joints) = slopes.split_at_mut(bodies.len());
+            self.torques.slopes(&at, row, of_bodies);
+            of_bodies.iter_mut().for_each(|slope| *slope *= gain);
+            of_joints[JOINT * i..JOINT * (i + 1)].copy_from_slice(&own);
+            rows.residual[place] = (predicted - tau) / scale;
+            let columns = slopes.iter().enumerate();
+            columns.for_each(|(j, slope)| rows.column(j, place..place + 1)[0] = slope / scale);
         }
+        Ok(())
+    }
+
+    fn add_penalty(&self, x: &[f64], sum: &mut NormalEquations) {
+        (0..self.torques.count()).for_each(|k| sum.add_penalty(k, self.prior, x[k]));
+    }
+
+    fn is_of_many_units(&self) -> bool {
+        true
+    }
+
+    fn tolerance(&self) -> f64 {
+        WORTH
+    }
+
+    fn limits(&self) -> &[[f64; 2]] {
+        self.limits
     }
 }
 

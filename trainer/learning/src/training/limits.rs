@@ -1,0 +1,69 @@
+//! Steps of numbers that may end at an end of their range.
+//!
+//! Source: Nocedal and Wright, "Numerical Optimization", section 16.7 (projected steps over the numbers that are free).
+
+use super::NormalEquations;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+/// Where numbers are, and where each of them may be.
+#[derive(Clone, Copy)]
+pub(super) struct Limited<'a> {
+    pub numbers: &'a [f64],
+    pub limits: &'a [[f64; 2]],
+}
+
+impl Limited<'_> {
+    /// A damped step of the numbers that are not held at an end, cut off at the ends; `None` where the matrix is not positive definite in
+    /// double precision.
+    pub fn step(&self, equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
+        let is_free = |k: &usize| !self.is_held(*k, equations.gradient[*k]);
+        let mut free: Vec<usize> = (0..self.numbers.len()).filter(is_free).collect();
+        // What a step carries beyond its end is held there, and the others step again.
+        loop {
+            let mut step = vec![0.0; self.numbers.len()];
+            let found = solved(equations, damping, &free)?;
+            free.iter().zip(&found).for_each(|(k, s)| step[*k] = *s);
+            let count = free.len();
+            free.retain(|k| self.stays(*k, step[*k]));
+            if free.len() == count {
+                return Some(step.iter().enumerate().map(|(k, s)| self.cut_off(k, *s)).collect());
+            }
+        }
+    }
+
+    fn is_held(&self, k: usize, gradient: f64) -> bool {
+        let (x, [least, most]) = (self.numbers[k], self.limits[k]);
+        least == most || x <= least && gradient > 0.0 || x >= most && gradient < 0.0
+    }
+
+    /// Whether a number moves on with the others: it is not at an end that the step would carry it beyond.
+    fn stays(&self, k: usize, step: f64) -> bool {
+        let (x, [least, most]) = (self.numbers[k], self.limits[k]);
+        (least..=most).contains(&(x + step)) || x > least && x < most
+    }
+
+    fn cut_off(&self, k: usize, step: f64) -> f64 {
+        let (x, [least, most]) = (self.numbers[k], self.limits[k]);
+        (x + step).clamp(least, most) - x
+    }
+}
+
+/// −(JᵀJ + D)⁻¹Jᵀr over some numbers.
+fn solved(equations: &NormalEquations, damping: &[f64], free: &[usize]) -> Option<Vec<f64>> {
+    let matrix = Mat::from_fn(free.len(), free.len(), |i, j| {
+        let entry = equations.entry(free[i], free[j]);
+        if i == j { entry + damping[free[i]] } else { entry }
+    });
+    let right = Mat::from_fn(free.len(), 1, |i, _| -equations.gradient[free[i]]);
+    Some(matrix.llt(Side::Lower).ok()?.solve(&right).col_as_slice(0).to_vec())
+}
+
+/// How much the linear model says the mean square falls by any step: −(2 δᵀJᵀr + δᵀJᵀJδ)/rows.
+pub(super) fn fall(equations: &NormalEquations, step: &[f64]) -> f64 {
+    let moved = |i: usize| (0..step.len()).map(|j| equations.entry(i, j) * step[j]).sum::<f64>();
+    let sum = |i: usize| step[i] * (2.0 * equations.gradient[i] + moved(i));
+    let fall = -(0..step.len()).map(sum).sum::<f64>() / equations.rows as f64;
+    // Of a step that is cut off it may be a rounding error of 0.
+    fall.max(f64::MIN_POSITIVE)
+}
