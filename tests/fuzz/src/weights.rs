@@ -1,7 +1,7 @@
 //! Weights of other programs.
 
 use leastaction_core::energy::inertia_network::Coordinate;
-use leastaction_learning::ground_truth::ManyBody;
+use leastaction_ground_truth::ManyBody;
 use leastaction_learning::import::{Imported, lgnn, modlanet, symo};
 use leastaction_models::file::encode;
 

@@ -1,9 +1,9 @@
 //! Training by the library, as `leastaction train` and `leastaction export` do it.
 
+use leastaction_ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::Dataset;
-use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::run::{Monitor, Plan, Row, Run};
 use leastaction_models::config::{Coordinates, InertiaNetworkConfig};
 use leastaction_models::file::encode;

@@ -87,8 +87,8 @@ impl Forces {
 mod tests {
     use super::*;
     use leastaction_core::model::Rod;
-    use leastaction_learning::ground_truth::LgnnSystem;
-    use leastaction_learning::ground_truth::lgnn_shape;
+    use leastaction_ground_truth::LgnnSystem;
+    use leastaction_ground_truth::lgnn_shape;
     use leastaction_models::NamedGraph;
 
     #[test]

@@ -6,7 +6,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use leastaction_core::energy::inertia_network::Coordinate;
-use leastaction_learning::ground_truth::{Mechanism, symo_set};
+use leastaction_ground_truth::{Mechanism, symo_set};
 use leastaction_learning::training::{
     Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective,
 };

@@ -5,8 +5,8 @@ use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
 use leastaction_core::network::{Activation, Dense};
+use leastaction_ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 use leastaction_learning::data::modlanet;
-use leastaction_learning::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 use leastaction_learning::training::{LossKind, NormalEquations, Samples, objective};
 use leastaction_models::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
 use std::error::Error;

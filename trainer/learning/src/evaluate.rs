@@ -11,7 +11,6 @@ pub mod rollouts;
 pub mod states;
 
 use crate::data::{Dataset, Trajectory};
-use crate::ground_truth::{Exact, Mechanism};
 use crate::training::{Samples, Solved};
 use leastaction_core::continuous::energy;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, StepError};
@@ -19,6 +18,7 @@ use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::{Exact, Mechanism};
 use leastaction_models::rollout::logged_command;
 use leastaction_models::{Model, parallel};
 

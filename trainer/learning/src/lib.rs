@@ -6,7 +6,6 @@
 pub mod checkpoint;
 pub mod config;
 pub mod evaluate;
-pub mod ground_truth;
 pub mod import;
 pub mod report;
 pub mod run;

@@ -1,6 +1,6 @@
 //! The pendulums of Finzi et al.: data from positions and velocities alone, and what is learned from it.
 
-use leastaction_learning::ground_truth::{ExactMotion, Horizon, logged};
+use leastaction_ground_truth::{ExactMotion, Horizon, logged};
 use leastaction_learning::training::Samples;
 use leastaction_papers::chnn::{Options, STEP, chain, run, starts, training_set};
 

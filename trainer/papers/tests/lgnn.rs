@@ -1,7 +1,7 @@
 //! LGNN's experiments: training by laws and networks, rollouts on other graphs.
 
-use leastaction_learning::ground_truth::lgnn_shape;
-use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::lgnn_shape;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::Samples;
 use leastaction_models::Family as _;
 use leastaction_models::GraphArchitecture;

@@ -7,8 +7,8 @@ use leastaction::cli::{Done, Failure, Output, refuse};
 use leastaction::evaluation::{Evaluation, LongTermRequest, Scalable, is_page, log_config, write_page};
 use leastaction::models::of_file_or_run;
 use leastaction_core::forces::ControlKind;
+use leastaction_ground_truth::Mechanism;
 use leastaction_learning::config::DataConfig;
-use leastaction_learning::ground_truth::Mechanism;
 use leastaction_models::Model;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! Mechanisms by their names on the command line.
 
 use clap::ValueEnum;
-use leastaction_learning::ground_truth::{LgnnSystem, ManyBody, Mechanism};
+use leastaction_ground_truth::{LgnnSystem, ManyBody, Mechanism};
 
 /// What can be simulated, and what models can be compared with.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]

@@ -1,12 +1,12 @@
 //! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
 
 use crate::cli::{Failure, FileKind, folder, replaceable};
-use leastaction_learning::atomic;
-use leastaction_learning::evaluate::prediction::{Prediction, TOLERANCE, Truth};
-use leastaction_learning::ground_truth::{
+use leastaction_ground_truth::{
     BadMechanism, ExactMotion, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Start,
     lgnn_starts, starts,
 };
+use leastaction_learning::atomic;
+use leastaction_learning::evaluate::prediction::{Prediction, TOLERANCE, Truth};
 use leastaction_models::Model;
 use leastaction_plot::{Panel, Series, Vertical, time_series};
 use serde::Serialize;

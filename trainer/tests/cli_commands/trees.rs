@@ -1,8 +1,8 @@
 //! Trees of elements: learned on a small one, used in larger ones.
 
 use crate::support::Bench;
+use leastaction_ground_truth::{Chain, ExactMotion, Horizon, Link, Start, follow};
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
-use leastaction_learning::ground_truth::{Chain, ExactMotion, Horizon, Link, Start, follow};
 
 /// Motions of a chain of pendulums of two kinds, one after the other.
 fn log(bench: &Bench, name: &str, count: usize) {

@@ -1,6 +1,6 @@
 //! Long-term prediction in ModLaNet's measures, and the floor that single precision sets to them.
 
-use crate::ground_truth::{ExactMotion, Horizon, IntegrationError, Start, follow};
+use leastaction_ground_truth::{ExactMotion, Horizon, IntegrationError, Start, follow};
 use leastaction_models::parallel;
 use std::f64::consts::{PI, TAU};
 

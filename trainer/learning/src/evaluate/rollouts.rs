@@ -2,7 +2,7 @@
 //! exact energies of the predicted and of the exact state, with geometric means over starts and times (LGNN, section 4).
 
 use super::prediction::Truth;
-use crate::ground_truth::ExactMotion;
+use leastaction_ground_truth::ExactMotion;
 use leastaction_models::parallel;
 
 /// The least error that a geometric mean takes; below it is rounding.

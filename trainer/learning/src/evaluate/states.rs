@@ -113,10 +113,10 @@ pub fn state_energy_mse<const N: usize>(
 mod tests {
     use super::*;
     use crate::evaluate::integration_errors;
-    use crate::ground_truth::{Drive, Mechanism, Settings, generate};
     use leastaction_core::continuous::acceleration;
     use leastaction_core::energy::trigonometric::CARTPOLE;
     use leastaction_core::forces::System;
+    use leastaction_ground_truth::{Drive, Mechanism, Settings, generate};
 
     type Two = [f64; 2];
 

@@ -1,13 +1,13 @@
 //! Networks of the LGNN authors' program.
 
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
-use crate::ground_truth::{LgnnSystem, lgnn_graph};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
 use leastaction_core::model::MAX_HIDDEN;
 use leastaction_core::network::Activation;
+use leastaction_ground_truth::{LgnnSystem, lgnn_graph};
 use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 use safetensors::SafeTensors;
 

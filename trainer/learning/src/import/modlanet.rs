@@ -1,12 +1,12 @@
 //! Networks of the ModLaNet authors' program.
 
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
-use crate::ground_truth::ManyBody;
 use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
     Input, MAX_NETWORKS, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::network::Activation;
+use leastaction_ground_truth::ManyBody;
 use leastaction_models::{ModularArchitecture, NamedTree, NamedType, Number};
 use safetensors::SafeTensors;
 

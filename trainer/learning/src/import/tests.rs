@@ -1,7 +1,7 @@
 use super::{ImportError, Imported, lgnn, modlanet, symo};
-use crate::ground_truth::ManyBody;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::lagrangian::Energies;
+use leastaction_ground_truth::ManyBody;
 use leastaction_programs::{Row, System};
 use safetensors::tensor::{Dtype, TensorView};
 use std::collections::BTreeMap;

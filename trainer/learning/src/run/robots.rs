@@ -1,7 +1,7 @@
 //! Logs of simulated robots, for tests.
 
 use crate::data::Dataset;
-use crate::ground_truth::robot::{
+use leastaction_ground_truth::robot::{
     Drives, Excitation, Joint, JointFriction, Linkage, Machine, RobotSettings, Sensors, StartSpread,
     robot_logs,
 };

@@ -2,9 +2,11 @@ use super::*;
 use crate::checkpoint::Trained;
 use crate::config::{Config, TrainingLoss};
 use crate::data::Dataset;
-use crate::ground_truth::{Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
 use crate::training::StateNoise;
 use leastaction_core::energy::inertia_network::Coordinate;
+use leastaction_ground_truth::{
+    Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many,
+};
 use leastaction_models::config::{Coordinates, InertiaNetworkConfig};
 
 #[derive(Default)]

@@ -2,11 +2,11 @@
 
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
 use leastaction_core::forces::{System, Viscous};
+use leastaction_ground_truth::{Drive, Exact, Mechanism, Settings, generate};
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::{one_step_mse, rollout_system};
-use leastaction_learning::ground_truth::{Drive, Exact, Mechanism, Settings, generate};
 use leastaction_learning::run::{Monitor, Plan, Row, Run};
 use leastaction_learning::training::LossKind;
 use leastaction_models::config::{Coordinates, InertiaNetworkConfig};

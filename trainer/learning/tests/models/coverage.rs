@@ -2,11 +2,11 @@
 //!
 //! Long: `LEASTACTION_SEEDS=100 cargo test --release -p leastaction-learning --test models coverage -- --ignored --nocapture`
 
-use leastaction_learning::config::Config;
-use leastaction_learning::ground_truth::robot::{
+use leastaction_ground_truth::robot::{
     Drives, Excitation, Joint, JointFriction, Linkage, Machine, RobotSettings, Sensors, StartSpread,
     robot_logs,
 };
+use leastaction_learning::config::Config;
 use leastaction_learning::run::Plan;
 use leastaction_learning::training::Objective;
 use leastaction_learning::windows::{

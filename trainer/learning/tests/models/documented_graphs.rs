@@ -1,11 +1,11 @@
 //! The examples of docs/book/src/graphs.md, as they stand there, on exact motion.
 
 use crate::page::{self, Strict};
+use leastaction_ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset};
 use leastaction_learning::evaluate::acceleration_mse;
-use leastaction_learning::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
 use leastaction_learning::run::{Plan, Run};
 use leastaction_models::GraphArchitecture;
 use leastaction_models::Model;

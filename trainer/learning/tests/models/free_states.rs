@@ -1,7 +1,7 @@
 //! Accelerations at states that are logged with noise.
 
 use leastaction_core::energy::inertia_network::Coordinate;
-use leastaction_learning::ground_truth::{Mechanism, Settings, generate, noisy};
+use leastaction_ground_truth::{Mechanism, Settings, generate, noisy};
 use leastaction_learning::training::{Levenberg, Objective, Samples, StateNoise, free_states_objective};
 use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use rand::SeedableRng;

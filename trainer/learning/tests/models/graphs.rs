@@ -3,8 +3,8 @@
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::particles::Particles;
-use leastaction_learning::ground_truth::{ExactMotion, LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
-use leastaction_learning::ground_truth::{lgnn_graph, lgnn_shape};
+use leastaction_ground_truth::{ExactMotion, LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
+use leastaction_ground_truth::{lgnn_graph, lgnn_shape};
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 use leastaction_models::file::{decode, encode};
 use leastaction_models::{AnyFamily, Family as _, GraphArchitecture, HostTypes, Model};

@@ -12,8 +12,8 @@ use leastaction_core::energy::graph::{
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
-use leastaction_learning::ground_truth::lgnn_shape;
-use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::lgnn_shape;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 use leastaction_models::Family as _;
 use leastaction_models::{GraphArchitecture, GraphType, HostTypes, NamedGraph, Number};

@@ -1,13 +1,13 @@
 //! A network that starts from a fit of rigid bodies.
 
 use leastaction_core::model::TrainedStep;
-use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::config::{Config, ConfigError};
-use leastaction_learning::data::Dataset;
-use leastaction_learning::ground_truth::robot::{
+use leastaction_ground_truth::robot::{
     Drives, Excitation, Joint, JointFriction, Linkage, Machine, RobotSettings, Sensors, StartSpread,
     robot_logs,
 };
+use leastaction_learning::checkpoint::Trained;
+use leastaction_learning::config::{Config, ConfigError};
+use leastaction_learning::data::Dataset;
 use leastaction_learning::run::Plan;
 use leastaction_learning::training::Objective;
 use leastaction_learning::windows::{

@@ -1,8 +1,6 @@
 //! Chains and attracting bodies against Lagrangians written down in Cartesian coordinates, textbook formulas and conserved quantities.
 
-use leastaction_learning::ground_truth::{
-    BadMechanism, Bodies, Chain, ExactMotion, Extrapolation, Link, second_order,
-};
+use leastaction_ground_truth::{BadMechanism, Bodies, Chain, ExactMotion, Extrapolation, Link, second_order};
 use proptest::prelude::*;
 
 const G: f64 = 9.8;

@@ -1,10 +1,10 @@
 //! Data by ModLaNet's protocol: its distribution, and the authors' own file where `LEASTACTION_REFERENCE` points to it.
 
-use leastaction_learning::data::modlanet::{self, ModlanetRows};
-use leastaction_learning::ground_truth::{
+use leastaction_ground_truth::{
     ExactMotion, GenerationError, ManyBody, ModlanetSettings, circular_speed, generate_many, modlanet_set_of,
     starts,
 };
+use leastaction_learning::data::modlanet::{self, ModlanetRows};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 

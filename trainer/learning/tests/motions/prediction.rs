@@ -1,7 +1,7 @@
 //! Long-term prediction: its measures on errors that are known, and the floor of single precision.
 
+use leastaction_ground_truth::{ExactMotion, Horizon, ManyBody, ModlanetSettings, Start, starts};
 use leastaction_learning::evaluate::prediction::{TOLERANCE, Truth};
-use leastaction_learning::ground_truth::{ExactMotion, Horizon, ManyBody, ModlanetSettings, Start, starts};
 use std::time::Instant;
 
 fn motion(system: ManyBody) -> Box<dyn ExactMotion> {

@@ -1,6 +1,6 @@
 //! Nodes on rods and springs: the exact motion against that in angles, and what it must keep.
 
-use leastaction_learning::ground_truth::{
+use leastaction_ground_truth::{
     Chain, ExactMotion, Horizon, LgnnSettings, LgnnSystem, Link, Rod, Start, Truss, follow, lgnn_set,
     lgnn_starts,
 };

@@ -26,8 +26,8 @@ pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
 pub use node::NeuralOde;
 
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::ExactMotion;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
-use leastaction_learning::ground_truth::ExactMotion;
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 use leastaction_models::Model;
 use leastaction_models::{Architecture, Family, GraphArchitecture, ModularArchitecture};

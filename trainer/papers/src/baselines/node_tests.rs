@@ -1,6 +1,6 @@
 use super::*;
 use leastaction_core::linear::add_scaled;
-use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
+use leastaction_ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::runge_kutta::step;
 use leastaction_learning::training::Levenberg;
 use rand::RngExt;

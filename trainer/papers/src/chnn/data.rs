@@ -1,9 +1,9 @@
 //! The authors' chains, starts and training trajectories.
 
-use leastaction_learning::data::Dataset;
-use leastaction_learning::ground_truth::{
+use leastaction_ground_truth::{
     BadMechanism, ExactMotion, Horizon, IntegrationError, Rod, Start, Truss, logged,
 };
+use leastaction_learning::data::Dataset;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

@@ -4,7 +4,7 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{Drag, GraphShape, Kinetic, NodeShape, Potential};
 use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
-use leastaction_learning::ground_truth::Truss;
+use leastaction_ground_truth::Truss;
 use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 
 /// Hidden units of every bob's potential, beside a uniform field.

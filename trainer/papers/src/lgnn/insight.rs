@@ -3,7 +3,7 @@
 use super::{LearnedGraph, ReproduceError};
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::particles::Particles;
-use leastaction_learning::ground_truth::Truss;
+use leastaction_ground_truth::Truss;
 use leastaction_learning::training::Samples;
 use leastaction_models::HostTypes;
 use leastaction_models::particles::Driven;

@@ -25,8 +25,8 @@ pub(super) use trial::floor;
 
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
-use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction_learning::ground_truth::{lgnn_graph, lgnn_shape};
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::{lgnn_graph, lgnn_shape};
 use leastaction_learning::training::Samples;
 use leastaction_models::Family as _;
 use leastaction_models::HostTypes;

@@ -5,8 +5,8 @@ use super::{Case, Insight, Published};
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::energy::graph::GraphError;
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::{GenerationError, IntegrationError, LgnnSystem};
 use leastaction_learning::evaluate::rollouts::Rollouts;
-use leastaction_learning::ground_truth::{GenerationError, IntegrationError, LgnnSystem};
 use serde::Serialize;
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! What the authors' program reaches, measured with it on its own data and its own integrator.
 
 use super::Baseline;
-use leastaction_learning::ground_truth::LgnnSystem;
+use leastaction_ground_truth::LgnnSystem;
 
 /// Geometric means of rollout error and energy violation; `None`: not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,8 +2,8 @@
 
 use crate::baselines::AccelerationModel;
 use leastaction_core::model::ModelError;
-use leastaction_learning::ground_truth::LgnnSystem;
-use leastaction_learning::ground_truth::lgnn_graph;
+use leastaction_ground_truth::LgnnSystem;
+use leastaction_ground_truth::lgnn_graph;
 use leastaction_learning::training::{Levenberg, Samples};
 use leastaction_models::GraphArchitecture;
 

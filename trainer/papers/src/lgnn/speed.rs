@@ -7,7 +7,7 @@ use leastaction_core::discrete::{
     rattle::{ParticleState, Rattle},
 };
 use leastaction_core::energy::graph::Graph;
-use leastaction_learning::ground_truth::lgnn_starts;
+use leastaction_ground_truth::lgnn_starts;
 use leastaction_models::HostTypes;
 use std::time::Instant;
 

@@ -2,12 +2,12 @@
 
 use super::{Compared, Experiment, Outcome, ReproduceError, RolledOut, insight};
 use leastaction_core::particles::Particles;
-use leastaction_learning::evaluate::prediction::Truth;
-use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
-use leastaction_learning::ground_truth::{
+use leastaction_ground_truth::{
     ExactMotion, GenerationError, Horizon, IntegrationError, LgnnSettings, LgnnSystem, Start, Truss,
     lgnn_starts,
 };
+use leastaction_learning::evaluate::prediction::Truth;
+use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
 use leastaction_models::particles::Driven;
 
 /// Makes the stream of rollout starts another than that of the data.

@@ -1,7 +1,7 @@
 use super::super::{Case, Options, run_baseline};
 use super::*;
 use crate::training::Ending;
-use leastaction_learning::ground_truth::{ModlanetSettings, modlanet_set_of};
+use leastaction_ground_truth::{ModlanetSettings, modlanet_set_of};
 use std::time::Duration;
 
 /// 101 rows to learn from, 101 to test with.

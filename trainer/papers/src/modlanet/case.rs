@@ -1,7 +1,7 @@
 //! The paper's experiments, and how they are run.
 
 use leastaction_core::energy::modular::PairInput;
-use leastaction_learning::ground_truth::ManyBody;
+use leastaction_ground_truth::ManyBody;
 use serde::Serialize;
 
 /// One of the paper's experiments.

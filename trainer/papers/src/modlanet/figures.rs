@@ -2,7 +2,7 @@
 
 use super::super::{numbered, option_name};
 use super::{LongRun, Outcome, Pictured};
-use leastaction_learning::ground_truth::ManyBody;
+use leastaction_ground_truth::ManyBody;
 use leastaction_plot::{
     Angle, Panel, Phase, PlotError, Series, Stroke, Vertical, phase_portrait, time_series,
 };

@@ -3,10 +3,8 @@
 use super::{Options, Outcome, Pictured, Predicted, ReproduceError};
 use crate::baselines::{AccelerationModel, Follow};
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::{ExactMotion, GenerationError, Horizon, ManyBody, ModlanetSettings, starts};
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
-use leastaction_learning::ground_truth::{
-    ExactMotion, GenerationError, Horizon, ManyBody, ModlanetSettings, starts,
-};
 
 /// Makes the stream of prediction starts another than that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;

@@ -23,11 +23,9 @@ use super::training::{Bounds, Ending};
 use crate::baselines::{AccelerationModel, Follow};
 use judge::Judge;
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::{GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of};
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
 use leastaction_learning::evaluate::prediction::TOLERANCE;
-use leastaction_learning::ground_truth::{
-    GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of,
-};
 use leastaction_learning::training::Samples;
 use leastaction_models::Family as _;
 use leastaction_models::ModularArchitecture;

@@ -4,9 +4,9 @@ use super::recipe::best_of;
 use super::{Experiment, Outcome, ReproduceError, held_back};
 use crate::baselines::{AccelerationModel, Mlp};
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::{ManyBody, noisy};
 use leastaction_learning::data::Rows;
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
-use leastaction_learning::ground_truth::{ManyBody, noisy};
 use leastaction_learning::training::{Levenberg, Samples, StateNoise, free_states_objective};
 use leastaction_models::Family;
 use leastaction_models::ModularArchitecture;
@@ -118,7 +118,7 @@ fn few(rows: &ModlanetRows, count: usize, noise: f64, seed: u64) -> ModlanetRows
 mod tests {
     use super::super::{Case, Options, run};
     use super::*;
-    use leastaction_learning::ground_truth::{ModlanetSettings, modlanet_set_of};
+    use leastaction_ground_truth::{ModlanetSettings, modlanet_set_of};
 
     /// 202 rows to learn from, 101 to judge by.
     fn set() -> ModlanetSet {

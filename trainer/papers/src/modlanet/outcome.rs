@@ -3,8 +3,8 @@
 use super::super::training::{Ending, TrainingError, in_words};
 use super::{Case, Energies, LongRun, Published, SteppingError};
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::GenerationError;
 use leastaction_learning::evaluate::prediction::Prediction;
-use leastaction_learning::ground_truth::GenerationError;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -157,7 +157,7 @@ pub enum ReproduceError {
     Stepping(#[from] SteppingError),
     /// The exact motion cannot be followed.
     #[error(transparent)]
-    ExactMotion(#[from] leastaction_learning::ground_truth::IntegrationError),
+    ExactMotion(#[from] leastaction_ground_truth::IntegrationError),
     /// The data of another system.
     #[error("the data has {found} coordinates, the case needs {needed}")]
     Coordinates {

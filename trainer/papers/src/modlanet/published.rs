@@ -1,7 +1,7 @@
 //! What the paper and its authors' program reach.
 
 use super::Baseline;
-use leastaction_learning::ground_truth::ManyBody;
+use leastaction_ground_truth::ManyBody;
 
 /// Errors as printed: of accelerations, and of predictions in the authors' measures. `None`: not printed, or it failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -7,8 +7,8 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_ground_truth::ManyBody;
 use leastaction_learning::data::modlanet::ModlanetRows;
-use leastaction_learning::ground_truth::ManyBody;
 use leastaction_learning::training::{Levenberg, Samples};
 use leastaction_models::Model;
 use leastaction_models::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};

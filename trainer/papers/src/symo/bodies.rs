@@ -4,7 +4,7 @@
 //! at q = 0, and that the centres of mass lie on the links. Learned is every other number, from starts that are those of no mechanism here.
 
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
-use leastaction_learning::ground_truth::Mechanism;
+use leastaction_ground_truth::Mechanism;
 use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use std::f64::consts::FRAC_PI_2;
 

@@ -3,10 +3,10 @@
 
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
+use leastaction_ground_truth::{Exact, Mechanism};
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::{energy_mse, integration_errors, rollout_system};
-use leastaction_learning::ground_truth::{Exact, Mechanism};
 
 /// The measures of [`super::Outcome::measures`] of the exact mechanism; nothing for the inertia matrix.
 pub(super) fn floor(mechanism: Mechanism, order: u8, set: &SymoSet) -> [f64; 6] {

@@ -16,10 +16,10 @@ pub use task::{SymoData, overview, tasks};
 
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::Mechanism;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse};
-use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use leastaction_models::{Beginning, Model};

@@ -2,8 +2,8 @@
 
 use super::Case;
 use leastaction_core::model::ModelError;
+use leastaction_ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
 use leastaction_learning::data::Dataset;
-use leastaction_learning::ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
 use leastaction_models::{Beginning, Model};
 use leastaction_plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use std::path::Path;

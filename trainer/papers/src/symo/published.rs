@@ -2,7 +2,7 @@
 
 use super::Case;
 use super::Method::{self, E2eSymo, LNodeRk4, NodeRk4, Symo};
-use leastaction_learning::ground_truth::Mechanism::{self, Acrobot, Cartpole, Pendulum};
+use leastaction_ground_truth::Mechanism::{self, Acrobot, Cartpole, Pendulum};
 
 /// What the published program reaches, on equal terms; `None` where it is not known or, beyond 100 steps of the chaotic
 /// acrobot, means nothing.

@@ -156,7 +156,7 @@ fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use leastaction_learning::ground_truth::{Mechanism, symo_set};
+    use leastaction_ground_truth::{Mechanism, symo_set};
     use leastaction_models::Model;
 
     fn case(mechanism: Mechanism, model: Method, noise: f64) -> Case {

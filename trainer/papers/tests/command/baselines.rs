@@ -1,8 +1,8 @@
 //! The models that ModLaNet's paper compares with, in `leastaction-papers modlanet`.
 
 use super::support::Bench;
+use leastaction_ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 use leastaction_learning::data::modlanet;
-use leastaction_learning::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 
 const MODELS: [&str; 7] = ["trained", "hnn", "light-hnn", "lnn", "light-lnn", "mlp", "light-mlp"];
 

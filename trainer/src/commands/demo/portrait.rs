@@ -1,9 +1,9 @@
 //! Free motion, learned against true.
 
 use super::Failure;
+use leastaction_ground_truth::{Drive, Mechanism, Settings, generate};
 use leastaction_learning::data::{Dataset, Trajectory};
 use leastaction_learning::evaluate::integration_errors;
-use leastaction_learning::ground_truth::{Drive, Mechanism, Settings, generate};
 use leastaction_models::{Beginning, Model};
 use leastaction_plot::{Angle, Phase, Series, Stroke, phase_portrait};
 use serde::Serialize;

@@ -9,11 +9,11 @@ use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::{finite, not_negative, positive, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, refuse, replaceable, written};
 use leastaction_core::forces::ControlKind;
-use leastaction_learning::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
-use leastaction_learning::ground_truth::{
+use leastaction_ground_truth::{
     Drive, GenerationError, LgnnSettings, LgnnSystem, ManyBody, Mechanism, ModlanetSettings, Settings,
     generate, generate_many, lgnn_set, modlanet_set_of, symo_set,
 };
+use leastaction_learning::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};

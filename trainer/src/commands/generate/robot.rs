@@ -4,12 +4,12 @@ use crate::commands::system::System;
 use clap::Args;
 use leastaction::cli::arguments::{finite, not_negative, positive};
 use leastaction::cli::{Failure, FileKind, folder, replaceable, written};
-use leastaction_learning::data;
-use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::ground_truth::robot::{
+use leastaction_ground_truth::Mechanism;
+use leastaction_ground_truth::robot::{
     CSV_HEAD, Drives, Excitation, JointFriction, Linkage, MOST_JOINTS, Machine, RobotError, RobotLogs,
     RobotSettings, Sensors, StartSpread, robot_logs, write_csv,
 };
+use leastaction_learning::data;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -28,7 +28,7 @@ use clap::Args;
 use leastaction::cli::arguments::{positive, positive_f32, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
 use leastaction::models::load;
-use leastaction_learning::ground_truth::Mechanism;
+use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use replay::{Replay, ReplayReport};
 use report::{FORCE, POSITION, median_and_most, unit};

@@ -4,7 +4,7 @@ use super::{FORCE, POSITION, Plant, Request, Row, Scenario, Trace, unit};
 use leastaction::cli::Failure;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_firmware_sim::wrap;
-use leastaction_learning::ground_truth::Mechanism;
+use leastaction_ground_truth::Mechanism;
 use leastaction_plot::{Panel, Series, Stroke, Vertical, time_series};
 use std::path::Path;
 

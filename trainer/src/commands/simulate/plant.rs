@@ -10,7 +10,7 @@ use leastaction_firmware_sim::Goal;
 use leastaction_firmware_sim::devices::{Devices, Drive, EncoderConfig};
 use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_firmware_sim::scenario::{Excitation, Predict, Push, Setup, Start, predict};
-use leastaction_learning::ground_truth::Mechanism;
+use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
 use std::path::Path;

@@ -17,7 +17,7 @@ use leastaction_firmware_sim::scenario::{
     GravityConfig, Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on,
 };
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary, Tick};
-use leastaction_learning::ground_truth::Mechanism;
+use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, Replica, SystemOf};
 use serde::Serialize;

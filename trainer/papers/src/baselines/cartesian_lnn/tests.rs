@@ -4,8 +4,8 @@ use super::*;
 use crate::baselines::oracle::{
     Dual, assert_close, check_normal_equations, moving, network, random, squareplus,
 };
-use leastaction_learning::ground_truth::lgnn_graph;
-use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::lgnn_graph;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use nalgebra::{DMatrix, DVector};
 

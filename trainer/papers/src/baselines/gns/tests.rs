@@ -3,8 +3,8 @@
 use super::*;
 use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
 use leastaction_core::energy::graph::Edge;
-use leastaction_learning::ground_truth::lgnn_graph;
-use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::lgnn_graph;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use leastaction_models::NamedGraph;
 use std::array::from_fn;

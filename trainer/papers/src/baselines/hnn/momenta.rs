@@ -1,6 +1,6 @@
 //! Momenta p = M(q) v of ModLaNet's systems, which a Hamiltonian network has to be told.
 
-use leastaction_learning::ground_truth::ManyBody;
+use leastaction_ground_truth::ManyBody;
 use nalgebra::{DMatrix, DVector};
 
 /// Which momenta belong to velocities: the true mass matrix.

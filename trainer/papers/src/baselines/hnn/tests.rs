@@ -2,9 +2,7 @@
 
 use super::*;
 use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
-use leastaction_learning::ground_truth::{
-    ExactMotion, Horizon, ManyBody, ModlanetSettings, generate_many, starts,
-};
+use leastaction_ground_truth::{ExactMotion, Horizon, ManyBody, ModlanetSettings, generate_many, starts};
 use leastaction_learning::training::{Adam, AdamSettings, Levenberg};
 use num_dual::DualNum;
 

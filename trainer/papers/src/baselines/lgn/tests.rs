@@ -6,8 +6,8 @@ use crate::baselines::oracle::{
 };
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::Rod;
-use leastaction_learning::ground_truth::lgnn_graph;
-use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::lgnn_graph;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use leastaction_models::NamedGraph;
 use leastaction_programs::{Row, System, WIDTH};

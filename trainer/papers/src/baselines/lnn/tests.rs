@@ -5,7 +5,7 @@ use crate::baselines::oracle::{
     Dual, assert_close, check_normal_equations, features, moving, network, random,
 };
 use leastaction_core::linear::solve;
-use leastaction_learning::ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
+use leastaction_ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
 use leastaction_learning::training::{Adam, AdamSettings, Levenberg, Schedule};
 use num_dual::DualNum;
 use std::array::from_fn;

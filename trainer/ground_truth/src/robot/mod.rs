@@ -23,8 +23,8 @@ pub use settings::{
 };
 pub use sines::Sines;
 
-use crate::data::{Dataset, Rows, Trajectory};
 use leastaction_core::forces::ControlKind;
+use leastaction_data::{Dataset, Rows, Trajectory};
 use leastaction_models::parallel;
 use simulate::Robot;
 

@@ -3,10 +3,10 @@
 use super::linkage::Terms;
 use super::settings::{RobotError, RobotSettings};
 use super::{RobotLog, Sines};
-use crate::data::Rows;
 use leastaction_core::continuous::{ContinuousState, acceleration, rk4_step};
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
+use leastaction_data::Rows;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

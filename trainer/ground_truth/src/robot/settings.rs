@@ -1,6 +1,6 @@
 use super::linkage::{Linkage, Terms};
-use crate::ground_truth::motion::BadMechanism;
-use crate::ground_truth::{Exact, Mechanism};
+use crate::motion::BadMechanism;
+use crate::{Exact, Mechanism};
 use std::f64::consts::PI;
 use thiserror::Error;
 

@@ -1,5 +1,5 @@
-use crate::ground_truth::motion::BadMechanism;
-use crate::ground_truth::{Chain, Link};
+use crate::motion::BadMechanism;
+use crate::{Chain, Link};
 use leastaction_core::energy::trigonometric::{Trigonometric, Wave};
 use serde::Deserialize;
 
@@ -157,7 +157,7 @@ impl Linkage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ground_truth::ExactMotion;
+    use crate::ExactMotion;
     use leastaction_core::energy::trigonometric::ACROBOT;
     use leastaction_core::lagrangian::Lagrangian;
 

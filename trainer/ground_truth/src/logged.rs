@@ -2,7 +2,7 @@
 
 use super::generate::noisy;
 use super::{BadMechanism, ExactMotion, Extrapolation, IntegrationError, second_order};
-use crate::data::{Dataset, Rows, Trajectory};
+use leastaction_data::{Dataset, Rows, Trajectory};
 use leastaction_models::parallel;
 use rand_pcg::Pcg64;
 use thiserror::Error;

@@ -2,8 +2,8 @@
 
 use super::logged::{GenerationError, Horizon, Start, logged};
 use super::{BadMechanism, Bodies, Chain, ExactMotion};
-use crate::data::Dataset;
-use crate::data::modlanet::{ModlanetRows, ModlanetSet};
+use leastaction_data::Dataset;
+use leastaction_data::modlanet::{ModlanetRows, ModlanetSet};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};

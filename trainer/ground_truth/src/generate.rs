@@ -1,9 +1,9 @@
 use super::{Exact, Extrapolation, IntegrationError, Mechanism, Spread};
-use crate::data::symo::SymoSet;
-use crate::data::{Dataset, Rows, Trajectory};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{ControlKind, System, Viscous};
+use leastaction_data::symo::SymoSet;
+use leastaction_data::{Dataset, Rows, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::ground_truth::Mechanism;
+use crate::Mechanism;
 use leastaction_core::continuous::{ContinuousState, rk4_step};
 use leastaction_core::energy::trigonometric::ACROBOT;
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
@@ -159,7 +159,7 @@ fn settings_out_of_range_are_named() {
 
 #[test]
 fn a_written_log_is_read_back_by_its_columns() {
-    use crate::data::{Column, Columns, Reading, read_as};
+    use leastaction_data::{Column, Columns, Reading, read_as};
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("00.csv");
     let logs = robot_logs(&RobotSettings { logs: 1, ..settings() }).unwrap();

@@ -3,7 +3,7 @@
 
 use super::logged::{GenerationError, Horizon, Start, logged};
 use super::{BadMechanism, Rod, Truss};
-use crate::data::{Dataset, Rows};
+use leastaction_data::{Dataset, Rows};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -1,7 +1,7 @@
 //! Logs as a robot writes them: one CSV file each.
 
 use super::RobotLog;
-use crate::atomic;
+use leastaction_data::atomic;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
