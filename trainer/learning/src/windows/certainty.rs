@@ -15,8 +15,9 @@
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
-use crate::training::{Directions, student};
-use crate::training::{LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of};
+use crate::training::{
+    Directions, LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of, student,
+};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use leastaction_models::parallel;

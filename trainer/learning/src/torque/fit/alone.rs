@@ -15,8 +15,7 @@ use super::friction::{JOINT, JointNumber, JointNumbers};
 use super::problem::{Problem, Squares, Torques};
 use super::{DETERMINED, Learned, Start, minimum};
 use crate::torque::linear::BaseParameters;
-use crate::training::{Directions, Shown, student};
-use crate::training::{NormalEquations, normal_equations_of};
+use crate::training::{Directions, NormalEquations, Shown, normal_equations_of, student};
 use faer::Mat;
 use leastaction_models::tree::INERTIAL;
 
