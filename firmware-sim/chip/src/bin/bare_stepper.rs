@@ -1,4 +1,4 @@
-//! The cart-pole's step as of `bare_step`, by a stepper: it may take no more of the flash than the calls by hand.
+//! The cart-pole's step of `bare_step`, by a stepper: what its convenience takes of the flash.
 #![no_std]
 #![no_main]
 
