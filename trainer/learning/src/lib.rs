@@ -1,6 +1,6 @@
 //! Learn the energies of a mechanical system from logged motion, on the host.
 //!
-//! Data flows one way: [`ground_truth`] or a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`leastaction_models::file`], and
+//! Data flows one way: a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`leastaction_models::file`], and
 //! from there to the chip; [`evaluate`] measures.
 
 pub mod checkpoint;
