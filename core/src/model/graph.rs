@@ -27,7 +27,7 @@ pub struct GraphHeader<'a> {
 /// A graph: which nodes and edges there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GraphLayout<'a> {
-    /// What it is called.
+    /// Name.
     pub name: &'a str,
     /// One byte a node: its type.
     pub nodes: &'a [u8],

@@ -18,9 +18,9 @@ pub struct InertiaNetworkHeader<'a> {
     pub coordinates: &'a str,
     /// Units of the hidden layers; the first 0 ends the list.
     pub widths: [u16; MAX_HIDDEN],
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     pub activation: Activation,
-    /// Of the inertia matrix.
+    /// Form of the inertia matrix.
     pub inertia: Inertia,
 }
 

@@ -17,7 +17,7 @@ pub struct LawNetwork<'a> {
     pub coordinates: &'a str,
     /// Units of the hidden layers; the first 0 ends the list.
     pub widths: [u16; MAX_HIDDEN],
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     pub activation: Activation,
 }
 

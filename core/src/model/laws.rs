@@ -41,7 +41,7 @@ impl FrictionNumber {
     /// All, in the order of a file.
     pub const ALL: [Self; 4] = [Self::Constant, Self::Load, Self::Smoothing, Self::Width];
 
-    /// What it is called, and what it must be.
+    /// Name, and range in words.
     pub const fn name(self) -> (&'static str, &'static str) {
         match self {
             Self::Constant => ("c", "0 or more"),
@@ -76,7 +76,7 @@ impl Law {
     /// All laws, in the order of a file.
     pub const ALL: [Self; 4] = [Self::Viscous, Self::Coulomb, Self::Dissipation, Self::Potential];
 
-    /// What it is called.
+    /// Name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Viscous => "viscous",

@@ -15,7 +15,7 @@ pub const MAX_TREES: usize = 8;
 pub struct ModularHeader<'a> {
     /// Networks and element types.
     pub shape: modular::ModularShape,
-    /// What the types are called, separated by commas.
+    /// Names of the types, separated by commas.
     pub names: &'a str,
     /// The trees, by name; the first without elements ends the list.
     #[serde(borrow)]
@@ -25,7 +25,7 @@ pub struct ModularHeader<'a> {
 /// A tree of elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TreeHeader<'a> {
-    /// What it is called.
+    /// Name.
     pub name: &'a str,
     /// Two bytes an element: its type, and 0 (it hangs from the ground) or 1 + the element that it hangs from.
     pub elements: &'a [u8],

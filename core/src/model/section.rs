@@ -42,7 +42,7 @@ impl Section {
         Self::Provenance,
     ];
 
-    /// What it is called.
+    /// Name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Energies => "energies",

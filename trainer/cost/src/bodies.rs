@@ -33,7 +33,7 @@ pub(super) fn multiply_adds(place: Where, bodies: &[TreeBody], evaluation: Evalu
         let pair = [TreeBody { joint: first.joint, parent: None }, TreeBody { joint: second.joint, parent }];
         counted(place, pair, evaluation) - alone(first.joint) - alone(second.joint)
     };
-    // What sits on a body directly costs otherwise than what it carries further up, and two that part there otherwise than apart.
+    // A body costs otherwise on its parent than further up, and two cost otherwise where they part than apart.
     let three = |[first, second, third]: [&TreeBody; 3], on: u8| {
         let with = |body: &TreeBody, parent| TreeBody { joint: body.joint, parent };
         let tree = [with(first, None), with(second, Some(0)), with(third, Some(on))];

@@ -61,7 +61,7 @@ pub struct Cost {
 /// The cost of models of this shape.
 ///
 /// # Errors
-/// Where there is no such graph; [`ModelError::OtherFamily`] of a family that nobody has counted.
+/// [`ModelError::NoSuchGraph`] where there is no such graph, [`ModelError::OtherFamily`] of a family that nobody has counted.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     if let Some(graph) = architecture.family.graph() {
         return graph::cost(graph);

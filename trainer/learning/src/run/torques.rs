@@ -23,7 +23,7 @@ pub enum TorqueError {
     Samples(#[from] SampleError),
 }
 
-/// Where a learned smoothing of a load may be, N m or N.
+/// Range of a learned smoothing of a load, N m or N.
 const SMOOTHINGS: [f64; 2] = [1e-3, 1e2];
 /// Of samples that are held back together, s.
 const BLOCK: f64 = 0.75;

@@ -48,17 +48,27 @@ pub trait FamilyConfig {
         Ok(None)
     }
 
+    /// The shape of the model.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: what is wrong, and where.
+    fn architecture(&self, open: Open) -> Result<Architecture, ShapeError>;
+
     /// Refuses what cannot be a model.
     ///
     /// # Errors
     /// [`ShapeError`]: what is wrong, and where.
     fn check(&self, open: Open) -> Result<(), ShapeError> {
-        self.beginning(0, open).map(|_| ())
+        self.architecture(open).map(drop)
     }
 
     /// The shape of the model, and the weights that training begins with.
     ///
     /// # Errors
     /// [`ShapeError`]: what is wrong, and where.
-    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError>;
+    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let architecture = self.architecture(open)?;
+        let weights = architecture.initial_weights(seed);
+        Ok((architecture, weights))
+    }
 }

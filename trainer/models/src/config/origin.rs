@@ -1,11 +1,11 @@
 //! A trained model of another shape that the energies of a new one begin at.
 
-use super::problem::Problem;
+use super::problem::{Problem, ShapeError};
 use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
 use crate::model::Model;
 use crate::number::Number;
 use leastaction_core::model::FrictionNumber;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Opens a trained model that a configuration names, or says why it cannot be read.
 pub type Open<'o> = &'o dyn Fn(&Path) -> Result<Model, String>;
@@ -27,6 +27,19 @@ impl Origin {
         }
         let needed = coordinates.to_owned();
         Err(Problem::OtherCoordinates { file: path.to_owned(), found, needed })
+    }
+
+    /// Opens the model that stands at the key `start_from`, if one does; of coordinates as these letters say.
+    ///
+    /// # Errors
+    /// [`ShapeError`] at that key, as [`Origin::read`].
+    pub fn start_from(
+        path: Option<&PathBuf>,
+        coordinates: &str,
+        open: Open,
+    ) -> Result<Option<Self>, ShapeError> {
+        let read = |path: &PathBuf| Self::read(path, coordinates, open);
+        path.map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
     }
 
     fn friction(&self) -> Vec<CoordinateFriction> {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// The name and numbers of a node type or an edge type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphType {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// In the order of the weight block: mass, drag, field, kinetic embedding, embedding of a node type; c₁ and c₂ of an edge type.
     pub numbers: Vec<Number>,
@@ -29,7 +29,7 @@ impl GraphType {
 /// A graph by its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedGraph {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// The type of every node.
     pub nodes: Vec<u8>,

@@ -38,7 +38,7 @@ pub struct InertiaNetworkConfig {
     /// Units of the hidden layers.
     #[serde(default = "hidden", deserialize_with = "fields::widths")]
     pub hidden: Vec<u16>,
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     #[serde(default = "activation", with = "fields::ActivationName")]
     pub activation: Activation,
     /// The inertia matrix; by default diagonal for one coordinate, Cholesky for two, else a factor.
@@ -101,7 +101,7 @@ impl InertiaNetworkConfig {
     ///
     /// # Errors
     /// For rows that the factor cannot have, or rows of no factor; for friction that cannot be.
-    pub fn architecture(&self) -> Result<Architecture, ShapeError> {
+    fn shape(&self) -> Result<Architecture, ShapeError> {
         let Self { coordinates, hidden, activation, damping, .. } = self;
         let (n, plain) = (coordinates.0.len(), InertiaNetworkArchitecture::new(&coordinates.0, 0));
         let inertia = match self.inertia {
@@ -122,6 +122,18 @@ impl InertiaNetworkConfig {
             ..plain
         };
         Ok(Architecture { family: family.into(), friction, corrections })
+    }
+
+    /// The shape, with the friction of the model to start from where no other is asked for.
+    fn begun(&self, mut architecture: Architecture, origin: Option<&Origin>) -> Architecture {
+        match origin {
+            Some(origin) if self.friction.is_none() && !self.damping => {
+                architecture.friction = origin.friction_to_learn();
+            }
+            Some(origin) => origin.set_friction(&mut architecture.friction),
+            None => {}
+        }
+        architecture
     }
 
     /// The friction of the coordinates, and the networks beside it.
@@ -174,34 +186,25 @@ impl FamilyConfig for InertiaNetworkConfig {
 
     fn origin(&self, open: Open) -> Result<Option<Origin>, ShapeError> {
         let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
-        let read = |path: &PathBuf| Origin::read(path, &letters, open);
-        self.start_from.as_ref().map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
+        Origin::start_from(self.start_from.as_ref(), &letters, open)
     }
 
-    fn check(&self, open: Open) -> Result<(), ShapeError> {
-        self.architecture()?;
-        self.origin(open).map(|_| ())
+    fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
+        let shape = self.shape()?;
+        Ok(self.begun(shape, self.origin(open)?.as_ref()))
     }
 
-    /// The friction of the model to start from where no other is asked for; weights of the network are random.
+    /// Weights of the network are random; damping is that of the model to start from.
     fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
-        let mut architecture = self.architecture()?;
-        let Some(origin) = self.origin(open)? else {
-            let weights = architecture.initial_weights(seed);
-            return Ok((architecture, weights));
-        };
-        if self.friction.is_none() && !self.damping {
-            architecture.friction = origin.friction_to_learn();
-        } else {
-            origin.set_friction(&mut architecture.friction);
-        }
+        let shape = self.shape()?;
+        let origin = self.origin(open)?;
+        let architecture = self.begun(shape, origin.as_ref());
         let mut weights = architecture.initial_weights(seed);
-        let damping = architecture
-            .family
-            .inertia_network()
-            .and_then(InertiaNetworkArchitecture::damping)
-            .unwrap_or_default();
-        weights.splice(damping.clone(), origin.damping().into_iter().take(damping.len()));
+        if let Some(origin) = origin {
+            let damping = architecture.family.inertia_network().and_then(InertiaNetworkArchitecture::damping);
+            let damping = damping.unwrap_or_default();
+            weights.splice(damping.clone(), origin.damping().into_iter().take(damping.len()));
+        }
         Ok((architecture, weights))
     }
 }

@@ -28,9 +28,9 @@ pub struct InertiaNetworkArchitecture {
     pub coordinates: String,
     /// Units of the hidden layers.
     pub widths: Vec<u16>,
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     pub activation: Activation,
-    /// Of the inertia matrix.
+    /// Form of the inertia matrix.
     pub inertia: Inertia,
     /// Whether viscous damping is learned.
     pub damped: bool,

@@ -26,7 +26,7 @@ const COEFFICIENTS: usize = 2;
 /// An element type's name and numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedType {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// Mass, moment of inertia, centre, length, damping.
     pub numbers: [Number; TYPE_NUMBERS],
@@ -35,7 +35,7 @@ pub struct NamedType {
 /// A tree by its name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedTree {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// As in [`TreeHeader::elements`].
     pub elements: Vec<u8>,

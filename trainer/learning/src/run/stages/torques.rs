@@ -14,7 +14,7 @@ use leastaction_models::{Actuator, Architecture, Number};
 /// that windows share.
 ///
 /// # Errors
-/// Where no trajectory can be filtered, or the shape does not fit in itself.
+/// [`TorqueError`] where no trajectory can be filtered, [`PlanError`] where the shape does not fit in itself.
 pub(super) fn networks(
     (config, iterations): (&Config, u64),
     architecture: &Architecture,

@@ -6,11 +6,11 @@ use leastaction_models::Architecture;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What is learned from over windows, once all of it is.
+/// Logs and settings of a loss over windows, once all of it is learned.
 pub(in crate::run) struct Windowed {
     pub logs: Arc<WindowLogs>,
     pub settings: WindowSettings,
-    /// Where what is learned of sensors and actuators is.
+    /// Places of what is learned of sensors and actuators.
     pub layout: CalibrationLayout,
 }
 
@@ -18,7 +18,7 @@ impl Windowed {
     /// The loss over all logs.
     ///
     /// # Errors
-    /// As [`WindowModel::new`] and [`WindowLoss::new`].
+    /// [`PlanError`] for a model that [`WindowModel::new`], or logs that [`WindowLoss::new`], refuses.
     pub fn loss(&self, architecture: &Architecture) -> Result<WindowLoss, PlanError> {
         self.loss_over(architecture, 0..self.logs.count(), self.settings)
     }
@@ -26,7 +26,7 @@ impl Windowed {
     /// That over windows of so many steps, side by side, of some logs.
     ///
     /// # Errors
-    /// As [`Windowed::loss`].
+    /// [`PlanError`], see [`Windowed::loss`].
     pub fn loss_of(
         &self,
         architecture: &Architecture,

@@ -113,23 +113,6 @@ impl ArmConfig {
         }
     }
 
-    /// The shape of the model.
-    ///
-    /// # Errors
-    /// [`ShapeError`]: what cannot be read or be, and where.
-    pub fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
-        let tree = self.described()?;
-        let letters = letters_of_joints(tree.bodies().iter().map(kind));
-        let origin = self.start(&letters, open)?;
-        let tree = origin.as_ref().map(|origin| self.begun(&tree, origin)).transpose()?.unwrap_or(tree);
-        let family = self.family(&tree)?;
-        let mut friction = self.friction.assemble(family.n(), "joint")?;
-        origin.iter().for_each(|origin| origin.set_friction(&mut friction));
-        let known = Known { letters: &letters, common: letters.len() };
-        let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
-        Ok(Architecture { family: family.into(), friction, corrections })
-    }
-
     /// Refuses numbers out of their range.
     fn check(&self) -> Result<(), ShapeError> {
         let range = "finite and above 0";
@@ -198,12 +181,6 @@ impl ArmConfig {
         Ok(names().map(|name| joints.iter().any(|joint| joint == name)).collect())
     }
 
-    /// The model to start from.
-    fn start(&self, letters: &str, open: Open) -> Result<Option<Origin>, ShapeError> {
-        let read = |path: &PathBuf| Origin::read(path, letters, open);
-        self.start_from.as_ref().map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
-    }
-
     /// The tree with the bodies and rotors of a model, which must stand on the same joints.
     fn begun(&self, tree: &Tree, origin: &Origin) -> Result<Tree, ShapeError> {
         let other = || {
@@ -233,10 +210,17 @@ impl FamilyConfig for ArmConfig {
         Some((&mut self.dissipation, &mut self.potential))
     }
 
-    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
-        let architecture = self.architecture(open)?;
-        let weights = architecture.initial_weights(seed);
-        Ok((architecture, weights))
+    fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
+        let tree = self.described()?;
+        let letters = letters_of_joints(tree.bodies().iter().map(kind));
+        let origin = Origin::start_from(self.start_from.as_ref(), &letters, open)?;
+        let tree = origin.as_ref().map(|origin| self.begun(&tree, origin)).transpose()?.unwrap_or(tree);
+        let family = self.family(&tree)?;
+        let mut friction = self.friction.assemble(family.n(), "joint")?;
+        origin.iter().for_each(|origin| origin.set_friction(&mut friction));
+        let known = Known { letters: &letters, common: letters.len() };
+        let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
+        Ok(Architecture { family: family.into(), friction, corrections })
     }
 }
 

@@ -55,7 +55,7 @@ fn plane() -> u8 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodeTypeConfig {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// m > 0, kg. (Default: 1.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -81,7 +81,7 @@ pub struct NodeTypeConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EdgeTypeConfig {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// z.
     #[serde(default)]
@@ -92,7 +92,7 @@ pub struct EdgeTypeConfig {
     /// Hidden units of a potential of z. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub potential: Option<Vec<u16>>,
-    /// Of the hidden layers. (Default: squareplus.)
+    /// Activation of the hidden layers. (Default: squareplus.)
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
     pub activation: Option<Activation>,
 }
@@ -119,6 +119,10 @@ impl FamilyConfig for GraphConfig {
 
     fn networks(&mut self) -> Option<NetworksBeside<'_>> {
         None
+    }
+
+    fn architecture(&self, _open: Open) -> Result<Architecture, ShapeError> {
+        self.assemble().map(Into::into)
     }
 
     fn beginning(&self, seed: u64, _open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {

@@ -26,7 +26,7 @@ pub struct DissipationConfig {
     /// Units of the hidden layers. (Default: 8.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub hidden: Option<Vec<u16>>,
-    /// Of the hidden layers. (Default: tanh.)
+    /// Activation of the hidden layers. (Default: tanh.)
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
     pub activation: Option<Activation>,
 }
@@ -41,7 +41,7 @@ pub struct PotentialConfig {
     /// Units of the hidden layers. (Default: 8.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub hidden: Option<Vec<u16>>,
-    /// Of the hidden layers. (Default: tanh.)
+    /// Activation of the hidden layers. (Default: tanh.)
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
     pub activation: Option<Activation>,
 }

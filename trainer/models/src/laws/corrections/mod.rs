@@ -34,7 +34,7 @@ pub struct CorrectionNetwork {
     pub coordinates: String,
     /// Units of the hidden layers.
     pub widths: Vec<u16>,
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     pub activation: Activation,
 }
 

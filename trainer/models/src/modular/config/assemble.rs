@@ -48,11 +48,10 @@ pub struct Assembled {
 impl Assembled {
     /// The architecture, and the weights that training begins with.
     fn beginning(self, seed: u64) -> (Architecture, Vec<f64>) {
-        let weights = self.initial_weights(seed);
-        let Self { architecture, friction, corrections, trained_corrections, .. } = self;
-        let architecture = Architecture { family: architecture.into(), friction, corrections };
+        let (weights, trained) = (self.initial_weights(seed), self.trained_corrections.clone());
+        let architecture = Architecture::from(self);
         let mut weights = architecture.with_laws(weights, seed);
-        architecture.corrections.put(&trained_corrections, &mut weights);
+        architecture.corrections.put(&trained, &mut weights);
         (architecture, weights)
     }
 
@@ -95,6 +94,12 @@ impl Assembled {
     }
 }
 
+impl From<Assembled> for Architecture {
+    fn from(Assembled { architecture, friction, corrections, .. }: Assembled) -> Self {
+        Self { family: architecture.into(), friction, corrections }
+    }
+}
+
 impl FamilyConfig for ModularConfig {
     fn defaults() -> &'static str {
         include_str!("../config.toml")
@@ -110,6 +115,10 @@ impl FamilyConfig for ModularConfig {
 
     fn source(&self) -> Begins {
         if self.from.is_some() { Begins::Weights } else { Begins::Nothing }
+    }
+
+    fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
+        self.assemble(open).map(Into::into)
     }
 
     fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {

@@ -53,7 +53,7 @@ pub struct ModularConfig {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TypeConfig {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// How its coordinates move it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -97,7 +97,7 @@ pub struct PairConfig {
     /// Hidden units. (Default: 16.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub hidden: Option<Vec<u16>>,
-    /// Of the hidden layers. (Default: tanh.)
+    /// Activation of the hidden layers. (Default: tanh.)
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
     pub activation: Option<Activation>,
 }

@@ -88,7 +88,7 @@ impl BodiesConfig {
     ///
     /// # Errors
     /// [`ShapeError`]: what cannot be, and where.
-    pub fn architecture(&self) -> Result<Architecture, ShapeError> {
+    pub(super) fn assemble(&self) -> Result<Architecture, ShapeError> {
         let family = self.tree()?;
         let friction = self.friction.assemble(family.n(), "body")?;
         let letters = family.coordinates();

@@ -112,9 +112,7 @@ impl FamilyConfig for BodiesConfig {
         Some((&mut self.dissipation, &mut self.potential))
     }
 
-    fn beginning(&self, seed: u64, _open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
-        let architecture = self.architecture()?;
-        let weights = architecture.initial_weights(seed);
-        Ok((architecture, weights))
+    fn architecture(&self, _open: Open) -> Result<Architecture, ShapeError> {
+        self.assemble()
     }
 }
