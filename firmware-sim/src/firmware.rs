@@ -47,6 +47,8 @@ impl<const N: usize> Outcome<N> {
     }
 }
 
+/// Elapsed ticks where a log begins: longer than any patience.
+pub(crate) const FIRST_TICK: u32 = u32::MAX;
 /// Ticks that the firmware goes through at most when it wakes: beyond any patience and any delay.
 const MOST_ELAPSED: u32 = 256;
 
@@ -97,11 +99,15 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         self.give(outcome, command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe }))
     }
 
-    /// Runs on samples and the command of a log, which takes the place of the controller's.
+    /// Runs on samples and the command of a log, which takes the place of the controller's; before the first tick of a recording that
+    /// command is taken to have stood.
     pub fn replay(&mut self, elapsed: u32, measured: &[Option<f32>; N], u: [f32; N]) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };
         let estimated = self.estimate(elapsed, measured, &mut outcome);
         outcome.errors += u32::from(estimated.is_err());
+        if elapsed == FIRST_TICK {
+            self.line.take_past(u);
+        }
         let mode = match estimated {
             Err(_) => Mode::Safe,
             Ok(()) if self.observer.trusted() => Mode::Open,

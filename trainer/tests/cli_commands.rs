@@ -1,5 +1,7 @@
 //! The command as people use it: exit codes, files, messages, interruption.
 
+#[path = "cli_commands/actuators.rs"]
+mod actuators;
 #[path = "cli_commands/arms.rs"]
 mod arms;
 #[path = "cli_commands/bags.rs"]

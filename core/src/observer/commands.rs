@@ -33,6 +33,12 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
         self.pending.pop_front().unwrap_or(self.last)
     }
 
+    /// Takes all commands so far to have been this one.
+    pub fn take_past(&mut self, command: [R; N]) {
+        self.last = command;
+        self.pending.iter_mut().for_each(|pending| *pending = command);
+    }
+
     /// The commands of the coming steps that are already decided, soonest first: one for every step of delay.
     pub fn decided(&self) -> impl Iterator<Item = &[R; N]> {
         self.pending.iter()
@@ -55,6 +61,12 @@ impl<R: Real, const N: usize> Commands<R, N> {
     /// Actuators at rest whose commands are late by `whole` steps (at most [`MAX_DELAY`]) and the delay of `actuator`.
     pub fn new(whole: u8, actuator: Actuator<R, N>) -> Self {
         Self { line: DelayLine::new(whole), actuator, before: [R::zero(); N] }
+    }
+
+    /// Takes all commands so far to have been this one: a log begins in the middle of a motion.
+    pub fn take_past(&mut self, command: [R; N]) {
+        self.line.take_past(command);
+        self.before = command;
     }
 
     /// Begins a step: takes its command, or the last one again where there is none, and gives the force over it.

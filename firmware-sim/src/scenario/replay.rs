@@ -1,7 +1,7 @@
 use super::run::RunError;
 use crate::Processor;
 use crate::angle::difference;
-use crate::firmware::Outcome;
+use crate::firmware::{FIRST_TICK, Outcome};
 use crate::program::Program;
 use crate::summary::{Goal, Recorder, Summary};
 use crate::tick::Tick;
@@ -20,8 +20,8 @@ pub struct Logged<const N: usize> {
 }
 
 impl<const N: usize> Logged<N> {
-    /// Longer than any patience: the firmware forgets the state that it knew, though not the zeros that it learned.
-    pub const FIRST: u32 = u32::MAX;
+    /// Longer than any patience: the firmware forgets the state that it knew, though not the zeros that it learned, and takes the first command to have stood before.
+    pub const FIRST: u32 = FIRST_TICK;
 }
 
 /// Runs a firmware along a log: its observer takes the readings, the commands of the log take the place of the controller's.

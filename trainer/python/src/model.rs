@@ -302,6 +302,9 @@ impl Model {
         let n = self.n();
         let commands = table("u", &commands, &[n])?;
         let mut actuators = self.chip()?.borrow_dependent().actuators(h as f32).map_err(input)?;
+        if commands.count > 0 {
+            actuators.take_past(commands.row(0)).map_err(input)?;
+        }
         let (mut start, mut end) = (Vec::new(), Vec::new());
         for k in 0..commands.count {
             let next = commands.row((k + 1).min(commands.count - 1));
@@ -328,7 +331,8 @@ impl Model {
         let kind = if linear { ControlKind::Linear } else { ControlKind::Held };
         let last = commands.count.saturating_sub(1);
         let command = |k: isize, i: usize| {
-            usize::try_from(k).map_or(0.0, |k| commands.row(k.min(last)).get(i).copied().unwrap_or(0.0))
+            let k = usize::try_from(k).unwrap_or(0);
+            commands.row(k.min(last)).get(i).copied().unwrap_or(0.0)
         };
         let actuator = &self.host.facts.actuator;
         let places = (0..commands.count).flat_map(|k| (0..n).map(move |i| (k, i)));

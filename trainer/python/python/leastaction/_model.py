@@ -285,7 +285,7 @@ class Model:
 
     def forces(self, commands: ArrayLike, *, h: float | None = None, control: str = "held") -> tuple[Array, Array]:
         """The forces at the start and at the end of the steps that begin at the samples of `commands`, [samples, n], by the file's
-        gain, offset and delay; N or N m. Before the first command all were 0."""
+        gain, offset and delay; N or N m. Before the first command it is taken to have stood."""
         h, _ = self._step(h, 2)
         rows = _rows(np.asarray(commands, self.dtype), self._n, "commands")
         forces = self._core.forces_double if self._double else self._core.forces

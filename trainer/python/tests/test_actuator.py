@@ -1,0 +1,54 @@
+"""Commands become forces by gain, offset and delay, in double precision as on the chip."""
+
+import numpy as np
+import pytest
+
+import leastaction as la
+
+H, GAIN, OFFSET = 0.05, -0.75, 0.25
+STEPS = 30
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.013, 0.12], ids=["no delay", "part of a step", "steps and a part"])
+def driven(request, log, tmp_path_factory):
+    """A model whose file has an actuator, and its delay."""
+    config = {"data": {"file": log}, "model": {"coordinates": "ta", "hidden": [8]}}
+    config["calibration"] = {"gain": GAIN, "offset": OFFSET, "delay": request.param}
+    config["training"] = {"iterations": 1, "loss": "windows", "threads": 2}
+    return la.train(config, tmp_path_factory.mktemp("driven") / "run", progress=False).model, request.param
+
+
+def naive_forces(commands, delay, control):
+    """The linear force of every step with the impulse and the moment of g u(t − d) + o, by a fine sum over the step."""
+    fine = (np.arange(20000) + 0.5) / 20000
+    late, count = delay / H, len(commands)
+    start, end = np.empty_like(commands), np.empty_like(commands)
+    for k in range(count):
+        at = np.clip(k + fine - late, 0, count - 1)
+        below = np.floor(at).astype(int)
+        along = 0 if control == "held" else (at - below)[:, None]
+        u = commands[below] + along * (commands[np.minimum(below + 1, count - 1)] - commands[below])
+        force = GAIN * u + OFFSET
+        mean, moment = force.mean(0), ((fine - 0.5)[:, None] * force).mean(0)
+        start[k], end[k] = mean - 6 * moment, mean + 6 * moment
+    return start, end
+
+
+@pytest.mark.parametrize("control", ["held", "linear"])
+def test_rollouts_know_the_actuator(driven, control):
+    model, delay = driven
+    assert np.allclose(model.actuator["gain"], GAIN) and model.actuator["delay"] == pytest.approx(delay)
+    t = H * np.arange(STEPS + (control == "linear"))[:, None]
+    commands = 0.5 * np.sin(3 * t + [1, 2])
+    start, end = naive_forces(commands, delay, control)
+    q, v = np.array([0.1, -0.2]), np.array([0.3, 0.1])
+    for own, steps_within, forces_within in ((model.double, 1e-9, 1e-7), (model, 1e-4, 1e-5)):
+        given = own.forces(commands, h=H, control=control)
+        for ours, theirs in zip(given, (start, end)):
+            assert np.abs(ours - theirs)[:STEPS].max() < forces_within
+        found = own.rollout(q, v, commands, h=H, control=control, commands=True)
+        now = q, v
+        for k in range(STEPS):
+            now = own.step(*now, given[0][k], u_end=given[1][k], h=H)
+            assert np.allclose(now[0], found.q[k + 1], rtol=0, atol=steps_within)
+            assert np.allclose(now[1], found.v[k + 1], rtol=0, atol=100 * steps_within)
