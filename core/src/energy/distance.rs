@@ -1,4 +1,4 @@
-//! What networks see of a distance r = |d|: one definition for the pairs of [`modular`](super::modular) and the edges of
+//! Features of a distance r = |d| that networks see: one definition for the pairs of [`modular`](super::modular) and the edges of
 //! [`graph`](super::graph).
 
 use crate::network::Jet;
@@ -16,7 +16,7 @@ pub(super) enum DistanceFeature {
 }
 
 impl DistanceFeature {
-    /// z with `O` ≤ 2 derivatives in s = r².
+    /// z with its first `O` ≤ 2 derivatives in s = r².
     #[inline(always)]
     pub fn of_square<S: Scalar, const O: usize>(self, s: S) -> Jet<S, O> {
         match self {
@@ -34,7 +34,7 @@ impl DistanceFeature {
         }
     }
 
-    /// z of a difference d, and (∂z/∂r)/r, which times d is ∂z/∂d; both with the tangents of d.
+    /// z of a difference d, and (∂z/∂r)/r, which times d is ∂z/∂d; both with tangents along those of d.
     #[inline(always)]
     pub fn of_difference<S: Scalar, const T: usize, const D: usize>(
         self,

@@ -1,4 +1,4 @@
-//! Lists of at most a compiled number of items, as shapes in model files hold them.
+//! Lists with a compiled maximum length, for the shapes in model files.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -7,30 +7,30 @@ use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::ser::SerializeTuple;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// At most `MAX` items, in order.
+/// A list of at most `MAX` items.
 ///
-/// In a model file it is `MAX` options one after the other, as an array is. A file may hold a `None` before an item; such a
-/// list has a [gap](List::has_gap), its items end there, and no shape with one is accepted.
+/// A list in a model file is `MAX` consecutive options, like an array. A file may hold a `None` before an item: such a list has a
+/// [gap](List::has_gap), its items end at the gap, and shapes with a gap are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct List<T, const MAX: usize> {
-    /// The items, then as many `None` as fill the array.
+    /// The items, then `None` up to the end of the array.
     pub slots: [Option<T>; MAX],
 }
 
 impl<T, const MAX: usize> List<T, MAX> {
-    /// The item with number `index`, from 0.
+    /// The item at `index`, from 0.
     #[inline(always)]
     pub fn get(&self, index: impl Into<usize>) -> Option<&T> {
         self.slots.get(index.into())?.as_ref()
     }
 
-    /// The items, first to last.
+    /// Iterates over the items in order.
     #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = &T> + Clone {
         self.slots.iter().map_while(Option::as_ref)
     }
 
-    /// The items, first to last, to be changed in place.
+    /// Iterates over the items in order, mutably.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.slots.iter_mut().map_while(Option::as_mut)
     }
@@ -50,8 +50,7 @@ impl<T, const MAX: usize> List<T, MAX> {
         self.slots.iter().flatten().count() != self.len()
     }
 
-    /// The list of what `convert` makes of the items, in order; `None` where it gives none of one, or there are more than
-    /// `TO` of them.
+    /// Converts all items in order; `None` if `convert` returns `None` for an item, or there are more than `TO` items.
     #[inline(always)]
     pub fn try_map<'t, U, const TO: usize>(
         &'t self,
@@ -67,7 +66,7 @@ impl<T, const MAX: usize> List<T, MAX> {
 }
 
 impl<T: Copy, const MAX: usize> List<T, MAX> {
-    /// The list of these items; `None` for more than `MAX`.
+    /// Creates a list of the given items; `None` for more than `MAX`.
     pub fn new(items: &[T]) -> Option<Self> {
         let mut list = Self::default();
         for (slot, item) in list.slots.get_mut(..items.len())?.iter_mut().zip(items) {
@@ -77,7 +76,7 @@ impl<T: Copy, const MAX: usize> List<T, MAX> {
     }
 }
 
-/// No item.
+/// The empty list.
 impl<T, const MAX: usize> Default for List<T, MAX> {
     fn default() -> Self {
         Self { slots: [const { None }; MAX] }

@@ -1,12 +1,12 @@
-//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian). Derivatives in the weights are no part of
-//! them: training has its own, from programs of the same energies.
+//! Families of energies, each with a [`Lagrangian`](crate::lagrangian::Lagrangian). Derivatives in the weights are not part of them:
+//! training takes those from programs of the same energies.
 //!
 //! - [`inertia_network`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
-//! - [`bodies`]: trees of rigid bodies on joints in the plane, by their masses, lengths and inertias;
+//! - [`bodies`]: trees of rigid bodies on joints in the plane, given by masses, lengths and inertias;
 //! - [`arm`]: trees of rigid bodies on joints in space;
 //! - [`modular`]: a tree of reusable elements (ModLaNet);
-//! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
-//! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
+//! - [`graph`]: any number of particles with potentials of single nodes, of pairs and of messages (LGNN);
+//! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines, for references and plants.
 
 pub mod arm;
 pub mod bodies;

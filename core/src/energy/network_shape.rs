@@ -6,7 +6,7 @@ use crate::scalar::WeightFormat;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Hidden layers of a network at most.
+/// Maximum number of hidden layers of a network.
 pub const MAX_HIDDEN: usize = 4;
 
 /// The shape of one network.
@@ -23,20 +23,20 @@ pub struct NetworkShape {
 }
 
 impl NetworkShape {
-    /// A network with hidden layers of these widths; `None` for more than `MAX_HIDDEN` of them.
+    /// Creates a network shape with hidden layers of the given widths; `None` for more than `MAX_HIDDEN` of them.
     pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
         let mut all = [0; MAX_HIDDEN];
         all.get_mut(..widths.len())?.copy_from_slice(widths);
         Some(Self { inputs, widths: all, outputs, activation })
     }
 
-    /// Units of each hidden layer, and how many layers there are.
+    /// Units of each hidden layer, and the number of hidden layers.
     pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
         let depth = self.widths.iter().take_while(|width| **width != 0).count();
         (self.widths.map(usize::from), depth)
     }
 
-    /// Numbers in the weight block; `None` on overflow.
+    /// Length of the weight block, in numbers; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         let (widths, depth) = self.widths();
         Mlp::<f32, 0, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
@@ -48,13 +48,13 @@ impl NetworkShape {
         self.widths.iter().skip(depth).all(|width| *width == 0)
     }
 
-    /// Whether the network has this number of inputs and of outputs.
+    /// Whether the network has the given numbers of inputs and outputs.
     pub fn serves(&self, inputs: usize, outputs: usize) -> bool {
         usize::from(self.inputs) == inputs && usize::from(self.outputs) == outputs
     }
 
-    /// Takes the network from the front of `block`. `None` where the block is too short, or it has more than `L` hidden layers or
-    /// `H` units in one.
+    /// Takes the network from the front of `block`. `None` if the block is too short, or the network has more than `L` hidden layers or `H`
+    /// units in a layer.
     #[inline(always)]
     pub(crate) fn take<'a, W: WeightFormat, const H: usize, const L: usize>(
         &self,
@@ -75,21 +75,21 @@ impl NetworkShape {
     }
 }
 
-/// The networks of a model: operations on all of them.
+/// Operations on all networks of a model.
 impl<const MAX: usize> List<NetworkShape, MAX> {
-    /// Numbers of all networks in the weight block; `None` on overflow.
+    /// Length of all networks in the weight block, in numbers; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         self.iter().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))
     }
 
-    /// Whether the network with this number exists, and has this number of inputs and of outputs.
-    // One copy of the code: it is called for every use of a network.
+    /// Whether the network with this number exists and has the given numbers of inputs and outputs.
+    // Not generic, so there is one copy of the code: it is called for every use of a network.
     #[inline(never)]
     pub fn serves(&self, network: u8, inputs: usize, outputs: usize) -> bool {
         self.get(network).is_some_and(|network| network.serves(inputs, outputs))
     }
 
-    /// The name of what is invalid, whatever the networks are used for; `None` where all is valid.
+    /// Name of the first invalid part, whatever the use of the networks; `None` if all is valid.
     pub fn invalid_part(&self) -> Option<&'static str> {
         let invalid = [
             (self.has_gap(), "list of networks"),
@@ -107,8 +107,8 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
         self.iter().try_for_each(NetworkShape::check_size::<H, L>)
     }
 
-    /// Takes all networks from the front of `block`. `None` where the block is too short, there are more than `K` networks, or one
-    /// has more than `L` hidden layers or `H` units in one.
+    /// Takes all networks from the front of `block`. `None` if the block is too short, there are more than `K` networks, or a network has
+    /// more than `L` hidden layers or `H` units in a layer.
     pub(super) fn take<'a, W: WeightFormat, const K: usize, const H: usize, const L: usize>(
         &self,
         block: &mut &'a [W],
@@ -117,7 +117,7 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
     }
 }
 
-/// The name of the first part that is invalid; `None` where none is.
+/// Name of the first invalid part; `None` if all are valid.
 pub(super) fn first_invalid(parts: &[(bool, &'static str)]) -> Option<&'static str> {
     parts.iter().find(|(invalid, _)| *invalid).map(|(_, name)| *name)
 }
@@ -126,11 +126,11 @@ pub(super) fn first_invalid(parts: &[(bool, &'static str)]) -> Option<&'static s
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SizeError {
-    /// What was counted: coordinates, dimensions of space, types, networks, hidden layers, or units in one.
+    /// Counted quantity: coordinates, dimensions of space, types, networks, hidden layers, or units in a layer.
     pub what: &'static str,
-    /// The model's number of them.
+    /// Count in the model.
     pub found: usize,
-    /// The number compiled in: exact for coordinates and dimensions of space, at most for the others.
+    /// Count compiled in: exact for coordinates and dimensions of space, a maximum for all other quantities.
     pub compiled: usize,
 }
 
@@ -138,7 +138,7 @@ impl SizeError {
     /// Checks a number that may be at most `compiled`.
     ///
     /// # Errors
-    /// The error, for a larger number.
+    /// The error itself, for a larger number.
     pub fn check(what: &'static str, found: usize, compiled: usize) -> Result<(), Self> {
         if found <= compiled { Ok(()) } else { Err(Self { what, found, compiled }) }
     }

@@ -1,17 +1,17 @@
-//! The energies that a network gives, and adjoints of its inputs.
+//! Energies of a network with one output, and adjoints of its inputs.
 
 use crate::network::{Jet, Mlp, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 
 impl<W: WeightFormat, const H: usize, const L: usize> Mlp<'_, W, H, L> {
-    /// U(x) alone, of a network with one output.
+    /// Energy U(x) of a network with one output.
     pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 0>]) -> S {
         let mut y = [Jet::zero(); 1];
         self.evaluate::<S, 0>(x, &mut y);
         y[0].value
     }
 
-    /// `weight` times the gradient of U, with the gradient's tangents, of a network with one output.
+    /// `weight` times the gradient of U, with tangents, for a network with one output.
     pub(super) fn gradient<S: Scalar<Weight = W::Wide>, const T: usize, const I: usize>(
         &self,
         x: &[Jet<S, T>; I],
@@ -35,7 +35,7 @@ impl<W: WeightFormat, const H: usize, const L: usize> Mlp<'_, W, H, L> {
         self.adjoint(&tape, bar(y).as_ref(), x_bar);
     }
 
-    /// [`Mlp::pull_back`] by an adjoint pass that is compiled once for all its callers: less code where a program has several.
+    /// [`Mlp::pull_back`] with an adjoint pass that is compiled once for all callers: less code in a program with several.
     #[inline(always)]
     pub(super) fn pull_back_apart<S: Scalar<Weight = W::Wide>, const T: usize, B: AsRef<[Jet<S, T>]>>(
         &self,

@@ -1,16 +1,16 @@
-//! Exact mechanisms whose inertia and potential are sums of cosines of the coordinates: M_ij = Σ c cos(k·q),
-//! V = Σ c cos(k·q). They are references for tests, ground truth for data, and plants for the firmware loop.
+//! Exact mechanisms whose inertia and potential are sums of cosines of the coordinates: M_ij = Σ c cos(k·q), V = Σ c cos(k·q). They serve
+//! as references for tests, ground truth for data, and plants for the firmware loop.
 
 use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
 use crate::linear::{dot, multiply};
 use crate::scalar::{Real, Scalar};
 
-/// c cos(k·q), in one entry of M and its mirror, or in V.
+/// A term c cos(k·q) of V, or of an entry of M and its mirror entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave<const N: usize> {
-    /// c.
+    /// Amplitude c.
     pub amplitude: f64,
-    /// k; all zero makes the term constant.
+    /// Wave vector k; if it is zero, the term is constant.
     pub wave: [f64; N],
 }
 
@@ -102,7 +102,7 @@ impl<const N: usize> Trigonometric<'_, N> {
         mass
     }
 
-    /// The terms of M that lie in the matrix.
+    /// The terms of M that lie inside the matrix.
     fn entries(&self) -> impl Iterator<Item = (usize, usize, &Wave<N>)> {
         self.inertia.iter().map(|(i, j, wave)| (*i, *j, wave)).filter(|(i, j, _)| *i < N && *j < N)
     }
@@ -114,7 +114,7 @@ impl<const N: usize> Trigonometric<'_, N> {
     }
 }
 
-/// ½ v_i v_j for an entry on the diagonal, v_i v_j for one that stands for two.
+/// ½ v_i v_j for an entry on the diagonal, v_i v_j for one below it, which stands for two.
 fn kinetic_weight<S: Scalar, const N: usize>(v: &[S; N], i: usize, j: usize) -> S {
     let product = v[i] * v[j];
     if i == j { product.half() } else { product }

@@ -4,15 +4,15 @@ use super::section::take_f32;
 use crate::expected::expected;
 use crate::forces::Actuator;
 
-/// The actuator of a model as the file has it: the delay (s), then gain and offset of every coordinate, each four bytes.
+/// Actuator of a model in its file form: the delay (s), then gain and offset of every coordinate, four bytes each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ActuatorBytes<'a>(&'a [u8]);
 
 impl<'a> ActuatorBytes<'a> {
-    /// From a model file.
+    /// Checks and borrows the bytes of a model file.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`]: gains are finite and not 0, offsets finite, the delay finite and not negative.
+    /// [`ModelError::OutOfRange`] unless gains are finite and not 0, offsets finite, and the delay finite and not negative.
     pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
         let mut rest = bytes;
         let delay = take_f32(&mut rest)?;
@@ -27,40 +27,40 @@ impl<'a> ActuatorBytes<'a> {
         Ok(Self(bytes))
     }
 
-    /// As the file has it.
+    /// The bytes as they stand in the file.
     pub const fn bytes(&self) -> &'a [u8] {
         self.0
     }
 
-    /// Coordinates that it is for.
+    /// Number of coordinates.
     pub fn n(&self) -> usize {
         self.0.len().saturating_sub(4) / 8
     }
 
-    /// d, s.
+    /// Delay d, s.
     pub fn delay(&self) -> f32 {
         let mut bytes = self.0;
         expected(take_f32(&mut bytes).ok(), 0.0)
     }
 
-    /// For steps of h seconds: the number of whole steps that a command is late, and the rest of the delay, part of a step.
+    /// Splits the delay at steps of h seconds: the number of whole steps that a command is late, and the remaining fraction of a step.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for a delay of more than 65,535 steps.
     pub fn delay_at_step(&self, h: f32) -> Result<(u16, f32), ModelError> {
         let steps = self.delay() / h;
-        // h must be positive; not a number is in no range.
+        // h must be positive; no range contains NaN.
         require((0.0..=f32::from(u16::MAX)).contains(&steps) && h > 0.0, "delay of the actuator")?;
-        // Not negative: to truncate it is to take the whole steps.
+        // Not negative, so truncation takes the whole steps.
         let whole = steps as u16;
         Ok((whole, steps - f32::from(whole)))
     }
 
-    /// For steps of h seconds: the number of whole steps that a command is late, and the actuator with the rest of the delay.
+    /// Returns the number of whole steps of h seconds that a command is late, and the actuator with the remaining delay.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where it is for another number of coordinates, [`ModelError::OutOfRange`] for a delay of more than
-    /// 65,535 steps.
+    /// [`ModelError::Shape`] if the actuator has another number of coordinates, [`ModelError::OutOfRange`] for a delay of more than 65,535
+    /// steps.
     pub fn at_step<const N: usize>(&self, h: f32) -> Result<(u16, Actuator<f32, N>), ModelError> {
         let mut actuator = Actuator::ideal();
         if self.n() != N {

@@ -18,40 +18,40 @@ pub struct ArmHeader<'a> {
     pub bodies: &'a [u8],
 }
 
-/// What the rows of a rotation and the axis of a joint may lack of being orthonormal, in the products of two of them: what
-/// single precision and half precision round away, and not more.
+/// Tolerance of the orthonormality check, by bits of a weight: how far dot products of a rotation's rows and of a joint's axis may be off,
+/// no more than what rounding to single or half precision leaves.
 const ROUNDING: [(u8, f32); 2] = [(32, 1e-5), (16, 4e-3)];
 
 impl<'a> ArmHeader<'a> {
-    /// Number of coordinates n, one a body.
+    /// Number of coordinates n, one per body.
     pub fn n(&self) -> usize {
         self.bodies.len() / TreeBody::BYTES
     }
 
-    /// Groups of coordinates: one each.
+    /// Number of groups of coordinates: every coordinate is a group of its own.
     pub(super) fn groups(&self) -> usize {
         self.n()
     }
 
-    /// Coordinates that every mechanism of a file has.
+    /// Number of coordinates that every mechanism of a file has.
     pub(super) fn common_coordinates(&self) -> usize {
         self.n()
     }
 
-    /// The bodies in order, `None` for one whose joint does not exist.
+    /// The bodies in order; `None` for a body whose joint does not exist.
     pub fn bodies(&self) -> impl Iterator<Item = Option<TreeBody>> + use<'a> {
         BodiesHeader::planar(self.bodies).bodies()
     }
 
-    /// The tree, which must have N bodies.
+    /// Returns the tree, which must have N bodies.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] for what is no tree of N bodies.
+    /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] if the bodies are no tree of N bodies.
     pub fn tree<const N: usize>(&self) -> Result<BodyTree<N>, ModelError> {
         BodiesHeader::planar(self.bodies).tree()
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require(self.bodies.len().is_multiple_of(TreeBody::BYTES), "length of a tree")?;
         require(self.n() <= MAX_TREE_COORDINATES, "number of coordinates of a tree")?;
@@ -72,7 +72,7 @@ impl<'a> ArmHeader<'a> {
 
 /// A tree of N rigid bodies on joints in space.
 ///
-/// `W` and `F` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` and `F` are those of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type ArmModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<ArmBodies<'a, W, N>, F>>;
 
@@ -81,7 +81,7 @@ impl ArmHeader<'_> {
     /// training.
     ///
     /// # Errors
-    /// [`ModelError`] where the block or the compiled number of bodies does not fit, or the program has not all laws.
+    /// [`ModelError`] if the block or the compiled number of bodies does not fit, or the program lacks one of the laws.
     pub fn system<'w, W, S, F, const N: usize>(
         &self,
         laws: Laws,
@@ -111,7 +111,7 @@ impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> ArmM
     }
 }
 
-/// Checks the numbers of a body, which are finite.
+/// Checks the numbers of a body, which are already known to be finite.
 fn check(body: &ArmParameters<f32>, rounding: f32) -> Result<(), ModelError> {
     let near = |a: f32, b: f32| (a - b).max(b - a) <= rounding;
     let dot = |a: &[f32; 3], b: &[f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -9,7 +9,7 @@ use crate::forces::{System, Viscous};
 use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// Dimensions of the space that the bodies of this format move in.
+/// Dimensions of the space of this format's bodies.
 const DIMENSIONS: u8 = 2;
 
 /// The shape of a tree of rigid bodies on joints.
@@ -26,8 +26,8 @@ impl TreeBody {
     /// Bytes of a body in a model file.
     pub const BYTES: usize = 2;
 
-    /// As a model file has it: the joint, 0 revolute, 1 prismatic; and 0 (it sits on the ground) or 1 + the body that it sits on.
-    /// `None` on body 255, whose number a byte does not hold.
+    /// The body in a model file: the joint (0 revolute, 1 prismatic), then 0 if it sits on the ground or 1 + the index of its parent.
+    /// `None` if the parent is body 255, which no byte can hold.
     pub fn to_bytes(self) -> Option<[u8; Self::BYTES]> {
         let parent = match self.parent {
             None => 0,
@@ -36,7 +36,7 @@ impl TreeBody {
         Some([self.joint as u8, parent])
     }
 
-    /// From a model file; `None` for a joint that does not exist.
+    /// Reads a body of a model file; `None` for a joint that does not exist.
     pub fn from_bytes([joint, parent]: [u8; Self::BYTES]) -> Option<Self> {
         let joint = match joint {
             0 => Joint::Revolute,
@@ -53,37 +53,37 @@ impl<'a> BodiesHeader<'a> {
         Self { dimensions: DIMENSIONS, bodies }
     }
 
-    /// Number of coordinates n, one a body.
+    /// Number of coordinates n, one per body.
     pub fn n(&self) -> usize {
         self.bodies.len() / TreeBody::BYTES
     }
 
-    /// Groups of coordinates: one each.
+    /// Number of groups of coordinates: every coordinate is a group of its own.
     pub(super) fn groups(&self) -> usize {
         self.n()
     }
 
-    /// Coordinates that every mechanism of a file has.
+    /// Number of coordinates that every mechanism of a file has.
     pub(super) fn common_coordinates(&self) -> usize {
         self.n()
     }
 
-    /// The bodies in order, `None` for one whose joint does not exist.
+    /// The bodies in order; `None` for a body whose joint does not exist.
     pub fn bodies(&self) -> impl Iterator<Item = Option<TreeBody>> + use<'a> {
         let (bodies, _) = self.bodies.as_chunks();
         bodies.iter().map(|bytes| TreeBody::from_bytes(*bytes))
     }
 
-    /// The tree, which must have N bodies.
+    /// Returns the tree, which must have N bodies.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] for what is no tree of N bodies.
+    /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] if the bodies are no tree of N bodies.
     pub fn tree<const N: usize>(&self) -> Result<BodyTree<N>, ModelError> {
         require(self.bodies().all(|body| body.is_some()), "joint of a body")?;
         BodyTree::new(self.bodies().flatten()).map_err(ModelError::Tree)
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require(self.dimensions == DIMENSIONS, "dimensions of the space of bodies")?;
         require(self.bodies.len().is_multiple_of(TreeBody::BYTES), "length of a tree")?;
@@ -104,7 +104,7 @@ impl<'a> BodiesHeader<'a> {
 
 /// A tree of N rigid bodies on joints in the plane.
 ///
-/// `W` and `F` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` and `F` are those of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<PlanarBodies<'a, W, N>, F>>;
 
@@ -113,7 +113,7 @@ impl BodiesHeader<'_> {
     /// training.
     ///
     /// # Errors
-    /// [`ModelError`] where the block or the compiled number of bodies does not fit, or the program has not all laws.
+    /// [`ModelError`] if the block or the compiled number of bodies does not fit, or the program lacks one of the laws.
     pub fn system<'w, W, S, F, const N: usize>(
         &self,
         laws: Laws,
@@ -143,7 +143,7 @@ impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> Bodi
     }
 }
 
-/// Checks the numbers of a body, which are finite.
+/// Checks the numbers of a body, which are already known to be finite.
 fn check(body: &BodyParameters<f32>) -> Result<(), ModelError> {
     require(body.mass > 0.0, "mass of a body")?;
     require(body.inertia > 0.0, "moment of inertia of a body")?;

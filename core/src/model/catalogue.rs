@@ -1,18 +1,18 @@
-//! All reasons for which a file is refused, as numbers: one list for this crate, its C interface and the link to a processor.
+//! Catalogue of all reasons for refusing a file, by number: one list for this crate, its C interface and the link to a processor.
 
 use super::ModelError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
 use core::ffi::CStr;
 
-/// A reason, as programs in other languages and on other processors know it.
+/// A reason for refusing a file, in the form known to programs in other languages and on other processors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// Its number, never given another meaning.
+    /// Number of the reason, never given another meaning.
     pub code: u8,
-    /// In a word.
+    /// Name, one word.
     pub name: &'static str,
-    /// In a sentence, without numbers.
+    /// Message in a sentence, without numbers.
     pub message: &'static CStr,
 }
 
@@ -20,7 +20,7 @@ const fn entry(code: u8, name: &'static str, message: &'static CStr) -> Entry {
     Entry { code, name, message }
 }
 
-/// All reasons, by their numbers.
+/// All reasons, in the order of their numbers.
 pub const CATALOGUE: [Entry; 44] = [
     entry(8, "no_step", c"the file does not say a step and an order"),
     entry(20, "too_short", c"not a whole model file"),
@@ -68,14 +68,14 @@ pub const CATALOGUE: [Entry; 44] = [
     entry(69, "other_graph_error", c"the graph was refused"),
 ];
 
-/// A reason with the numbers that it carries.
+/// A reason with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Coded {
-    /// Its number in [`CATALOGUE`].
+    /// Number of the reason in [`CATALOGUE`].
     pub code: u8,
-    /// The numbers of the error in the order of its fields, the others 0.
+    /// The numbers of the error in the order of its fields, padded with 0.
     pub numbers: [usize; 3],
-    /// What it is about, in words.
+    /// Subject of the error, in words.
     pub what: Option<&'static str>,
 }
 
@@ -94,7 +94,7 @@ impl Coded {
 }
 
 impl ModelError {
-    /// The reason as numbers.
+    /// Returns the reason as numbers.
     pub fn coded(&self) -> Coded {
         match *self {
             Self::NoStep => Coded::bare(8),
@@ -132,7 +132,7 @@ impl ModelError {
 }
 
 impl TreeError {
-    /// The reason as numbers.
+    /// Returns the reason as numbers.
     pub fn coded(&self) -> Coded {
         match *self {
             Self::Empty => Coded::bare(40),
@@ -144,7 +144,7 @@ impl TreeError {
 }
 
 impl GraphError {
-    /// The reason as numbers.
+    /// Returns the reason as numbers.
     pub fn coded(&self) -> Coded {
         match *self {
             Self::Empty => Coded::bare(50),
@@ -165,7 +165,7 @@ impl GraphError {
     }
 }
 
-/// The entry of a number, where there is one.
+/// Returns the entry with the given number, if it exists.
 pub fn entry_of(code: u8) -> Option<&'static Entry> {
     CATALOGUE.iter().find(|entry| entry.code == code)
 }

@@ -5,7 +5,7 @@ use crate::energy::modular::TreeError;
 use crate::forces::ControlKind;
 use core::fmt;
 
-/// Why a model file was refused.
+/// Reason for refusing a model file.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -22,68 +22,68 @@ pub enum ModelError {
         /// The version in the file.
         found: u8,
     },
-    /// The file was damaged.
+    /// The checksum does not match: the file was damaged.
     Checksum {
-        /// In the file.
+        /// Checksum in the file.
         stored: u32,
-        /// Of the bytes as they are.
+        /// Checksum computed from the bytes.
         computed: u32,
     },
     /// The header is not a postcard document of this format.
     Malformed,
     /// Bytes after the end of a shape.
     TrailingBytes {
-        /// How many.
+        /// Number of excess bytes.
         bytes: usize,
     },
     /// The weight block does not begin at a multiple of 4: align the array that holds the file.
     Unaligned {
-        /// Its address modulo 4.
+        /// Address of the block modulo 4.
         offset: u8,
     },
     /// Weights are little-endian and borrowed in place, which this processor cannot read.
     BigEndian,
-    /// The shape asks for another number of weights than the block has.
+    /// The weight block does not have the number of weights that the shape needs.
     WeightCount {
-        /// In the block.
+        /// Weights in the block.
         found: usize,
-        /// By the shape.
+        /// Weights that the shape needs.
         needed: usize,
     },
     /// The weights are of the other precision.
     Precision {
         /// Bits of a weight in the file: 16 or 32.
         found: u8,
-        /// Those that the program was compiled for.
+        /// Bits that the program was compiled for.
         compiled: u8,
     },
     /// A weight is infinite or not a number.
     NotFinite {
-        /// Its position in the block.
+        /// Index of the weight in the block.
         index: usize,
     },
     /// A number of the header is out of range.
     OutOfRange {
-        /// Which.
+        /// Name of the number.
         what: &'static str,
     },
     /// The elements do not form a tree.
     Tree(TreeError),
     /// Nodes and edges do not form a graph, or a number of a node type is out of range.
     Graph(GraphError),
-    /// Names are missing, empty or the same.
+    /// Names are missing, empty or not unique.
     Names {
-        /// Element types or trees; node types, edge types or graphs.
+        /// Named things: element types or trees; node types, edge types or graphs.
         of: &'static str,
     },
     /// The file holds no tree of the name asked for.
     NoSuchTree {
-        /// Trees that it holds.
+        /// Number of trees in the file.
         trees: usize,
     },
     /// The file holds no graph of the name asked for.
     NoSuchGraph {
-        /// Graphs that it holds.
+        /// Number of graphs in the file.
         graphs: usize,
     },
     /// The file holds a model of another family.
@@ -93,40 +93,40 @@ pub enum ModelError {
     },
     /// The file has a section that this build does not know and that may change the physics.
     Section {
-        /// Its number.
+        /// Number of the section.
         number: u8,
     },
     /// The file lacks a section that every file has.
     MissingSection {
-        /// Which.
+        /// Name of the section.
         what: &'static str,
     },
     /// The file has a law of force that the program was not compiled for.
     Law {
-        /// Its number in the file.
+        /// Number of the law in the file.
         number: u8,
     },
-    /// A number of dry friction is out of range.
+    /// A parameter of dry friction is out of range.
     Friction {
-        /// Which number of its group.
+        /// Parameter of the group.
         number: FrictionNumber,
-        /// The coordinate of an inertia network or of bodies, the element type of a modular one; from 0.
+        /// Group, from 0: a coordinate of an inertia network or of bodies, an element type of a modular model.
         group: u16,
-        /// The number.
+        /// Value of the parameter.
         value: f32,
     },
     /// The file does not say a step and an order: the model was not trained for one.
     NoStep,
     /// The model was trained with an integrator of another order.
     Order {
-        /// In the file.
+        /// Order in the file.
         found: u8,
-        /// Of the program's integrator.
+        /// Order of the program's integrator.
         compiled: u8,
     },
-    /// Commands are held, or linear between samples, but the program takes them the other way.
+    /// The model was trained with commands held, or linear between samples, but the program takes them the other way.
     Control {
-        /// In the file.
+        /// Kind of control in the file.
         found: ControlKind,
     },
     /// The file has an actuator and the program was compiled without one, or the other way round.
@@ -136,11 +136,11 @@ pub enum ModelError {
     },
     /// The file's shape is not the one the program was compiled for.
     Shape {
-        /// Which dimension: coordinates, dimensions of space, types, networks, hidden layers, hidden width, or past commands.
+        /// Quantity: coordinates, dimensions of space, types, networks, hidden layers, hidden width, or past commands.
         what: &'static str,
-        /// In the file.
+        /// Size in the file.
         found: usize,
-        /// Compiled in: exact for coordinates and dimensions of space, at most for the others.
+        /// Compiled size: exact for coordinates and dimensions of space, a maximum for all other quantities.
         compiled: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! A family, whichever it is.
+//! Model of any family.
 
 use super::{ModelError, ShapeHeader};
 use crate::scalar::FileWeightFormat;
@@ -14,7 +14,7 @@ macro_rules! families {
         }
 
         impl Family<'_> {
-            /// Numbers of all families in a file, and their names.
+            /// Number in a file and name of every family.
             pub(super) const ALL: &'static [(u32, &'static str)] = &[$(($number, $name)),*];
 
             /// Name of the family.
@@ -24,15 +24,15 @@ macro_rules! families {
                 }
             }
 
-            /// Groups of coordinates that laws have numbers of their own for: coordinates of inertia networks, of bodies and of arms,
-            /// element types of the modular one, node types of graphs.
+            /// Number of groups of coordinates with numbers of their own for each law: coordinates of inertia networks, of bodies and of
+            /// arms, element types of modular models, node types of graphs.
             pub fn groups(&self) -> usize {
                 match self {
                     $(Self::$variant(shape) => shape.groups(),)*
                 }
             }
 
-            /// Numbers in the weight block.
+            /// Length of the weight block, in numbers.
             ///
             /// # Errors
             /// [`ModelError::OutOfRange`] for a shape that the format does not allow.

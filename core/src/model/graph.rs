@@ -7,48 +7,48 @@ use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Real, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// Graphs in one file at most.
+/// Maximum number of graphs in one file.
 pub const MAX_GRAPHS: usize = 8;
 
-/// The shape of a graph model, types and graphs apart: one set of types serves graphs of any size.
+/// The shape of a graph model. Types are kept apart from graphs: one set of types serves graphs of any size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphHeader<'a> {
-    /// Networks, node types and edge types.
+    /// Shape of the networks, node types and edge types.
     pub shape: GraphShape,
-    /// What the node types are called, separated by commas.
+    /// Names of the node types, separated by commas.
     pub node_names: &'a str,
-    /// What the edge types are called, separated by commas; empty where there are none.
+    /// Names of the edge types, separated by commas; empty if there are none.
     pub edge_names: &'a str,
-    /// The graphs, by name; the first without nodes ends the list.
+    /// The graphs, by name; the first graph without nodes ends the list.
     #[serde(borrow)]
     pub graphs: [GraphLayout<'a>; MAX_GRAPHS],
 }
 
-/// A graph: which nodes and edges there are.
+/// Nodes and edges of a graph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GraphLayout<'a> {
     /// Name.
     pub name: &'a str,
-    /// One byte a node: its type.
+    /// Type of every node, one byte each.
     pub nodes: &'a [u8],
-    /// Five bytes an edge: its type, and the two nodes that it joins, each little-endian.
+    /// Five bytes per edge: its type, then the two nodes that it joins, each little-endian.
     pub edges: &'a [u8],
-    /// Eight bytes a rod, which is known and not learned: what it hangs from ([`ORIGIN`] or a node), the node at its other end,
-    /// and its length (m, > 0, f32), each little-endian.
+    /// Eight bytes per rod (rods are known, not learned): where it hangs from ([`ORIGIN`] or a node), the node at its other end, and its
+    /// length (m, > 0, f32), each little-endian.
     pub rods: &'a [u8],
 }
 
-/// Stands for the origin where a rod may hang from a node.
+/// Node number that stands for the origin at a rod's first end.
 pub const ORIGIN: u16 = u16::MAX;
 
 /// A massless rod of a graph in a model file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rod {
-    /// What it hangs from: a node, or `None` for the origin.
+    /// First end: a node, or `None` for the origin.
     pub from: Option<u16>,
-    /// The node at its other end.
+    /// Node at the other end.
     pub to: u16,
-    /// ℓ, m.
+    /// Length ℓ, m.
     pub length: f32,
 }
 
@@ -56,7 +56,7 @@ impl Rod {
     /// Bytes of a rod in a model file.
     pub const BYTES: usize = 8;
 
-    /// As a model file has it; `None` from node 65,535, whose number stands for the origin there.
+    /// The rod in a model file; `None` for a rod from node 65,535, whose number stands for the origin.
     pub fn to_bytes(self) -> Option<[u8; Self::BYTES]> {
         if self.from == Some(ORIGIN) {
             return None;
@@ -66,14 +66,14 @@ impl Rod {
         Some([a0, a1, b0, b1, l0, l1, l2, l3])
     }
 
-    /// From a model file.
+    /// Reads a rod of a model file.
     pub fn from_bytes([a0, a1, b0, b1, length @ ..]: [u8; Self::BYTES]) -> Self {
         let from = u16::from_le_bytes([a0, a1]);
         let from = if from == ORIGIN { None } else { Some(from) };
         Self { from, to: u16::from_le_bytes([b0, b1]), length: f32::from_le_bytes(length) }
     }
 
-    /// As a constraint in `D` dimensions.
+    /// Converts the rod to a constraint in `D` dimensions.
     pub fn constraint<R: Real, const D: usize>(&self) -> Holonomic<R, D> {
         let (node, length) = (usize::from(self.to), R::constant(self.length.into()));
         match self.from {
@@ -106,7 +106,7 @@ impl GraphLayout<'_> {
     /// Writes all rods to the front of `to`, as constraints, and returns that part.
     ///
     /// # Errors
-    /// [`GraphError::TooManyRods`] where `to` is too short.
+    /// [`GraphError::TooManyRods`] if `to` is too short.
     pub fn constraints<'r, R: Real, const D: usize>(
         &self,
         to: &'r mut [Holonomic<R, D>],
@@ -125,13 +125,13 @@ impl Edge {
     /// Bytes of an edge in a model file.
     pub const BYTES: usize = 5;
 
-    /// As a model file has it.
+    /// The edge in a model file.
     pub const fn to_bytes(self) -> [u8; Self::BYTES] {
         let ([a0, a1], [b0, b1]) = (self.ends[0].to_le_bytes(), self.ends[1].to_le_bytes());
         [self.kind, a0, a1, b0, b1]
     }
 
-    /// From a model file.
+    /// Reads an edge of a model file.
     pub const fn from_bytes([kind, a0, a1, b0, b1]: [u8; Self::BYTES]) -> Self {
         Self { kind, ends: [u16::from_le_bytes([a0, a1]), u16::from_le_bytes([b0, b1])] }
     }
@@ -142,17 +142,17 @@ impl Edge {
 pub struct GraphSystem<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> {
     /// Energies and drag over the file's weights.
     pub graph: Graph<'a, W, D, K, H, L>,
-    /// Its rods.
+    /// Rods of the graph.
     pub rods: &'a [Holonomic<f32, D>],
 }
 
 impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: WeightFormat<Wide = f32>>
     GraphSystem<'a, D, K, H, L, W>
 {
-    /// What the solvers step: the graph under its rods.
+    /// The system that the solvers step: the graph under its rods.
     ///
     /// # Errors
-    /// See [`ConstraintError`]; none for a graph that was loaded.
+    /// See [`ConstraintError`]; a loaded graph causes none.
     #[allow(clippy::type_complexity, reason = "a graph and its rods, spelled out once")]
     pub fn constrained(
         &self,
@@ -168,34 +168,34 @@ impl<'a> GraphHeader<'a> {
         self.graphs.iter().take_while(|graph| !graph.nodes.is_empty())
     }
 
-    /// The graph of that name.
+    /// Returns the graph with the given name.
     ///
     /// # Errors
-    /// [`ModelError::NoSuchGraph`] where there is none.
+    /// [`ModelError::NoSuchGraph`] if there is none.
     pub fn layout(&self, name: &str) -> Result<&GraphLayout<'a>, ModelError> {
         let none = || ModelError::NoSuchGraph { graphs: self.graphs().count() };
         self.graphs().find(|graph| graph.name == name).ok_or_else(none)
     }
 
-    /// Groups of coordinates: one a node type.
+    /// Number of groups of coordinates, one per node type.
     pub(super) fn groups(&self) -> usize {
         self.shape.nodes.len()
     }
 
-    /// Coordinates that every mechanism of a file has, by which laws may name them: none, since graphs have no such law.
+    /// Number of coordinates that laws may name, which every mechanism of a file would have: 0, since no law of graphs names coordinates.
     pub(super) fn common_coordinates(&self) -> usize {
         0
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    /// The types over a weight block of any kind: f32 as shipped, f64 on the host.
+    /// Returns the types over a weight block of any format: f32 as shipped, f64 on the host.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where they are not of the compiled sizes.
+    /// [`ModelError::Shape`] if they do not have the compiled sizes.
     pub fn types<'w, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         weights: &'w [W],
@@ -206,10 +206,10 @@ impl<'a> GraphHeader<'a> {
         Types::take(&mut block, &self.shape).ok_or(short)
     }
 
-    /// A graph over a weight block; its edges are read into `edges`.
+    /// Returns a graph over a weight block; its edges are read into `edges`.
     ///
     /// # Errors
-    /// As [`GraphHeader::types`]; [`ModelError::Graph`] where it is none, or `edges` is too short.
+    /// The errors of [`GraphHeader::types`]; [`ModelError::Graph`] if the layout is no graph or `edges` is too short.
     pub fn graph<'w, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         layout: &GraphLayout<'w>,
@@ -256,19 +256,18 @@ impl<'a> GraphHeader<'a> {
 
 /// A graph in `D` dimensions with its rods: at most `K` networks of at most `L` hidden layers of at most `H` units.
 ///
-/// `W` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` is that of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> =
     Model<'a, GraphSystem<'a, D, K, H, L, W>>;
 
 impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: FileWeightFormat>
     GraphModel<'a, D, K, H, L, W>
 {
-    /// Reads, validates and borrows a model file, and takes the graph called `name`, whose edges and rods are read into `edges`
-    /// and `rods`; `bytes` must be 4-aligned.
+    /// Reads, validates and borrows a model file, and takes the graph called `name`; its edges and rods are read into `edges` and `rods`.
+    /// `bytes` must be 4-aligned.
     ///
     /// # Errors
-    /// See [`ModelError`]; [`GraphError::TooManyEdges`](crate::energy::graph::GraphError) and `TooManyRods` where a list is too
-    /// short.
+    /// See [`ModelError`]; [`GraphError::TooManyEdges`](crate::energy::graph::GraphError) and `TooManyRods` if a list is too short.
     pub fn load(
         bytes: &'a [u8],
         name: &str,
@@ -280,7 +279,7 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: File
             |_| false,
             |parsed: &ParsedAs<GraphHeader, W>| {
                 let header = parsed.shape;
-                // Graphs have their drag in their node types, and no other law yet.
+                // Graphs have their drag in their node types; no other law exists for them yet.
                 LawNumbers::new(parsed.laws, parsed.weights, 0).finish()?;
                 let layout = header.layout(name)?;
                 let first = header.graphs().next().is_some_and(|first| first.name == name);
@@ -290,10 +289,10 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: File
         )
     }
 
-    /// RATTLE with the step and the order that the model was trained with.
+    /// Returns RATTLE with the step and the order that the model was trained with.
     ///
     /// # Errors
-    /// [`ModelError::NoStep`] where it was trained for none.
+    /// [`ModelError::NoStep`] if the model was trained for none.
     pub fn rattle<R: Real>(&self) -> Result<Rattle<R>, ModelError> {
         let step = self.step()?;
         Ok(Rattle::new(R::constant(step.h.into()), step.order))

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InertiaNetworkHeader<'a> {
-    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    /// One letter per coordinate: `t` translation, `a` angle, `c` cyclic.
     pub coordinates: &'a str,
     /// Units of the hidden layers; the first 0 ends the list.
     pub widths: [u16; MAX_HIDDEN],
@@ -26,7 +26,7 @@ pub struct InertiaNetworkHeader<'a> {
 
 /// An inertia network in N coordinates with at most `L` hidden layers of at most `H` units.
 ///
-/// `W` is how the file stores its weights: `f32`, or [`struct@f16`](crate::scalar::f16) in half the flash. `F` are the laws of
+/// `W` is the storage format of the file's weights: `f32`, or [`struct@f16`](crate::scalar::f16) in half the flash. `F` are the laws of
 /// force that the program is compiled for.
 pub type InertiaNetworkModel<
     'a,
@@ -38,7 +38,7 @@ pub type InertiaNetworkModel<
 > = Model<'a, System<InertiaNetwork<'a, W, N, H, L>, F>>;
 
 impl Coordinate {
-    /// The letter that stands for this kind in a model file and on the command line.
+    /// The letter for this kind in a model file and on the command line.
     pub const fn letter(self) -> char {
         match self {
             Self::Translation => 't',
@@ -47,7 +47,7 @@ impl Coordinate {
         }
     }
 
-    /// The kind that a letter stands for.
+    /// The kind for a letter.
     pub const fn from_letter(letter: char) -> Option<Self> {
         match letter {
             't' => Some(Self::Translation),
@@ -64,17 +64,17 @@ impl<'a> InertiaNetworkHeader<'a> {
         self.coordinates.len()
     }
 
-    /// Groups of coordinates: one each.
+    /// Number of groups of coordinates: every coordinate is a group of its own.
     pub(super) fn groups(&self) -> usize {
         self.n()
     }
 
-    /// Coordinates that every mechanism of a file has.
+    /// Number of coordinates that every mechanism of a file has.
     pub(super) fn common_coordinates(&self) -> usize {
         self.n()
     }
 
-    /// The kinds of coordinates, which must be N.
+    /// Returns the kinds of the coordinates, which must be N.
     pub fn kinds<const N: usize>(&self) -> Result<[Coordinate; N], ModelError> {
         let mut kinds = [Coordinate::Cyclic; N];
         if self.n() != N {
@@ -86,12 +86,12 @@ impl<'a> InertiaNetworkHeader<'a> {
         Ok(kinds)
     }
 
-    /// Inputs of the network: one a translation, two an angle.
+    /// Number of inputs of the network: one per translation, two per angle.
     pub fn features(&self) -> usize {
         self.letters().flatten().map(|kind| feature_count(&[kind])).sum()
     }
 
-    /// The kind of every coordinate, `None` for a letter that stands for none. Bytes: to decode characters takes code.
+    /// The kind of every coordinate, `None` for an unknown letter. Reads bytes: decoding characters takes code.
     fn letters(&self) -> impl Iterator<Item = Option<Coordinate>> {
         self.coordinates.as_bytes().iter().map(|letter| Coordinate::from_letter(char::from(*letter)))
     }
@@ -102,7 +102,7 @@ impl<'a> InertiaNetworkHeader<'a> {
         shape.ok_or(ModelError::OutOfRange { what: "number of coordinates" })
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require((1..=MAX_COORDINATES).contains(&self.n()), "number of coordinates")?;
         require(self.inertia.has_valid_rows(self.n()), "rows of the inertia matrix")?;
@@ -122,7 +122,7 @@ impl InertiaNetworkHeader<'_> {
     /// training.
     ///
     /// # Errors
-    /// [`ModelError`] where the block or the compiled sizes do not fit, or the program has not all laws.
+    /// [`ModelError`] if the block or the compiled sizes do not fit, or the program lacks one of the laws.
     pub fn system<'w, W, S, F, const N: usize, const H: usize, const L: usize>(
         &self,
         laws: Laws,

@@ -1,4 +1,4 @@
-//! The shape of a law's network, behind the law's number in the section of forces.
+//! Shape of a law's network; it follows the law's number in the section of forces.
 
 use super::header::{MAX_COORDINATES, require};
 use super::{Law, ModelError};
@@ -8,12 +8,12 @@ use crate::forces::Seen;
 use crate::network::Activation;
 use serde::{Deserialize, Serialize};
 
-/// What a law's network sees, and its hidden layers. Inputs and outputs follow from the law.
+/// Inputs and hidden layers of a law's network. The numbers of inputs and outputs follow from the law.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LawNetwork<'a> {
-    /// One letter a coordinate of the model, up to the last that the network sees: `t` by its length, `a` by cosine and sine of
-    /// its angle, `c` not by its position (of dissipation: by its velocity alone), `-` not at all.
+    /// One letter per coordinate of the model, up to the last that the network sees: `t` for a length, `a` for the cosine and sine of an
+    /// angle, `c` for a coordinate whose position is not seen (dissipation sees its velocity), `-` for one that is not seen at all.
     pub coordinates: &'a str,
     /// Units of the hidden layers; the first 0 ends the list.
     pub widths: [u16; MAX_HIDDEN],
@@ -21,12 +21,12 @@ pub struct LawNetwork<'a> {
     pub activation: Activation,
 }
 
-/// The letter of a coordinate that a law's network does not see.
+/// The letter for a coordinate that a law's network does not see.
 const UNSEEN: char = '-';
 
 impl LawNetwork<'_> {
-    /// How every coordinate enters, `None` for one that is not seen; an error for a letter that stands for nothing.
-    // Bytes: to decode characters takes code.
+    /// The kind of every coordinate, `None` for an unseen one; an error for an unknown letter.
+    // Reads bytes: decoding characters takes code.
     fn letters(&self) -> impl Iterator<Item = Result<Option<Coordinate>, ModelError>> {
         self.coordinates.as_bytes().iter().map(|letter| match char::from(*letter) {
             UNSEEN => Ok(None),
@@ -40,21 +40,21 @@ impl LawNetwork<'_> {
         self.letters().flatten().flatten()
     }
 
-    /// The coordinates that are seen, of N.
+    /// Returns the coordinates that the network sees, out of N.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] for more than N letters, [`ModelError::OutOfRange`] for one that stands for nothing.
+    /// [`ModelError::Shape`] for more than N letters, [`ModelError::OutOfRange`] for an unknown letter.
     pub fn seen<const N: usize>(&self) -> Result<Seen<N>, ModelError> {
         self.letters().try_for_each(|letter| letter.map(|_| ()))?;
         Ok(Seen::new(self.letters().flatten())?)
     }
 
-    /// Coordinates that are seen, m.
+    /// Number m of seen coordinates.
     pub fn count(&self) -> usize {
         self.seen_kinds().count()
     }
 
-    /// The network of this law.
+    /// Shape of the network for the given law.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for a law without a network.
@@ -73,19 +73,20 @@ impl LawNetwork<'_> {
         sizes.and_then(shape).ok_or(ModelError::OutOfRange { what: "coordinates of a law's network" })
     }
 
-    /// Numbers in the weight block: of dissipation the scale of every velocity, then the network's. `None` where they cannot be.
+    /// Length of the weight block in numbers: the scale of every velocity (dissipation only), then the network's. `None` if no such network
+    /// can exist.
     pub(super) fn parameters(&self, law: Law) -> Option<usize> {
         let scales = if law == Law::Dissipation { self.count() } else { 0 };
         self.network(law).ok()?.parameters()?.checked_add(scales)
     }
 
-    /// Checks the shape for a model of at least so many coordinates.
+    /// Checks the shape for a model of at least `coordinates` coordinates.
     pub(super) fn validate(&self, law: Law, coordinates: usize) -> Result<(), ModelError> {
         const WHAT: &str = "coordinates of a law's network";
         let letters = self.coordinates.len();
         require((1..=MAX_COORDINATES).contains(&self.count()) && letters <= coordinates, WHAT)?;
         self.letters().try_for_each(|letter| letter.map(|_| ()))?;
-        // One way to write each: no letters behind the last that is seen, and no position that a potential does not see.
+        // Each shape is written in one way only: no letters behind the last seen coordinate, and no `c` for a potential.
         require(!self.coordinates.ends_with(UNSEEN), WHAT)?;
         let cyclic = self.seen_kinds().any(|kind| kind == Coordinate::Cyclic);
         require(law != Law::Potential || !cyclic, WHAT)?;

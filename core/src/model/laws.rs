@@ -1,4 +1,4 @@
-//! The section of forces: laws beside the Lagrangian, their numbers in the weight block behind those of the energies.
+//! Section of forces: laws beside the Lagrangian, whose numbers follow those of the energies in the weight block.
 
 use super::header::require;
 use super::{LawNetwork, ModelError};
@@ -7,8 +7,8 @@ use crate::forces::{Coulomb, Dissipation, DryFriction, Forces, PotentialCorrecti
 use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 use serde::Deserialize;
 
-/// Laws that a model file can have. Friction has numbers for every *group* of coordinates: a coordinate of inertia networks or of
-/// bodies, an element type of the modular one. A law with a network says which coordinates it sees ([`LawNetwork`]).
+/// Laws of force that a model file can have. Friction has numbers for every *group* of coordinates: a coordinate of inertia networks or of
+/// bodies, an element type of modular models. A law with a network says which coordinates it sees ([`LawNetwork`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Law {
@@ -16,13 +16,13 @@ pub enum Law {
     Viscous = 0,
     /// [`Coulomb`]: c, c_load, τ_s and ε of each group, one group after another.
     Coulomb = 1,
-    /// [`Dissipation`]: the scale of every velocity that it sees, and its network.
+    /// [`Dissipation`]: the scale of every seen velocity, then the network's numbers.
     Dissipation = 2,
-    /// [`PotentialCorrection`]: its network.
+    /// [`PotentialCorrection`]: the network's numbers.
     Potential = 3,
 }
 
-/// The numbers of dry friction in a model file, in this order for every group.
+/// Parameters of dry friction, in the order of a model file; every group has all of them.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -38,10 +38,10 @@ pub enum FrictionNumber {
 }
 
 impl FrictionNumber {
-    /// All, in the order of a file.
+    /// All parameters, in the order of a file.
     pub const ALL: [Self; 4] = [Self::Constant, Self::Load, Self::Smoothing, Self::Width];
 
-    /// Name, and range in words.
+    /// Name, and valid range in words.
     pub const fn name(self) -> (&'static str, &'static str) {
         match self {
             Self::Constant => ("c", "0 or more"),
@@ -59,7 +59,7 @@ impl FrictionNumber {
         }
     }
 
-    /// An error where one of the numbers of all groups is out of range.
+    /// Checks the parameters of all groups.
     fn validate<W: FileWeightFormat>(numbers: &[W]) -> Result<(), ModelError> {
         let each = numbers.iter().enumerate().zip(Self::ALL.iter().cycle());
         for ((index, value), number) in each {
@@ -76,7 +76,7 @@ impl Law {
     /// All laws, in the order of a file.
     pub const ALL: [Self; 4] = [Self::Viscous, Self::Coulomb, Self::Dissipation, Self::Potential];
 
-    /// Name.
+    /// Name of the law.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Viscous => "viscous",
@@ -91,17 +91,17 @@ impl Law {
     }
 }
 
-/// The laws of a model, each at most once.
+/// Set of the laws of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Laws<'a> {
-    /// A bit each.
+    /// One bit per law.
     present: u8,
     dissipation: Option<LawNetwork<'a>>,
     potential: Option<LawNetwork<'a>>,
 }
 
 impl<'a> Laws<'a> {
-    /// None.
+    /// No laws.
     pub const NONE: Laws<'static> = Laws { present: 0, dissipation: None, potential: None };
     /// Viscous damping alone.
     pub const VISCOUS: Laws<'static> = Laws { present: Law::Viscous.bit(), ..Laws::NONE };
@@ -111,28 +111,27 @@ impl<'a> Laws<'a> {
     pub const FRICTION: Laws<'static> =
         Laws { present: Law::Viscous.bit() | Law::Coulomb.bit(), ..Laws::NONE };
 
-    /// The same with dissipation by a network.
+    /// Adds dissipation by a network.
     #[must_use]
     pub const fn with_dissipation(self, network: LawNetwork<'a>) -> Self {
         Self { present: self.present | Law::Dissipation.bit(), dissipation: Some(network), ..self }
     }
 
-    /// The same with a potential from a network.
+    /// Adds a potential from a network.
     #[must_use]
     pub const fn with_potential(self, network: LawNetwork<'a>) -> Self {
         Self { present: self.present | Law::Potential.bit(), potential: Some(network), ..self }
     }
 
-    /// From a model file: one byte a law, rising, each followed by the shape of its network where it has one.
+    /// Reads the laws of a model file: one byte per law, rising; the shape of its network, if any, follows the byte.
     ///
     /// # Errors
-    /// [`ModelError::Law`] for a number that is no law, [`ModelError::Malformed`] where they do not rise, or a shape is none.
+    /// [`ModelError::Law`] for an unknown law, [`ModelError::Malformed`] if the numbers do not rise or a shape is malformed.
     pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
         Self::known(bytes, |_| true)
     }
 
-    /// [`Laws::new`] for a program that knows some laws, and refuses the others before anything else, so that it need not hold
-    /// code for them.
+    /// [`Laws::new`] for a program that knows only some laws: it refuses all other laws first, and needs no code for them.
     #[inline(always)]
     pub(super) fn known(mut bytes: &'a [u8], knows: impl Fn(Law) -> bool) -> Result<Self, ModelError> {
         let mut laws = Self::default();
@@ -158,18 +157,18 @@ impl<'a> Laws<'a> {
         self.iter_known(|_| true)
     }
 
-    /// Those that a program knows, in order.
+    /// The laws that the program knows, in order.
     #[inline(always)]
     fn iter_known<K: Fn(Law) -> bool>(self, knows: K) -> impl Iterator<Item = Law> + use<'a, K> {
         Law::ALL.into_iter().filter(move |law| knows(*law) && self.contains(*law))
     }
 
-    /// Whether it is among them.
+    /// Whether the set contains the law.
     pub const fn contains(&self, law: Law) -> bool {
         self.present & law.bit() != 0
     }
 
-    /// The network of a law, where it is among them and has one.
+    /// The network of a law, if the set contains the law and it has one.
     pub const fn network(&self, law: Law) -> Option<LawNetwork<'a>> {
         match law {
             Law::Dissipation => self.dissipation,
@@ -178,7 +177,7 @@ impl<'a> Laws<'a> {
         }
     }
 
-    /// Numbers of one of them in the weight block; `None` on overflow, or where its network cannot be.
+    /// Length of one law's part of the weight block, in numbers; `None` on overflow, or if its network cannot exist.
     #[inline(always)]
     fn parameters_of(&self, law: Law, groups: usize) -> Option<usize> {
         match law {
@@ -188,18 +187,18 @@ impl<'a> Laws<'a> {
         }
     }
 
-    /// Numbers in the weight block, of so many groups; `None` on overflow, or where a network cannot be.
+    /// Length of the laws' part of the weight block, in numbers, for `groups` groups; `None` on overflow, or if a network cannot exist.
     pub fn parameters(&self, groups: usize) -> Option<usize> {
         self.parameters_knowing(groups, |_| true)
     }
 
-    /// [`Laws::parameters`] where a program knows all of them.
+    /// [`Laws::parameters`] for a program that knows all laws of the set.
     #[inline(always)]
     pub(super) fn parameters_knowing(&self, groups: usize, knows: impl Fn(Law) -> bool) -> Option<usize> {
         self.iter_known(knows).try_fold(0usize, |sum, law| sum.checked_add(self.parameters_of(law, groups)?))
     }
 
-    /// Checks their networks for a model of at least so many coordinates, where a program knows all of them.
+    /// Checks the networks of the laws for a model of at least the given number of coordinates; the program must know all laws.
     #[inline(always)]
     pub(super) fn validate_networks(
         &self,
@@ -210,7 +209,7 @@ impl<'a> Laws<'a> {
         networks.try_for_each(|(law, network)| network.validate(law, coordinates()))
     }
 
-    /// Checks their numbers, which end the weight block, where a program knows all of them.
+    /// Checks the numbers of the laws, which end the weight block; the program must know all laws.
     #[inline(always)]
     pub(super) fn validate<W: FileWeightFormat>(
         &self,
@@ -244,7 +243,7 @@ fn network<'a>(bytes: &mut &'a [u8]) -> Result<LawNetwork<'a>, ModelError> {
     Ok(network)
 }
 
-/// The laws of a file with their numbers, of which a program takes one after another.
+/// The laws of a file with their numbers; a program takes them one by one.
 #[derive(Clone, Copy, Debug)]
 pub struct LawNumbers<'l, 'w, W> {
     laws: Laws<'l>,
@@ -253,12 +252,12 @@ pub struct LawNumbers<'l, 'w, W> {
 }
 
 impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
-    /// Laws whose numbers are in front of `numbers`.
+    /// Creates the list of laws whose numbers come first in `numbers`.
     pub const fn new(laws: Laws<'l>, numbers: &'w [W], groups: usize) -> Self {
         Self { laws, numbers, groups }
     }
 
-    /// The numbers of a law, where it comes next.
+    /// Takes the numbers of a law if it comes next.
     #[inline(always)]
     pub fn take(&mut self, law: Law) -> Option<&'w [W]> {
         if self.next()? != law as u8 {
@@ -269,44 +268,44 @@ impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
         Some(own)
     }
 
-    /// The network of a law and its numbers, where it comes next.
+    /// Takes the network of a law and its numbers if the law comes next.
     #[inline(always)]
     pub fn take_network(&mut self, law: Law) -> Option<(LawNetwork<'l>, &'w [W])> {
         let network = self.laws.network(law)?;
         Some((network, self.take(law)?))
     }
 
-    /// The number of the law that comes next.
+    /// Number of the law that comes next.
     fn next(&self) -> Option<u8> {
         let present = self.laws.present;
         (present != 0).then(|| present.trailing_zeros() as u8)
     }
 
-    /// An error where a law is left, which the program was not compiled for.
+    /// Returns an error if a law is left, for which the program was not compiled.
     pub(super) fn finish(self) -> Result<(), ModelError> {
         self.next().map_or(Ok(()), |number| Err(ModelError::Law { number }))
     }
 }
 
-/// Forces that a program is compiled for: they take the laws of a model file that they know, in the order of the file.
+/// Forces that a program is compiled for; they take the laws of a model file that they know, in the order of the file.
 ///
-/// A pair `(A, B)` takes those of A, then those of B: laws stand in it by their numbers, rising. A law that the file does not have
-/// is absent; a law that the program does not have is an error of loading.
+/// A pair `(A, B)` takes the laws of A, then those of B, so laws must stand in it in the rising order of their numbers. A law missing from
+/// the file is left out; a law that the program does not have is a loading error.
 ///
-/// The numbers of networks stay where they are: `'w` is how long the weight block lives, `W` its type.
+/// The numbers of networks stay in place: `'w` is the lifetime of the weight block, `W` its number type.
 pub trait LoadForces<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize>:
     Forces<S, N> + Sized
 {
-    /// Whether it takes this law, where a file has it.
+    /// Whether these forces can take the law.
     fn knows(law: Law) -> bool;
-    /// Takes its laws; coordinate i is of group `groups[i]`.
+    /// Takes the laws that these forces know; coordinate i belongs to group `groups[i]`.
     ///
     /// # Errors
     /// [`ModelError::Shape`] where a network is larger than the program was compiled for.
     fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError>;
 }
 
-/// The forces of a file's laws, all of them.
+/// Loads the forces of all laws of a file.
 ///
 /// # Errors
 /// [`ModelError::Law`] for a law that `F` does not take.
@@ -324,7 +323,7 @@ where
     Ok(forces)
 }
 
-/// The number of every coordinate's group.
+/// Spreads the numbers of the groups over the coordinates.
 fn of_groups<S: Scalar, W: WeightFormat<Wide = S::Weight>, const N: usize>(
     numbers: &[W],
     groups: &[u8; N],
@@ -390,7 +389,7 @@ macro_rules! network_law {
 network_law!(Dissipation, Dissipation);
 network_law!(PotentialCorrection, Potential);
 
-/// Of a group's numbers.
+/// Builds the dry friction of a group from its parameters.
 fn dry_friction<S: Scalar, W: WeightFormat<Wide = S::Weight>>(numbers: Option<&[W; 4]>) -> DryFriction<S> {
     let numbers = numbers.map(|numbers| numbers.map(|number| number.scalar()));
     let of = |[constant, load, smoothing, width]: [S; 4]| DryFriction { constant, load, smoothing, width };

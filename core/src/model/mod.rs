@@ -1,13 +1,12 @@
-//! The model file: checksummed sections, with the weights as an aligned block that is borrowed where it lies.
+//! The model file: checksummed sections, with the weights in an aligned block that is borrowed in place.
 //!
-//! `core/FORMAT.md` has the byte table. Loading validates everything once; after that, evaluation cannot fail except
-//! numerically.
+//! The byte table is in `core/FORMAT.md`. Loading validates everything once; after that, evaluation cannot fail except numerically.
 //!
-//! A program names the family, the sizes and the laws of force that it is compiled for by a type, [`InertiaNetworkModel`],
-//! [`ModularModel`], [`GraphModel`], [`BodiesModel`] or [`ArmModel`]; [`parse`] reads a file of any of them on the host, and
+//! The type of a model names the family, the sizes and the laws of force that the program is compiled for: [`InertiaNetworkModel`],
+//! [`ModularModel`], [`GraphModel`], [`BodiesModel`] or [`ArmModel`]. On the host, [`parse`] reads a file of any family, and
 //! [`write`](fn@write) writes one.
 
-/// Calls a macro with all families, and is their only list: shape, number in a file, and name.
+/// Calls a macro with the only list of families: shape, number in a file, and name.
 macro_rules! with_families {
     ($then:ident) => {
         $then! {
@@ -69,11 +68,11 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 /// CRC-32/ISO-HDLC without a table: 0 bytes of RAM, no table in flash.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;
-/// Bytes that bring the weights to a multiple of 4.
+/// Maximum number of padding bytes that bring the weights to a multiple of 4.
 const MAX_PADDING: usize = 3;
 const PREFIX_BYTES: usize = MAGIC.len() + 1;
 
-/// The checksum that closes a file whose other bytes are `body`.
+/// The checksum that closes a file with all other bytes in `body`.
 pub fn checksum(body: &[u8]) -> u32 {
     CRC.checksum(body)
 }

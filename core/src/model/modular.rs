@@ -7,17 +7,17 @@ use crate::forces::{System, Viscous};
 use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// Trees in one file at most.
+/// Maximum number of trees in one file.
 pub const MAX_TREES: usize = 8;
 
-/// The shape of a modular model, types and trees apart: one set of types serves many trees.
+/// The shape of a modular model. Types are kept apart from trees: one set of types serves many trees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModularHeader<'a> {
-    /// Networks and element types.
+    /// Shape of the networks and element types.
     pub shape: modular::ModularShape,
     /// Names of the types, separated by commas.
     pub names: &'a str,
-    /// The trees, by name; the first without elements ends the list.
+    /// The trees, by name; the first tree without elements ends the list.
     #[serde(borrow)]
     pub trees: [TreeHeader<'a>; MAX_TREES],
 }
@@ -27,13 +27,13 @@ pub struct ModularHeader<'a> {
 pub struct TreeHeader<'a> {
     /// Name.
     pub name: &'a str,
-    /// Two bytes an element: its type, and 0 (it hangs from the ground) or 1 + the element that it hangs from.
+    /// Two bytes per element: its type, then 0 if it hangs from the ground or 1 + the index of the element that it hangs from.
     pub elements: &'a [u8],
 }
 
 /// A tree of elements in N coordinates: at most `E` element types, networks of at most `L` hidden layers of at most `H` units.
 ///
-/// `W` and `F` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` and `F` are those of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type ModularModel<
     'a,
     const N: usize,
@@ -45,7 +45,7 @@ pub type ModularModel<
 > = Model<'a, System<Modular<'a, W, N, E, H, L>, F>>;
 
 impl<'a> ModularHeader<'a> {
-    /// Coordinates of the tree that has fewest.
+    /// Number of coordinates of the smallest tree.
     pub fn fewest_coordinates(&self) -> usize {
         self.trees().filter_map(|tree| tree.coordinates(&self.shape)).min().unwrap_or(0)
     }
@@ -55,26 +55,26 @@ impl<'a> ModularHeader<'a> {
         self.trees.iter().take_while(|tree| !tree.elements.is_empty())
     }
 
-    /// The tree of that name.
+    /// Returns the tree with the given name.
     ///
     /// # Errors
-    /// [`ModelError::NoSuchTree`] where there is none.
+    /// [`ModelError::NoSuchTree`] if there is none.
     pub fn tree(&self, name: &str) -> Result<&TreeHeader<'a>, ModelError> {
         let none = || ModelError::NoSuchTree { trees: self.trees().count() };
         self.trees().find(|tree| tree.name == name).ok_or_else(none)
     }
 
-    /// Groups of coordinates: one an element type.
+    /// Number of groups of coordinates, one per element type.
     pub(super) fn groups(&self) -> usize {
         self.shape.types.len()
     }
 
-    /// Coordinates that every mechanism of a file has.
+    /// Number of coordinates that every mechanism of a file has.
     pub(super) fn common_coordinates(&self) -> usize {
         self.fewest_coordinates()
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
@@ -101,7 +101,7 @@ impl<'a> ModularHeader<'a> {
         self.trees().try_for_each(|tree| self.check_tree(tree))
     }
 
-    /// Checks a tree whatever its number of coordinates.
+    /// Checks a tree of any number of coordinates.
     fn check_tree(&self, tree: &TreeHeader) -> Result<(), ModelError> {
         require(tree.elements.len().is_multiple_of(2), "length of a tree")?;
         match self.shape.tree::<0>(tree.nodes()) {
@@ -121,7 +121,7 @@ impl TreeHeader<'_> {
         pairs.iter().map(|[kind, parent]| TreeElement { kind: *kind, parent: parent.checked_sub(1) })
     }
 
-    /// Coordinates of the tree, with the types of `shape`; `None` where a type does not exist.
+    /// Number of coordinates of the tree with the types of `shape`; `None` if a type does not exist.
     pub fn coordinates(&self, shape: &modular::ModularShape) -> Option<usize> {
         let of = |node: TreeElement| Some(shape.types.get(node.kind)?.coordinates());
         self.nodes().try_fold(0, |sum, node| Some(sum + of(node)?))
@@ -133,7 +133,7 @@ impl ModularHeader<'_> {
     /// training.
     ///
     /// # Errors
-    /// [`ModelError`] where the block or the compiled sizes do not fit, or the program has not all laws.
+    /// [`ModelError`] if the block or the compiled sizes do not fit, or the program lacks one of the laws.
     pub fn system<'w, W, S, F, const N: usize, const E: usize, const H: usize, const L: usize>(
         &self,
         tree: &TreeHeader,
@@ -151,7 +151,7 @@ impl ModularHeader<'_> {
         let needed = self.parameters()?;
         let lagrangian = Modular::take(&mut block, &self.shape, tree)
             .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
-        // Coordinates of elements of one type are a group.
+        // Coordinates of elements of the same type form a group.
         let groups = tree.kinds();
         let forces = load_forces(LawNumbers::new(laws, block, self.groups()), &groups)?;
         Ok(System { lagrangian, forces })

@@ -1,5 +1,5 @@
-//! Reading a file: what all families share, and of the shape only what the caller asks for, so that a firmware of one family
-//! holds no code for the others.
+//! Reading a model file: parts that all families share, and the shape of the one family that the caller asks for, so a firmware of one
+//! family holds no code for the others.
 
 use super::header::sum;
 use super::{
@@ -10,38 +10,38 @@ use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
-/// The shape of one family, as it stands in a file.
+/// The shape of one family in its file form.
 pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// Number of the family in a file, and its name.
     const FAMILY: (u32, &'static str);
 
-    /// Numbers of the energies in the weight block.
+    /// Length of the energies' part of the weight block, in numbers.
     fn parameters(&self) -> Result<usize, ModelError>;
-    /// Groups of coordinates that laws have numbers of their own for.
+    /// Number of groups of coordinates with numbers of their own for each law.
     fn groups(&self) -> usize;
-    /// Coordinates that every mechanism of the file has, by which laws may name them; 0 where they may not.
+    /// Number of coordinates that every mechanism of the file has and laws may name; 0 if laws may name none.
     fn coordinates(&self) -> usize;
-    /// Checks what the lengths do not say.
+    /// Checks everything that the lengths do not imply.
     fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError>;
 }
 
-/// A validated file: its header and its weights, in place.
+/// A validated file: its header, and its weights in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parsed<'a> {
-    /// What the model is.
+    /// Description of the model.
     pub header: Header<'a>,
     /// The weight block.
     pub weights: Weights<'a>,
 }
 
-/// A validated file of one family: its shape and its weights, in place.
+/// A validated file of one family: its shape, and its weights in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParsedAs<'a, H, W> {
     /// The shape of the model.
     pub shape: H,
     /// The laws of force.
     pub laws: Laws<'a>,
-    /// The step that the model was trained with, where it was.
+    /// The step that the model was trained with, if any.
     pub trained_step: Option<TrainedStep>,
     /// The weight block: numbers of the energies, then of the laws.
     pub weights: &'a [W],
@@ -50,7 +50,7 @@ pub struct ParsedAs<'a, H, W> {
 }
 
 impl<'a, H: ShapeHeader<'a>, W: FileWeightFormat> ParsedAs<'a, H, W> {
-    /// With everything that a program may leave unread.
+    /// Reads everything that a program may leave unread, and joins it to the header.
     fn whole(self, family: impl Fn(H) -> Family<'a>) -> Result<Parsed<'a>, ModelError> {
         let Self { shape, laws, trained_step, weights, sections } = self;
         let header = Header {
@@ -71,7 +71,7 @@ fn text<'a>(sections: &Sections<'a>, section: Section) -> Result<&'a str, ModelE
 }
 
 impl<'a> Sections<'a> {
-    /// Between command and force, where the file says it.
+    /// Actuator between command and force, if the file has one.
     ///
     /// # Errors
     /// See [`ActuatorBytes::new`].
@@ -79,7 +79,7 @@ impl<'a> Sections<'a> {
         self.get(Section::Actuator).map(ActuatorBytes::new).transpose()
     }
 
-    /// What the training data covered, where the file says it.
+    /// Range of the training data, if the file has one.
     ///
     /// # Errors
     /// See [`TrainingRange::new`].
@@ -92,7 +92,7 @@ impl<'a> Sections<'a> {
 struct Begun<'a> {
     sections: Sections<'a>,
     family: u32,
-    /// The shape of the family.
+    /// Bytes of the family's shape.
     shape: &'a [u8],
 }
 
@@ -106,7 +106,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
 
 macro_rules! any {
     ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal;)*) => {
-        /// The file of whichever family.
+        /// Finishes reading a file of any family.
         fn any(begun: Begun) -> Result<Parsed, ModelError> {
             match begun.family {
                 $($number => either(begun, Family::$variant),)*
@@ -118,7 +118,7 @@ macro_rules! any {
 
 with_families!(any);
 
-/// With weights of whichever precision the block has.
+/// Finishes reading a file with weights of either precision.
 fn either<'a, H: ShapeHeader<'a>>(
     begun: Begun<'a>,
     family: impl Fn(H) -> Family<'a>,
@@ -129,18 +129,18 @@ fn either<'a, H: ShapeHeader<'a>>(
     }
 }
 
-/// [`parse`] of a file that must hold the family of `H` with weights of type `W`, and of whose optional sections nothing is read.
+/// [`parse`] of a file that must hold the family of `H` with weights of type `W`; optional sections are left unread.
 ///
 /// # Errors
-/// [`ModelError::OtherFamily`] where it is a file of another one, of which no more is checked; [`ModelError::Precision`] where
-/// its weights are of the other type.
+/// [`ModelError::OtherFamily`] for a file of another family, which is checked no further; [`ModelError::Precision`] if its weights are of
+/// the other type.
 pub fn parse_as<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     bytes: &'a [u8],
 ) -> Result<ParsedAs<'a, H, W>, ModelError> {
     parse_knowing(bytes, |_| true)
 }
 
-/// [`parse_as`] for a program that knows some laws, and refuses a file with others.
+/// [`parse_as`] for a program that knows only some laws and refuses a file with others.
 #[inline(always)]
 pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     bytes: &'a [u8],
@@ -155,7 +155,7 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     Err(ModelError::OtherFamily { found: found.1 })
 }
 
-/// Everything before the shape.
+/// Reads everything before the shape.
 fn begin(bytes: &[u8]) -> Result<Begun<'_>, ModelError> {
     check_prefix(bytes)?;
     let sections = Sections::new(check_sum(bytes)?)?;
@@ -188,7 +188,7 @@ fn finish<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     Ok(ParsedAs { shape, laws, trained_step, weights, sections })
 }
 
-/// The numbers of the weight section: behind one byte that says how many zeros follow it, and those.
+/// Strips the padding off the weight section: one byte with the number of zeros, then the zeros.
 fn unpadded(section: &[u8]) -> Result<&[u8], ModelError> {
     let padding = || section.split_first().and_then(|(n, rest)| rest.split_at_checked(usize::from(*n)));
     let (zeros, numbers) = padding().ok_or(ModelError::Malformed)?;
@@ -196,10 +196,10 @@ fn unpadded(section: &[u8]) -> Result<&[u8], ModelError> {
     if valid { Ok(numbers) } else { Err(ModelError::OutOfRange { what: "padding" }) }
 }
 
-/// Where the weight block begins in memory: at a multiple of so many bytes, in either precision.
+/// Alignment of the weight block in memory in either precision, bytes.
 const ALIGNMENT: usize = 4;
 
-/// The weight block in place: as many numbers as are needed, all finite.
+/// The weight block in place: exactly `needed` numbers, all finite.
 fn numbers<W: FileWeightFormat>(block: &[u8], needed: usize) -> Result<&[W], ModelError> {
     let offset = (block.as_ptr() as usize % ALIGNMENT) as u8;
     if offset != 0 {
@@ -234,7 +234,7 @@ fn check_prefix(bytes: &[u8]) -> Result<(), ModelError> {
     }
 }
 
-/// What stands between the version and the checksum.
+/// Verifies the checksum and returns the bytes between the version and the checksum.
 fn check_sum(bytes: &[u8]) -> Result<&[u8], ModelError> {
     let short = ModelError::TooShort { bytes: bytes.len() };
     let (body, stored) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(short)?;

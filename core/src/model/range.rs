@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// Smallest.
+    /// Smallest value.
     pub least: f32,
-    /// Largest, at least as large.
+    /// Largest value, not below `least`.
     pub most: f32,
 }
 
@@ -19,21 +19,21 @@ impl Interval {
     }
 }
 
-/// What the training data covered of one coordinate.
+/// Range of one coordinate in the training data.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoordinateRange {
-    /// q, m or rad.
+    /// Position q, m or rad.
     pub q: Interval,
-    /// v, m/s or rad/s.
+    /// Velocity v, m/s or rad/s.
     pub v: Interval,
-    /// u, N or N m.
+    /// Control u, N or N m.
     pub u: Interval,
-    /// What q may be changed by without any effect: 2π of an angle, 0 of a length.
+    /// Period of the coordinate, by which q may be changed without any effect: 2π for an angle, 0 for a length.
     pub period: f32,
 }
 
-/// A quantity that lies outside of the training data.
+/// A quantity outside the training data.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outside {
@@ -44,10 +44,10 @@ pub struct Outside {
 }
 
 impl CoordinateRange {
-    /// Bytes in a model file: least and most of q, v and u, then the period, four bytes each.
+    /// Length in a model file, bytes: least and most of q, v and u, then the period, four bytes each.
     pub const BYTES: usize = 28;
 
-    /// As a model file has it.
+    /// The range in a model file.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
         let Self { q, v, u, period } = self;
         let numbers = [q.least, q.most, v.least, v.most, u.least, u.most, period];
@@ -83,7 +83,7 @@ impl CoordinateRange {
         if self.u.contains(u) { None } else { Some('u') }
     }
 
-    /// Whether q, or a q that differs from it by whole periods, lies inside.
+    /// Whether q, possibly shifted by whole periods, lies inside.
     fn contains_position(&self, q: f32) -> bool {
         if self.period > 0.0 && q.is_finite() {
             let turns = (q - self.q.least) / self.period;
@@ -93,15 +93,15 @@ impl CoordinateRange {
     }
 }
 
-/// The range of the training data of one mechanism, as the file has it: coordinate after coordinate.
+/// The training range of one mechanism in its file form, coordinate by coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrainingRange<'a>(&'a [u8]);
 
 impl<'a> TrainingRange<'a> {
-    /// From a model file.
+    /// Checks and borrows the bytes of a model file.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] where a number is not finite or a range falls.
+    /// [`ModelError::OutOfRange`] if a number is not finite or a `most` is below its `least`.
     pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
         let range = Self(bytes);
         require(bytes.len().is_multiple_of(CoordinateRange::BYTES), "length of the training range")?;
@@ -109,12 +109,12 @@ impl<'a> TrainingRange<'a> {
         Ok(range)
     }
 
-    /// As the file has it.
+    /// The bytes as they stand in the file.
     pub const fn bytes(&self) -> &'a [u8] {
         self.0
     }
 
-    /// Coordinates that it is of.
+    /// Number of coordinates.
     pub fn n(&self) -> usize {
         self.0.len() / CoordinateRange::BYTES
     }
@@ -125,11 +125,11 @@ impl<'a> TrainingRange<'a> {
         coordinates.iter().map(|bytes| CoordinateRange::from_bytes(bytes))
     }
 
-    /// What of a state and control lies outside of the training data, if anything: there the model extrapolates, and a
-    /// controller should not trust it. Not a number lies outside.
+    /// Finds the first quantity of a state and control that lies outside the training data: there the model extrapolates, and a controller
+    /// should not trust it. NaN lies outside.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where the range is of another number of coordinates.
+    /// [`ModelError::Shape`] if the range has another number of coordinates.
     pub fn outside<const N: usize>(
         &self,
         q: &[f32; N],

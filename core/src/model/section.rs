@@ -1,17 +1,16 @@
-//! A file as sections: what each is about, how long it is, and its bytes.
+//! Sections of a file: number, length and bytes of each.
 
 use super::ModelError;
 
-/// What a section is about; its number stands before it in the file.
+/// Kind of a section; its number precedes the section in the file.
 ///
-/// A reader refuses a section below [`Section::OPTIONAL`] that it does not know, for it may change the physics; it skips one
-/// above.
+/// A reader refuses an unknown section below [`Section::OPTIONAL`], which may change the physics; it skips an unknown one above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Section {
     /// The family of the Lagrangian and its shape.
     Energies = 1,
-    /// The laws of force beside it.
+    /// The laws of force beside the Lagrangian.
     Forces = 2,
     /// Gain, offset and delay between command and force.
     Actuator = 3,
@@ -23,14 +22,14 @@ pub enum Section {
     Units = 128,
     /// The range of the training data.
     Range = 129,
-    /// Where the model comes from.
+    /// Provenance of the model.
     Provenance = 130,
 }
 
 impl Section {
-    /// Sections from this number on may be skipped by a reader that does not know them.
+    /// First number of the optional sections, which a reader may skip if it does not know them.
     pub const OPTIONAL: u8 = 128;
-    /// All that this version knows, in the order of a file.
+    /// All sections that this version knows, in the order of a file.
     pub const ALL: [Self; 8] = [
         Self::Energies,
         Self::Forces,
@@ -42,7 +41,7 @@ impl Section {
         Self::Provenance,
     ];
 
-    /// Name.
+    /// Name of the section.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Energies => "energies",
@@ -57,11 +56,11 @@ impl Section {
     }
 }
 
-/// The sections of a file, checked: numbers rise, lengths fit, none is unknown that must be known.
+/// The sections of a file, checked: numbers rise, lengths fit, and no mandatory section is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sections<'a>(&'a [u8]);
 
-/// Bytes before the content of a section: its number, and its length as four bytes, little-endian.
+/// Length of a section's head, bytes: its number, then its length in four bytes, little-endian.
 pub(super) const SECTION_HEAD: usize = 5;
 
 impl<'a> Sections<'a> {
@@ -84,8 +83,8 @@ impl<'a> Sections<'a> {
         Ok(Self(bytes))
     }
 
-    /// The content of a section, where the file has it.
-    // One copy: a loader asks for every section.
+    /// Returns the content of a section, if the file has it.
+    // Not generic, so there is one copy of the code: a loader asks for every section.
     #[inline(never)]
     pub fn get(&self, section: Section) -> Option<&'a [u8]> {
         let mut rest = self.0;
@@ -98,13 +97,13 @@ impl<'a> Sections<'a> {
         None
     }
 
-    /// The content of a section that every file has.
+    /// Returns the content of a section that every file has.
     pub(super) fn required(&self, section: Section) -> Result<&'a [u8], ModelError> {
         self.get(section).ok_or(ModelError::MissingSection { what: section.name() })
     }
 }
 
-/// The number and the content of the first section, and what follows it.
+/// Splits off the first section: its number, its content, and the rest.
 fn split(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let ([number, length @ ..], rest) = bytes.split_first_chunk::<SECTION_HEAD>()?;
     let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
@@ -112,7 +111,7 @@ fn split(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     Some((*number, content, rest))
 }
 
-/// Takes a number in four bytes, little-endian, from the front.
+/// Takes a number of four bytes, little-endian, from the front.
 pub(super) fn take_f32(bytes: &mut &[u8]) -> Result<f32, ModelError> {
     let (number, rest) = bytes.split_first_chunk().ok_or(ModelError::Malformed)?;
     *bytes = rest;

@@ -6,30 +6,30 @@ use crate::forces::ControlKind;
 use crate::scalar::Real;
 use serde::{Deserialize, Serialize};
 
-/// The step that a model was trained with. With another it is less accurate: a model of a discrete Lagrangian absorbs the
-/// error of the integrator.
+/// The step that a model was trained with. With another step it is less accurate: a model of a discrete Lagrangian absorbs the error of its
+/// integrator.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrainedStep {
     /// Order of the integrator.
     pub order: Order,
-    /// h > 0, s.
+    /// Step size h > 0, s.
     pub h: f32,
-    /// What happened to the command between two samples.
+    /// Course of the command between two samples.
     pub control: ControlKind,
 }
 
 impl TrainedStep {
-    /// Bytes in a model file: the order, h, the kind of control.
+    /// Length in a model file, bytes: the order, h, the kind of control.
     pub const BYTES: usize = 6;
 
-    /// As a model file has it.
+    /// The step in a model file.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
         let [a, b, c, d] = self.h.to_le_bytes();
         [self.order.number(), a, b, c, d, self.control as u8]
     }
 
-    /// From a model file.
+    /// Reads the step of a model file.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for an order other than 2 and 4, a step that is not positive and finite, or an unknown kind
@@ -47,7 +47,7 @@ impl TrainedStep {
         Self { order, h, control }.checked()
     }
 
-    /// The step as it is.
+    /// Returns the step unchanged if it is valid.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] unless h is positive and finite.
@@ -59,25 +59,25 @@ impl TrainedStep {
     /// The integrator that the model was trained with, along paths of type `P`.
     ///
     /// # Errors
-    /// [`ModelError::Order`] where it was trained with another order than `P` has.
+    /// [`ModelError::Order`] if the model was trained with another order than that of `P`.
     pub fn del<R: Real, P: Path>(&self) -> Result<Del<R, P>, ModelError> {
         self.check_order(P::ORDER)?;
         Ok(Del::new(R::constant(self.h.into())))
     }
 
-    /// Checks what a program does with commands against what was done in training.
+    /// Checks the program's kind of control against the one used in training.
     ///
     /// # Errors
-    /// [`ModelError::Control`].
+    /// [`ModelError::Control`] if they differ.
     pub fn check_control(&self, compiled: ControlKind) -> Result<(), ModelError> {
         let found = self.control;
         if found == compiled { Ok(()) } else { Err(ModelError::Control { found }) }
     }
 
-    /// Checks the order of an integrator against that of the model.
+    /// Checks the order of an integrator against the order used in training.
     ///
     /// # Errors
-    /// [`ModelError::Order`].
+    /// [`ModelError::Order`] if they differ.
     pub fn check_order(&self, compiled: Order) -> Result<(), ModelError> {
         let found = self.order;
         if found == compiled {

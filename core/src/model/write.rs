@@ -1,16 +1,16 @@
-//! Writing a file, on the host: into the caller's memory, so that this needs no allocator either.
+//! Writing a model file on the host, into the caller's memory, so writing needs no allocator either.
 
 use super::section::{SECTION_HEAD, Section};
 use super::{CRC_BYTES, FORMAT_VERSION, Family, Header, Laws, MAGIC, PREFIX_BYTES, ShapeHeader, checksum};
 use core::fmt;
 use serde::Serialize;
 
-/// A file that does not fit.
+/// Error of writing a file that does not fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteError {
     /// The memory is too short for the file.
     TooShort,
-    /// A section is longer than its length can say.
+    /// A section is longer than its length field can say.
     TooLong,
 }
 
@@ -25,8 +25,8 @@ impl fmt::Display for WriteError {
 
 impl core::error::Error for WriteError {}
 
-/// Writes a model file to the front of `memory` and returns it: the header, and the weight block as bytes, little-endian. Nothing
-/// is validated; [`parse`](super::parse) does that.
+/// Writes a model file to the front of `memory` and returns that part. `weights` is the weight block as little-endian bytes. Nothing is
+/// validated; [`parse`](super::parse) does that.
 ///
 /// # Errors
 /// See [`WriteError`].
@@ -49,10 +49,10 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
     file.close()
 }
 
-/// Bytes of a weight block that a file is aligned to.
+/// Alignment of the weight block in a file, bytes.
 const ALIGNMENT: usize = 4;
 
-/// A file as far as it is written.
+/// A partly written file.
 struct File<'m> {
     memory: &'m mut [u8],
     length: usize,
@@ -80,7 +80,7 @@ impl<'m> File<'m> {
         Ok(())
     }
 
-    /// A section: its number, its length and what `content` appends.
+    /// Appends a section: its number, its length and the bytes that `content` appends.
     fn section(
         &mut self,
         section: Section,
@@ -95,17 +95,17 @@ impl<'m> File<'m> {
         Ok(())
     }
 
-    /// A section that is left out where it says nothing.
+    /// Appends a section unless its content is empty.
     fn optional(&mut self, section: Section, content: &[u8]) -> Result<(), WriteError> {
         if content.is_empty() { Ok(()) } else { self.section(section, |file| file.append(content)) }
     }
 
-    /// The number of the family and its shape.
+    /// Appends the section with the number of the family and its shape.
     fn energies<'a, H: ShapeHeader<'a> + Serialize>(&mut self, shape: &H) -> Result<(), WriteError> {
         self.section(Section::Energies, |file| file.document(&(H::FAMILY.0, shape)))
     }
 
-    /// The number of every law, and the shape of its network where it has one.
+    /// Appends the number of every law, followed by the shape of its network if it has one.
     fn laws(&mut self, laws: &Laws) -> Result<(), WriteError> {
         laws.iter().try_for_each(|law| {
             self.append(&[law as u8])?;
@@ -119,7 +119,8 @@ impl<'m> File<'m> {
         Ok(())
     }
 
-    /// The weights behind as many zeros as bring them to a multiple of 4 from the start of the file, and their number.
+    /// Appends the weights behind their padding: the number of zeros, then the zeros that bring the weights to a multiple of 4 from the
+    /// start of the file.
     fn weights(&mut self, weights: &[u8]) -> Result<(), WriteError> {
         let first = self.length + 1;
         let padding = first.next_multiple_of(ALIGNMENT) - first;

@@ -1,4 +1,4 @@
-//! From commands to the force over a step.
+//! Conversion of commands to the force over a step.
 
 use crate::discrete::StepError;
 use crate::forces::{Actuator, Control, ControlKind};
@@ -8,19 +8,19 @@ use core::marker::PhantomData;
 
 /// Kind of control, as a type: [`Held`] or [`Linear`].
 pub trait Kind: Copy {
-    /// The kind in a model file.
+    /// The corresponding kind in a model file.
     const KIND: ControlKind;
-    /// Commands before the one of this step that a step sees where none is late.
+    /// Number of earlier commands that a step needs if commands are not delayed.
     const PAST: usize;
 
-    /// The force over a step; `ago(k)` is the command given to the step k steps earlier.
+    /// The force over a step; `ago(k)` is the command that was given k steps before this one.
     fn force<'u, A: Actuation<N>, const N: usize>(
         actuation: &A,
         ago: impl Fn(usize) -> &'u [f32; N],
     ) -> Control<f32, N>;
 }
 
-/// A step's command acts from its start to its end.
+/// Held control: a step's command acts from the start of the step to its end.
 #[derive(Clone, Copy, Debug)]
 pub struct Held;
 
@@ -37,7 +37,7 @@ impl Kind for Held {
     }
 }
 
-/// A step's command is the sample at its end, reached along a line from that of the step before.
+/// Linear control: a step's command is the sample at its end, reached linearly from the previous step's command.
 #[derive(Clone, Copy, Debug)]
 pub struct Linear;
 
@@ -54,22 +54,22 @@ impl Kind for Linear {
     }
 }
 
-/// Actuator between commands and forces, as a type: none ([`Direct`]), or that of the file ([`Actuated`]).
+/// Actuator between commands and forces, as a type: none ([`Direct`]), or the one of the file ([`Actuated`]).
 pub trait Actuation<const N: usize>: Sized {
-    /// From the actuator of a file, where it has one, for steps of h > 0 seconds.
+    /// Loads the actuator of a file for steps of h > 0 seconds.
     ///
     /// # Errors
-    /// [`ModelError::Actuator`] where the file has none of this type; those of [`Sections::actuator`] and of
+    /// [`ModelError::Actuator`] if the file does not have what this type stands for; the errors of [`Sections::actuator`] and of
     /// [`ActuatorBytes::at_step`](crate::model::ActuatorBytes::at_step).
     fn load(sections: &Sections, h: f32) -> Result<Self, ModelError>;
 
-    /// Whole steps by which a command is late.
+    /// Number of whole steps by which a command is late.
     fn whole(&self) -> usize;
 
-    /// Whether it is late by a part of a step beside them.
+    /// Whether a command is late by a further fraction of a step.
     fn has_rest(&self) -> bool;
 
-    /// The force of a command that has arrived, N or N m.
+    /// The force of a command without its delay, N or N m.
     fn output(&self, u: &[f32; N]) -> [f32; N];
 
     /// [`Actuator::held`].
@@ -79,7 +79,7 @@ pub trait Actuation<const N: usize>: Sized {
     fn linear(&self, before: &[f32; N], start: &[f32; N], end: &[f32; N]) -> Control<f32, N>;
 }
 
-/// The command is the force, N or N m, at once.
+/// No actuator: the command is the force, N or N m, at once.
 #[derive(Clone, Copy, Debug)]
 pub struct Direct;
 
@@ -115,12 +115,12 @@ impl<const N: usize> Actuation<N> for Direct {
     }
 }
 
-/// An actuator of gain, offset and delay, τ(t) = g u(t − d) + o, d being `whole` steps and the part of a step in `actuator`.
+/// An actuator with gain, offset and delay, τ(t) = g u(t − d) + o; d is `whole` steps plus the fraction of a step in `actuator`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuated<const N: usize> {
-    /// Whole steps by which a command is late.
+    /// Number of whole steps by which a command is late.
     pub whole: u16,
-    /// Gain, offset and the rest of the delay.
+    /// Gain, offset and the remaining delay, a fraction of a step.
     pub actuator: Actuator<f32, N>,
 }
 
@@ -154,22 +154,22 @@ impl<const N: usize> Actuation<N> for Actuated<N> {
     }
 }
 
-/// The way from commands to forces: their kind `K`, what lies between, `A`, and the last `PAST` commands in N coordinates.
+/// Converter of commands to forces: the kind of control `K`, the actuation `A`, and the last `PAST` commands in N coordinates.
 ///
-/// A new one is at rest: all commands before were 0. Held commands of an ideal drive take no memory and no time.
+/// A new drive is at rest: all earlier commands were 0. Held commands of an ideal drive take no memory and no time.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive<K, A, const N: usize, const PAST: usize> {
     actuation: A,
-    /// Newest first.
+    /// Past commands, newest first.
     past: [[f32; N]; PAST],
     kind: PhantomData<K>,
 }
 
 impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N, PAST> {
-    /// A drive at rest.
+    /// Creates a drive at rest.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where its delay needs more than `PAST` commands.
+    /// [`ModelError::Shape`] if the kind of control and the delay need more than `PAST` commands.
     pub fn new(actuation: A) -> Result<Self, ModelError> {
         let found = K::PAST + actuation.whole() + usize::from(actuation.has_rest());
         if found > PAST {
@@ -185,19 +185,19 @@ impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N,
         K::force(&self.actuation, |steps| self.ago(whole + steps, u))
     }
 
-    /// The command so many steps ago, `u` being the one of now. What is older than the memory is multiplied by 0.
+    /// The command `steps` steps ago; `u` is the present one. Whatever is returned beyond the memory is multiplied by 0.
     #[inline(always)]
     fn ago<'u>(&'u self, steps: usize, u: &'u [f32; N]) -> &'u [f32; N] {
         steps.checked_sub(1).and_then(|k| self.past.get(k)).unwrap_or(u)
     }
 
-    /// An error where a command that would stay in memory is not finite, or its force.
+    /// Checks that the force of a command that would stay in memory is finite.
     #[inline(always)]
     pub(super) fn check(&self, u: &[f32; N]) -> Result<(), StepError<f32>> {
         if PAST == 0 || all_finite(&self.actuation.output(u)) { Ok(()) } else { Err(StepError::NotFinite) }
     }
 
-    /// Goes one step on: `u` is the last command.
+    /// Advances by one step; `u` becomes the newest past command.
     #[inline(always)]
     pub(super) fn advance(&mut self, u: [f32; N]) {
         let mut newer = u;

@@ -1,19 +1,19 @@
-//! A model, its integrator, its actuator and its state as one thing, which a firmware steps.
+//! A model, its integrator, its actuator and its state in one value, which a firmware steps.
 //!
-//! `leastaction export --rust` names the type that fits its file, and makes it by `stepper()`. The parts of a [`Stepper`]
-//! ([`Model`], [`Del`], [`Actuator`](crate::forces::Actuator), [`State`]) remain for programs that need one of them alone.
+//! `leastaction export --rust` names the type that fits its file and constructs it in `stepper()`. The parts of a [`Stepper`] ([`Model`],
+//! [`Del`], [`Actuator`](crate::forces::Actuator), [`State`]) remain available to programs that need only one of them.
 //!
 //! One step takes one command u:
 //!
-//! 1. The [`Drive`] makes the force τ over the step of it and of the commands before, τ(t) = g u(t − d) + o. Where commands are
-//!    [`Held`], u acts from the beginning of the step; where they are [`Linear`], u is the sample at its end, and the one at its
-//!    beginning is the command of the step before. A delay of whole steps and a part of one takes older commands, which are kept.
+//! 1. The [`Drive`] computes the force τ over the step from u and the commands before it, τ(t) = g u(t − d) + o. [`Held`] commands act from
+//!    the beginning of the step; with [`Linear`] commands, u is the sample at the end of the step, and the previous command the sample at
+//!    its beginning. A delay d, in whole steps and a fraction, takes older commands, which the drive keeps.
 //! 2. [`Del::step`] advances the state under τ.
 //!
-//! Graphs, whose particles rods may hold, are stepped by RATTLE in a [`ParticleStepper`] with the same calls.
+//! Graphs, whose particles may be held by rods, are stepped by RATTLE in a [`ParticleStepper`] with the same calls.
 //!
-//! Kind, actuator and number of commands kept are types, so that an image has code and memory for what its file says and for nothing
-//! else; a file that says otherwise is refused when it is loaded.
+//! Kind, actuator and number of kept commands are types, so an image has code and memory only for what its file needs; a file that needs
+//! something else is refused when it is loaded.
 
 mod drive;
 mod particles;
@@ -26,10 +26,10 @@ use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
 use crate::model::{Model, ModelError, TrainedStep};
 
-/// A model `M` in N coordinates that is stepped along paths of type `P` under the commands of a drive `D`.
+/// A model `M` in N coordinates, stepped along paths of type `P` under the commands of a drive `D`.
 ///
-/// Until it is started its position is not a number, and steps are refused as [`StepError::NotFinite`]; all commands before the first
-/// are 0. On any error it is what it was.
+/// Before the start its position is NaN and steps are refused with [`StepError::NotFinite`]; all commands before the first are 0. An error
+/// leaves it unchanged.
 ///
 /// ```
 /// # use leastaction_core::discrete::Galerkin;
@@ -66,30 +66,30 @@ where
     K: Kind,
     A: Actuation<N>,
 {
-    /// A stepper with the step, the order, the kind of control and the actuator of the file.
+    /// Creates a stepper with the step, the order, the kind of control and the actuator of the file.
     ///
     /// # Errors
-    /// [`ModelError::NoStep`] where the model was trained for none; [`ModelError::Order`], [`ModelError::Control`],
-    /// [`ModelError::Actuator`] and [`ModelError::Shape`] where the types are those of another file.
+    /// [`ModelError::NoStep`] if the model was trained for none; [`ModelError::Order`], [`ModelError::Control`], [`ModelError::Actuator`]
+    /// and [`ModelError::Shape`] if the file does not match the types.
     pub fn new(model: Model<'a, System<L, F>>) -> Result<Self, ModelError> {
         let (step, sections) = (model.step()?, model.sections);
         Self::over(model, step, Drive::new(A::load(&sections, step.h)?)?)
     }
 
-    /// A stepper of a step of h seconds, whatever the model was trained with; with another it is less accurate than with its own.
+    /// Creates a stepper with steps of h seconds, whatever the model was trained with; it is less accurate than with the trained step.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] unless h is positive and finite; else those of [`Stepper::new`] but for `NoStep`.
+    /// [`ModelError::OutOfRange`] unless h is positive and finite; else the errors of [`Stepper::new`] except `NoStep`.
     pub fn with_step(model: Model<'a, System<L, F>>, h: f32) -> Result<Self, ModelError> {
         let step = TrainedStep { order: P::ORDER, h, control: K::KIND }.checked()?;
         let sections = model.sections;
         Self::over(model, step, Drive::new(A::load(&sections, h)?)?)
     }
 
-    /// A stepper with the step of the model and the caller's drive in place of the actuator of the file.
+    /// Creates a stepper with the step of the model, and the caller's drive instead of the actuator of the file.
     ///
     /// # Errors
-    /// [`ModelError::NoStep`], [`ModelError::Order`] and [`ModelError::Control`] as of [`Stepper::new`].
+    /// [`ModelError::NoStep`], [`ModelError::Order`] and [`ModelError::Control`] as for [`Stepper::new`].
     pub fn with_drive(
         model: Model<'a, System<L, F>>,
         drive: Drive<K, A, N, PAST>,
@@ -107,26 +107,26 @@ where
         Ok(Self { model, del: step.del()?, drive, state: State::unknown() })
     }
 
-    /// The stepper with the caller's bounds of Newton's method.
+    /// Replaces the bounds of Newton's method.
     #[must_use]
     pub fn with_newton(self, newton: Newton<f32>) -> Self {
         Self { del: Del::with_newton(self.del.h(), newton), ..self }
     }
 
-    /// Starts at position q (m or rad) with velocity v (m/s or rad/s). Commands on their way stay there.
+    /// Starts at position q (m or rad) with velocity v (m/s or rad/s). Delayed commands stay in memory.
     ///
     /// # Errors
-    /// [`StepError::NotFinite`].
+    /// [`StepError::NotFinite`] if the resulting state is not finite.
     pub fn start(&mut self, q: [f32; N], v: [f32; N]) -> Result<(), StepError<f32>> {
         self.state = State::new(&self.model.system.lagrangian, q, v)?;
         Ok(())
     }
 
-    /// Starts at the second of two positions one step apart, `u` being the command of that step as in [`Stepper::step`]. No velocity
-    /// is needed.
+    /// Starts at the second of two positions one step apart; `u` is the command of that step, as in [`Stepper::step`]. No velocity is
+    /// needed.
     ///
     /// # Errors
-    /// Errors of [`Del::start`].
+    /// See [`Del::start`].
     pub fn start_from(&mut self, [q0, q1]: [[f32; N]; 2], u: [f32; N]) -> Result<(), StepError<f32>> {
         self.drive.check(&u)?;
         self.state = self.del.start(&self.model.system, &q0, &q1, &self.drive.force(&u))?;
@@ -134,21 +134,21 @@ where
         Ok(())
     }
 
-    /// Takes a command without a step: one that was sent before the start, oldest first, or, of linear commands, the sample at the start.
+    /// Takes a command without a step: one sent before the start, oldest first, or, for linear commands, the sample at the start.
     ///
     /// # Errors
-    /// [`StepError::NotFinite`].
+    /// [`StepError::NotFinite`] if the force of the command is not finite.
     pub fn commanded(&mut self, u: [f32; N]) -> Result<(), StepError<f32>> {
         self.drive.check(&u)?;
         self.drive.advance(u);
         Ok(())
     }
 
-    /// One step under the command `u`.
+    /// Takes one step under the command `u`.
     ///
     /// # Errors
-    /// Errors of [`Del::step`]. Where the command that is refused is one of the past, the next step is refused for the same reason:
-    /// [`Stepper::commanded`] goes past it, and [`Stepper::start`] begins anew.
+    /// See [`Del::step`]. If the cause is a past command, the next step is refused for the same reason: [`Stepper::commanded`] moves past
+    /// it, and [`Stepper::start`] begins anew.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, StepError<f32>> {
         self.drive.check(&u)?;
         let report = self.del.step(&self.model.system, &mut self.state, &self.drive.force(&u))?;
@@ -156,27 +156,27 @@ where
         Ok(report)
     }
 
-    /// v = M⁻¹p, m/s or rad/s.
+    /// Velocity v = M⁻¹p, m/s or rad/s.
     ///
     /// # Errors
-    /// [`StepError::NotFinite`] before the start, [`StepError::Singular`] where M is.
+    /// [`StepError::NotFinite`] before the start, [`StepError::Singular`] if M is singular.
     pub fn v(&self) -> Result<[f32; N], StepError<f32>> {
         self.state.velocity(&self.model.system.lagrangian)
     }
 }
 
 impl<M, P: Path, D, const N: usize> Stepper<M, P, D, N> {
-    /// q, m or rad.
+    /// Position q, m or rad.
     pub fn q(&self) -> [f32; N] {
         self.state.q()
     }
 
-    /// p, kg m/s or kg m²/s.
+    /// Momentum p, kg m/s or kg m²/s.
     pub fn p(&self) -> [f32; N] {
         self.state.p()
     }
 
-    /// h, s.
+    /// Step size h, s.
     pub const fn h(&self) -> f32 {
         self.del.h()
     }

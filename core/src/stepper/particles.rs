@@ -1,4 +1,4 @@
-//! Graphs of particles under rods: as other models, in memory that the caller owns.
+//! Stepper of graphs of particles under rods, like that of all other models, in memory that the caller owns.
 
 use super::{Actuation, Drive, Kind};
 use crate::constraints::{Constrained, ConstraintError, Holonomic};
@@ -9,14 +9,14 @@ use crate::model::{GraphModel, GraphSystem, ModelError, TrainedStep};
 use crate::particles::Particles;
 use crate::scalar::{FileWeightFormat, WeightFormat};
 
-/// Numbers that a [`ParticleStepper`] keeps in its [`ParticleMemory`]: its state, and the workspace of [`Rattle::workspace_of`].
+/// Length of a [`ParticleStepper`]'s [`ParticleMemory`] in numbers: its state, and the workspace of [`Rattle::workspace_of`].
 pub const fn particle_numbers<const D: usize>(nodes: usize, rods: usize, band: usize, graph: usize) -> usize {
     ParticleState::<f32, D>::workspace(nodes, rods)
         + Rattle::<f32>::workspace_of::<D>(nodes, rods, band, graph)
 }
 
-/// Memory that a graph of at most `EDGES` edges and `RODS` rods in `D` dimensions is read to and stepped in: a static, or on the stack
-/// of a function that outlives the stepper.
+/// Memory for reading and stepping a graph of at most `EDGES` edges and `RODS` rods in `D` dimensions: a static, or a variable of a
+/// function that outlives the stepper.
 #[derive(Clone, Debug)]
 pub struct ParticleMemory<const D: usize, const EDGES: usize, const RODS: usize, const NUMBERS: usize> {
     edges: [Edge; EDGES],
@@ -27,7 +27,7 @@ pub struct ParticleMemory<const D: usize, const EDGES: usize, const RODS: usize,
 impl<const D: usize, const EDGES: usize, const RODS: usize, const NUMBERS: usize>
     ParticleMemory<D, EDGES, RODS, NUMBERS>
 {
-    /// An empty one.
+    /// Creates an empty memory.
     pub const fn new() -> Self {
         Self {
             edges: [Edge { kind: 0, ends: [0; 2] }; EDGES],
@@ -45,15 +45,15 @@ impl<const D: usize, const EDGES: usize, const RODS: usize, const NUMBERS: usize
     }
 }
 
-/// A graph model `M` of particles in `D` dimensions, N coordinates node after node, that is stepped by RATTLE under the commands of a
-/// drive `C`.
+/// A graph model `M` of particles in `D` dimensions, stepped by RATTLE under the commands of a drive `C`. The N coordinates are those of
+/// node after node.
 ///
-/// A step's force is the mean of the drive's force over it. Until it is started its positions are not numbers, and steps are refused as
+/// The force of a step is the mean of the drive's force over it. Before the start its positions are NaN and steps are refused with
 /// [`ConstraintError::NotFinite`]; all commands before the first are 0.
 #[derive(Debug)]
 pub struct ParticleStepper<'a, M, C, const D: usize, const N: usize> {
     model: M,
-    /// Band of A M⁻¹ Aᵀ, of the rods.
+    /// Band of the matrix A M⁻¹ Aᵀ of the rods.
     band: usize,
     rattle: Rattle<f32>,
     drive: C,
@@ -61,7 +61,7 @@ pub struct ParticleStepper<'a, M, C, const D: usize, const N: usize> {
     workspace: &'a mut [f32],
 }
 
-/// The mechanism that RATTLE steps.
+/// Mechanism that RATTLE steps.
 type Mechanism<'m, 'a, const D: usize, const K: usize, const H: usize, const L: usize, W> =
     Constrained<'m, f32, Graph<'a, W, D, K, H, L>, [Holonomic<f32, D>], D>;
 
@@ -82,11 +82,11 @@ where
     W: FileWeightFormat + WeightFormat<Wide = f32>,
     A: Actuation<N>,
 {
-    /// A stepper of the graph called `name`, with the step, the order, the kind of control and the actuator of the file.
+    /// Creates a stepper of the graph called `name`, with the step, the order, the kind of control and the actuator of the file.
     ///
     /// # Errors
-    /// Those of [`GraphModel::load`]; [`ModelError::NoStep`] where the model was trained for none; [`GraphError::Coordinates`],
-    /// [`ModelError::Control`], [`ModelError::Actuator`] and [`ModelError::Shape`] where types and memory are those of another file.
+    /// The errors of [`GraphModel::load`]; [`ModelError::NoStep`] if the model was trained for none; [`GraphError::Coordinates`],
+    /// [`ModelError::Control`], [`ModelError::Actuator`] and [`ModelError::Shape`] if the file does not match types and memory.
     pub fn new<const EDGES: usize, const RODS: usize, const NUMBERS: usize>(
         bytes: &'a [u8],
         name: &str,
@@ -96,10 +96,10 @@ where
         Self::over(model, model.step()?, &mut memory.numbers)
     }
 
-    /// A stepper of order 4 of a step of h seconds, whatever the model was trained with.
+    /// Creates a stepper of order 4 with steps of h seconds, whatever the model was trained with.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] unless h is positive and finite; else those of [`ParticleStepper::new`] but for `NoStep`.
+    /// [`ModelError::OutOfRange`] unless h is positive and finite; else the errors of [`ParticleStepper::new`] except `NoStep`.
     pub fn with_step<const EDGES: usize, const RODS: usize, const NUMBERS: usize>(
         bytes: &'a [u8],
         name: &str,
@@ -135,20 +135,20 @@ where
         Ok(Self { model, band, rattle: Rattle::new(step.h, step.order), drive, state, workspace })
     }
 
-    /// Starts at positions q (m), which satisfy the rods, with velocities v (m/s). Commands on their way stay there.
+    /// Starts at positions q (m), which satisfy the rods, with velocities v (m/s). Delayed commands stay in memory.
     ///
     /// # Errors
-    /// Errors of [`ParticleState::new`]; it is then what it was.
+    /// See [`ParticleState::new`]; the stepper is then unchanged.
     pub fn start(&mut self, q: [f32; N], v: [f32; N]) -> Result<(), ConstraintError<f32>> {
         let mechanism = mechanism(&self.model.system, self.band);
         self.state.restart(&mechanism, [&q, &v].map(|x| x.as_chunks().0), self.workspace)
     }
 
-    /// Starts at the second of two positions one step apart (m), `u` being the command of that step as in [`ParticleStepper::step`].
-    /// No velocity is needed.
+    /// Starts at the second of two positions one step apart (m); `u` is the command of that step, as in [`ParticleStepper::step`]. No
+    /// velocity is needed.
     ///
     /// # Errors
-    /// Errors of [`Rattle::start`]; it is then not started any more, with the commands that it had.
+    /// See [`Rattle::start`]; the stepper is then no longer started, and keeps its commands.
     pub fn start_from(&mut self, positions: [[f32; N]; 2], u: [f32; N]) -> Result<(), ConstraintError<f32>> {
         self.drive.check(&u)?;
         let mechanism = mechanism(&self.model.system, self.band);
@@ -166,20 +166,20 @@ where
         Ok(())
     }
 
-    /// Takes a command without a step, as [`Stepper::commanded`](super::Stepper::commanded).
+    /// Takes a command without a step, like [`Stepper::commanded`](super::Stepper::commanded).
     ///
     /// # Errors
-    /// [`ConstraintError::NotFinite`].
+    /// [`ConstraintError::NotFinite`] if the force of the command is not finite.
     pub fn commanded(&mut self, u: [f32; N]) -> Result<(), ConstraintError<f32>> {
         self.drive.check(&u)?;
         self.drive.advance(u);
         Ok(())
     }
 
-    /// One step under the command `u`, N, of every coordinate.
+    /// Takes one step under the command `u`, N, of every coordinate.
     ///
     /// # Errors
-    /// Errors of [`Rattle::step`]; it is then what it was.
+    /// See [`Rattle::step`]; the stepper is then unchanged.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, ConstraintError<f32>> {
         self.drive.check(&u)?;
         let mechanism = mechanism(&self.model.system, self.band);
@@ -192,28 +192,28 @@ where
 }
 
 impl<M, C, const D: usize, const N: usize> ParticleStepper<'_, M, C, D, N> {
-    /// The stepper with the caller's bounds of Newton's method.
+    /// Replaces the bounds of Newton's method.
     #[must_use]
     pub fn with_newton(self, newton: Newton<f32>) -> Self {
         Self { rattle: self.rattle.newton(newton), ..self }
     }
 
-    /// q, m.
+    /// Positions q, m.
     pub fn q(&self) -> [f32; N] {
         copied(self.state.q())
     }
 
-    /// v, m/s.
+    /// Velocities v, m/s.
     pub fn v(&self) -> [f32; N] {
         copied(self.state.v())
     }
 
-    /// p, kg m/s.
+    /// Momenta p, kg m/s.
     pub fn p(&self) -> [f32; N] {
         copied(self.state.p())
     }
 
-    /// h, s.
+    /// Step size h, s.
     pub const fn h(&self) -> f32 {
         self.rattle.h()
     }
@@ -244,20 +244,20 @@ fn mechanism<
     Constrained::known(&system.graph, system.rods, band)
 }
 
-/// The force whose impulse is that of the control.
+/// The constant force with the impulse of the control.
 #[inline(always)]
 fn mean<const N: usize>(control: &Control<f32, N>) -> [f32; N] {
     control.at(0.5)
 }
 
-/// Vectors, node after node.
+/// Copies vectors to one array, node after node.
 fn copied<const D: usize, const N: usize>(vectors: &[[f32; D]]) -> [f32; N] {
     let mut all = [0.0; N];
     all.iter_mut().zip(vectors.as_flattened()).for_each(|(to, from)| *to = *from);
     all
 }
 
-/// The error of rods that loading would have refused.
+/// The error for rods that loading should have refused.
 fn refused(_: ConstraintError<f32>) -> ModelError {
     ModelError::OutOfRange { what: "rod" }
 }

@@ -1,4 +1,4 @@
-//! How the forces of the drives change with positions and velocities.
+//! Derivatives of the drive forces in positions and velocities.
 
 use super::motion::{Carried, Frame};
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale};
@@ -12,19 +12,19 @@ use core::array::from_fn;
 /// Derivatives of τ(q, v, v̇) = M v̇ + L_vq v − L_q; ∂τ/∂v̇ is [`ArmBodies::mass_matrix`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsDerivatives<S, const N: usize> {
-    /// ∂τ_i/∂q_j, N m/rad where both joints turn.
+    /// ∂τ_i/∂q_j, N m/rad if both joints are revolute.
     pub force_q: Matrix<S, N>,
-    /// ∂τ_i/∂v_j, N m s/rad where both joints turn.
+    /// ∂τ_i/∂v_j, N m s/rad if both joints are revolute.
     pub force_v: Matrix<S, N>,
 }
 
-/// What a joint carries, about the origin of its frame, when velocities and accelerations are given.
+/// Sums over all that a joint carries, about the origin of its frame, at given velocities and accelerations.
 #[derive(Clone, Copy)]
 struct Driven<S> {
     carried: Carried<S>,
-    /// The force that accelerates it, gravity included.
+    /// The force that accelerates the carried bodies, gravity included.
     force: Wrench<S>,
-    /// ∫ u xᵀ dm of the velocities u and places x of its masses.
+    /// ∫ u xᵀ dm over the masses, with their velocities u and places x.
     spread: Rotation<S>,
 }
 
@@ -33,7 +33,7 @@ impl<S: Scalar> Driven<S> {
         Self { carried: Carried::nothing(), force: Wrench::zero(), spread: [[S::zero(); 3]; 3] }
     }
 
-    /// One body, its inertia in the axes of the base; `acceleration` is that of its origin.
+    /// Sums for one body, with its inertia in the axes of the base; `acceleration` is the acceleration of its origin.
     #[inline(always)]
     fn body(inertia: &BodyInertia<S>, velocity: &Twist<S>, acceleration: &Twist<S>) -> Self {
         let carried = Carried::nothing().with_body(inertia, velocity);
@@ -44,7 +44,7 @@ impl<S: Scalar> Driven<S> {
         Self { carried, force: inertia.force(velocity.angular, acceleration), spread }
     }
 
-    /// With all that a joint at `step` carries.
+    /// Adds all that a joint at `step` carries.
     #[inline(always)]
     fn with_joint(&self, step: Vector<S>, above: &Self) -> Self {
         let flow = above.carried.momentum.linear;
@@ -59,7 +59,7 @@ impl<S: Scalar> Driven<S> {
         self.spread[0][0] + self.spread[1][1] + self.spread[2][2]
     }
 
-    /// ∫ x × (α × u) dm and α × ∫ u dm, twice: the Coriolis force on masses that also turn with α.
+    /// 2∫ x × (α × u) dm and 2α × ∫ u dm: the Coriolis force on masses that also rotate with α.
     #[inline(always)]
     fn coriolis(&self, alpha: Vector<S>) -> Wrench<S> {
         let trace = self.trace();
@@ -68,7 +68,7 @@ impl<S: Scalar> Driven<S> {
         Wrench { angular: angular.map(twice), linear: linear.map(twice) }
     }
 
-    /// The share of the joint in [`Driven::coriolis`], as a linear function of α.
+    /// The joint's share of [`Driven::coriolis`], as a linear function of α.
     #[inline(always)]
     fn coriolis_share(&self, frame: &Frame<S>) -> Vector<S> {
         let (axis, trace) = (frame.axis, self.trace());
@@ -95,14 +95,14 @@ fn second_moments<S: Scalar>(inertia: &BodyInertia<S>) -> Rotation<S> {
     [[half - xx, -xy, -xz], [-xy, half - yy, -yz], [-xz, -yz, half - zz]]
 }
 
-/// V × x of two motions about the same point.
+/// V × x for two motions about the same point.
 #[inline(always)]
 fn crossed<S: Scalar>(v: &Twist<S>, x: &Twist<S>) -> Twist<S> {
     let linear = add(cross(v.angular, x.linear), cross(v.linear, x.angular));
     Twist { angular: cross(v.angular, x.angular), linear }
 }
 
-/// ψ = A × S + V × (V × S): how the acceleration of all that a joint carries moves with its coordinate. A is the spatial
+/// ψ = A × S + V × (V × S): change of the acceleration of all that a joint carries with the joint's coordinate. A is the spatial
 /// acceleration, p̈ − ω × ṙ at the origin.
 #[inline(always)]
 fn acceleration_bend<S: Scalar>(frame: &Frame<S>, bend: &Twist<S>, acceleration: &Twist<S>) -> Twist<S> {
@@ -126,13 +126,13 @@ fn turned_force<S: Scalar>(frame: &Frame<S>, force: &Wrench<S>) -> Wrench<S> {
 }
 
 impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
-    /// ∂τ/∂q and ∂τ/∂v of [`ArmBodies::inverse_dynamics`] at (q, v, v̇), friction apart. O(n · depth).
+    /// Computes ∂τ/∂q and ∂τ/∂v of [`ArmBodies::inverse_dynamics`] at (q, v, v̇), without friction. O(n · depth).
     ///
-    /// With z = V × S, ψ = A × S + V × z, the force F and inertia I of all that a joint carries, and Cx the Coriolis force that a
-    /// motion x of it adds, for a joint k that j carries (or j itself):
+    /// Let z = V × S and ψ = A × S + V × z, let F and I be the force and inertia of all that a joint carries, and Cx the Coriolis force
+    /// that a motion x adds. For a joint k that j carries (or j itself):
     /// ∂τ_j/∂q_k = S_j·(C z_k + Iψ_k + S_k ×* F), ∂τ_j/∂v_k = S_j·(C S_k + 2I z_k), and for j below k
     /// ∂τ_k/∂q_j = S_k·(C z_j + Iψ_j), ∂τ_k/∂v_j = S_k·(C S_j + 2I z_j), with I, F and C of joint k.
-    /// Where the numbers leave the range of S the result is not finite.
+    /// If numbers leave the range of S, the result is not finite.
     ///
     /// Source: Carpentier and Mansard, *Analytical derivatives of rigid body dynamics algorithms*, 2018.
     pub fn inverse_dynamics_derivatives<S: Scalar<Weight = W::Wide>>(
@@ -191,7 +191,7 @@ impl<S: Scalar, const N: usize> Moved<S, N> {
         moved
     }
 
-    /// Row and column k, of the joints below; what joint k carries then counts for its parent.
+    /// Fills row and column k for the joints below, then adds all that joint k carries to its parent.
     #[inline(always)]
     fn differentiate<W: WeightFormat>(
         &mut self,

@@ -2,30 +2,30 @@ use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, tur
 use crate::scalar::Scalar;
 use core::array::from_fn;
 
-/// Numbers of a [`BodyInertia`].
+/// Number of numbers of a [`BodyInertia`].
 pub const INERTIAL_PARAMETERS: usize = 10;
 
-/// Mass, first moments and inertia about a point: all that inertia is of a rigid body, or of many that move as one.
+/// Inertia of a rigid body, or of many that move as one: mass, first moments and inertia matrix about a point.
 ///
 /// A body of positive density has a positive definite pseudo-inertia [½ tr(I)·1 − I, mc; mcᵀ, m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyInertia<S> {
-    /// m, kg.
+    /// Mass m, kg.
     pub mass: S,
-    /// mc, from the point to the centre of mass times m, kg m.
+    /// First moments mc, kg m: m times the vector from the point to the centre of mass.
     pub moment: Vector<S>,
     /// I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the point, kg m²: ∫(|x|²·1 − xxᵀ) dm.
     pub matrix: [S; 6],
 }
 
 impl<S> BodyInertia<S> {
-    /// From m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz.
+    /// Creates the inertia from m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz.
     pub fn from_array(numbers: [S; INERTIAL_PARAMETERS]) -> Self {
         let [mass, x, y, z, matrix @ ..] = numbers;
         Self { mass, moment: [x, y, z], matrix }
     }
 
-    /// Numbers of the inertia in the order of [`BodyInertia::from_array`].
+    /// Returns the numbers of the inertia in the order of [`BodyInertia::from_array`].
     pub fn into_array(self) -> [S; INERTIAL_PARAMETERS] {
         let Self { mass, moment: [x, y, z], matrix: [xx, xy, yy, xz, yz, zz] } = self;
         [mass, x, y, z, xx, xy, yy, xz, yz, zz]
@@ -37,7 +37,7 @@ impl<S: Scalar> BodyInertia<S> {
         Self { mass: S::zero(), moment: [S::zero(); 3], matrix: [S::zero(); 6] }
     }
 
-    /// The same in a frame in which the axes of this one are the columns of a rotation.
+    /// Expresses the inertia in another frame: the columns of `rotation` are this frame's axes there.
     #[inline(always)]
     pub(super) fn turned(&self, rotation: &Rotation<S>) -> Self {
         let half = rotation.map(|row| self.turning(row));
@@ -49,7 +49,7 @@ impl<S: Scalar> BodyInertia<S> {
         }
     }
 
-    /// With another about the same point.
+    /// Adds another inertia about the same point.
     #[inline(always)]
     pub(super) fn plus(&self, other: &Self) -> Self {
         Self {
@@ -59,11 +59,11 @@ impl<S: Scalar> BodyInertia<S> {
         }
     }
 
-    /// The same about a point from which this one is at `step`.
+    /// Moves the inertia to another point, from which this point is at `step`.
     #[inline(always)]
     pub(super) fn about(&self, step: Vector<S>) -> Self {
         let moment = add(self.moment, scale(self.mass, step));
-        // ∫(|x + d|²·1 − (x + d)(x + d)ᵀ) dm, with the mean e of both first moments.
+        // ∫(|x + d|²·1 − (x + d)(x + d)ᵀ) dm, with e the mean of both first moments.
         let mean = add(self.moment, moment).map(S::half);
         let [x, y, z] = from_fn(|i| mean[i] * step[i]);
         let product = |i: usize, j: usize| -(mean[i] * step[j] + step[i] * mean[j]);
@@ -88,8 +88,8 @@ impl<S: Scalar> BodyInertia<S> {
         }
     }
 
-    /// The force that gives a body of this angular velocity an angular acceleration and an acceleration of the point:
-    /// its momentum at these, and (ω × Iω, ω × (ω × mc)).
+    /// The force that gives a body of angular velocity ω = `spin` an angular acceleration and an acceleration of the point: the momentum at
+    /// these accelerations, plus (ω × Iω, ω × (ω × mc)).
     #[inline(always)]
     pub(super) fn force(&self, spin: Vector<S>, acceleration: &Twist<S>) -> Wrench<S> {
         let turning = Wrench {

@@ -1,9 +1,9 @@
 //! Trees of rigid bodies on joints, in space.
 //!
-//! The frame of a body is its joint's frame, moved by q: turned about a unit axis a by a revolute joint, shifted along it by a
-//! prismatic one. The joint's frame stands on the parent's by a constant pose, x_parent = Rx + p at q = 0. With the angular
-//! velocity ω of a body and the velocity ṙ of its origin, its mass m, first moments mc and inertia I about that origin, the
-//! acceleration of gravity γ and the inertia J of a rotor as the joint sees it,
+//! A revolute joint rotates the body's frame by q about a unit axis a of the joint's frame, a prismatic one shifts it by q along a. The
+//! joint's frame has a constant pose in the parent's frame, x_parent = Rx + p at q = 0. With the angular velocity ω of a body and the
+//! velocity ṙ of its origin, its mass m, first moments mc and inertia I about that origin, the acceleration of gravity γ, and the rotor
+//! inertia J reflected to the joint,
 //!
 //! T = Σ ½m|ṙ|² + ṙ·(ω × mc) + ½ω·Iω + ½Jq̇²,  V = −Σ γ·(mr + mc).
 //!

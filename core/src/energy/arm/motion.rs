@@ -1,7 +1,7 @@
-//! Where a tree's frames are and how they move, from the base up, and what every joint carries, from the tips down.
+//! Frames and velocities of a tree, from the base up, and sums over all that every joint carries, from the tips down.
 //!
-//! All vectors are in the axes of the base, and those of a body about the origin of its frame: no sum is turned on its way to
-//! the base, and none loses digits to a far origin.
+//! All vectors are in the axes of the base, and a body's moments are about the origin of its own frame. Sums need no rotation on their way
+//! to the base, and lose no digits to a far origin.
 
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about};
 use super::{ARM_PARAMETERS, ArmParameters, BodyInertia, Joint};
@@ -12,13 +12,13 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<S> {
     pub joint: Joint,
-    /// Its axes are the columns.
+    /// Rotation whose columns are the axes of the frame.
     pub rotation: Rotation<S>,
-    /// The axis of its joint.
+    /// Axis of the body's joint.
     pub axis: Vector<S>,
-    /// From the parent's origin to its own, m.
+    /// Step from the parent's origin to this one, m.
     pub step: Vector<S>,
-    /// ω and ṙ.
+    /// Velocities ω and ṙ.
     pub velocity: Twist<S>,
 }
 
@@ -32,7 +32,7 @@ impl<S: Scalar> Space<S, ARM_PARAMETERS> for Vector<S> {
 }
 
 impl<S: Scalar> Frame<S> {
-    /// Where a body on this one is; its velocity is left 0.
+    /// Places the frame of a body that stands on this one; its velocity is left 0.
     #[inline(always)]
     pub fn placed(&self, joint: Joint, numbers: &ArmParameters<S>, q: S) -> Self {
         let rotation = product(&self.rotation, &numbers.rotation);
@@ -45,8 +45,8 @@ impl<S: Scalar> Frame<S> {
         Self { joint, rotation, axis, step, velocity: Twist::zero() }
     }
 
-    /// Angular acceleration and acceleration of the origin of a body on the joint of this frame, whose parent has angular
-    /// velocity `spin` and accelerates so.
+    /// Angular acceleration of the body of this frame, and acceleration of its origin; `spin` is the parent's angular velocity, `parent`
+    /// its acceleration, `v` and `a` are those of the joint.
     #[inline(always)]
     pub fn accelerated(&self, spin: Vector<S>, parent: &Twist<S>, v: S, a: S) -> Twist<S> {
         let Twist { angular, linear } = *parent;
@@ -100,7 +100,7 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
         }
     }
 
-    /// The velocity of its body against its axis, V × S.
+    /// Velocity of the body crossed with its joint's axis, V × S.
     #[inline(always)]
     fn bend(&self) -> Twist<S> {
         let Twist { angular, linear } = self.velocity;
@@ -129,7 +129,7 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     }
 }
 
-/// J of the rotor of a joint's drive as the joint sees it, which turns on its axis alone.
+/// Rotor inertia J of a joint's drive, reflected to the joint; the rotor turns on the joint's axis alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Rotor<S>(S);
 
@@ -167,14 +167,14 @@ pub struct Carried<S> {
 }
 
 impl<S: Scalar> Carried<S> {
-    /// With a body of this velocity, its inertia in the axes of the base.
+    /// Adds a body with its velocity and its inertia in the axes of the base.
     #[inline(always)]
     pub fn with_body(&self, inertia: &BodyInertia<S>, velocity: &Twist<S>) -> Self {
         let momentum = self.momentum.plus(inertia.momentum(velocity));
         Self { inertia: self.inertia.plus(inertia), momentum }
     }
 
-    /// With all that a joint at `step` on this body carries.
+    /// Adds all that a joint at `step` on this body carries.
     #[inline(always)]
     pub fn with_joint(&self, step: Vector<S>, above: &Self) -> Self {
         let momentum = self.momentum.plus(above.momentum.about(step));
@@ -217,7 +217,7 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
         self.inertia.unit_momentum(frame)
     }
 
-    /// S ×* momentum + inertia of `bend`.
+    /// S ×* momentum + the momentum at velocity `bend`.
     #[inline(always)]
     fn momentum_slope(&self, frame: &Frame<S>, bend: &Twist<S>) -> Wrench<S> {
         let (axis, Wrench { angular, linear }) = (frame.axis, self.momentum);

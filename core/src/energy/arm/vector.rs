@@ -1,10 +1,10 @@
-//! Vectors of space, and pairs of them: how a body moves, and what moves it.
+//! Vectors in space, and pairs of them: motions and forces of bodies.
 
 use crate::energy::multibody;
 use crate::scalar::Scalar;
 use core::array::from_fn;
 
-/// A point or a direction of space.
+/// A point or a direction in space.
 pub type Vector<S> = [S; 3];
 /// A rotation, row by row.
 pub type Rotation<S> = [Vector<S>; 3];
@@ -63,7 +63,7 @@ pub(super) fn turned_about<S: Scalar>(
     })
 }
 
-/// How a body moves: its angular velocity, and the velocity of its point at a joint.
+/// Motion of a body: its angular velocity, and the velocity of its point at a joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Twist<S> {
     /// The angular part.
@@ -84,7 +84,7 @@ impl<S: Scalar> Twist<S> {
     }
 }
 
-/// An angular part about a joint and a linear one: momentum (kg m²/s, kg m/s), force (N m, N), or derivatives of them.
+/// A linear part, and an angular part about a joint: momentum (kg m²/s, kg m/s), force (N m, N), or derivatives of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrench<S> {
     /// The angular part.

@@ -1,8 +1,8 @@
 //! Trees of rigid bodies on joints, in the plane.
 //!
-//! The frame of a body sits at its joint. It is turned by the angles of all joints below it and its own; a revolute joint adds q to
-//! its angle, a prismatic one moves the frame by q along its x axis. With the centre of mass x of a body, its angle φ, the
-//! acceleration of gravity γ, and the rotor of a drive that sits on the parent and turns g times as fast as the joint,
+//! The frame of a body sits at its joint and is rotated by the sum of all joint angles up to its own; a revolute joint adds q to the angle,
+//! a prismatic one moves the frame by q along its x axis. With the centre of mass x of a body, its angle φ, the acceleration of gravity γ,
+//! and the rotor of a drive that sits on the parent and turns g times as fast as the joint,
 //!
 //! T = Σ ½m|ẋ|² + ½I φ̇² + ½J(φ̇_parent + g q̇)²,  V = −Σ m γ·x.
 

@@ -1,23 +1,23 @@
-//! Where a tree's frames are and how they move, from the ground up, and what every joint carries, from the tips down.
+//! Frames and velocities of a tree, from the ground up, and sums over all that every joint carries, from the tips down.
 
 use super::vector::{Vector, Wrench, across, add, cross, dot, scale, turned};
 use super::{BODY_PARAMETERS, BodyParameters, Joint};
 use crate::energy::multibody::{self, Space, Wrench as _};
 use crate::scalar::Scalar;
 
-/// The frame of a body at its joint; vectors are in the frame of the ground.
+/// The frame of a body at its joint; vectors are in the axes of the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<S> {
     joint: Joint,
-    /// φ, rad.
+    /// Angle φ, rad.
     angle: S,
-    /// φ̇, rad/s.
+    /// Angular velocity φ̇, rad/s.
     spin: S,
-    /// Its x axis, (cos φ, sin φ).
+    /// The x axis of the frame, (cos φ, sin φ).
     axis: Vector<S>,
-    /// From the parent's joint to this one, m.
+    /// Step from the parent's joint to this joint, m.
     step: Vector<S>,
-    /// ṙ of this one, m/s.
+    /// Velocity ṙ of the frame's origin, m/s.
     velocity: Vector<S>,
 }
 
@@ -33,7 +33,7 @@ impl<S: Scalar> Space<S, BODY_PARAMETERS> for Vector<S> {
 impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Vector = Vector<S>;
     type Body = BodyParameters<S>;
-    /// z, which sees the linear part of momentum alone.
+    /// z, which acts on the linear part of momentum alone.
     type Bend = Vector<S>;
     type Wrench = Wrench<S>;
     type Carried = Carried<S>;
@@ -78,7 +78,7 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
         }
     }
 
-    /// −⊥ṙ of a revolute joint, φ̇⊥u of a prismatic one along u.
+    /// −⊥ṙ for a revolute joint, φ̇⊥u for a prismatic one along u.
     #[inline(always)]
     fn bend(&self) -> Vector<S> {
         match self.joint {
@@ -117,7 +117,7 @@ fn direction<S: Scalar>(angle: S) -> Vector<S> {
 pub struct Rotor<S> {
     /// J(φ̇_parent + gq̇), kg m²/s.
     momentum: S,
-    /// Jg, what it adds to the inertia between the joint and those below.
+    /// Coupling Jg: the rotor's part of the inertia between the joint and the joints below.
     coupling: S,
     gear: S,
 }

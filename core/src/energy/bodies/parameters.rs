@@ -10,30 +10,30 @@ pub const BODY_PARAMETERS: usize = 9;
 /// The numbers of a body, in the order of the weight block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyParameters<S> {
-    /// Place of the joint in the parent's frame, m.
+    /// Origin of the joint in the parent's frame, m.
     pub place: Vector<S>,
-    /// How far the joint's frame is turned from the parent's, rad.
+    /// Angle of the joint's frame in the parent's frame, rad.
     pub angle: S,
-    /// m > 0, kg.
+    /// Mass m > 0, kg.
     pub mass: S,
-    /// The centre of mass in the body's frame, m.
+    /// Centre of mass in the body's frame, m.
     pub centre: Vector<S>,
-    /// I > 0 about the centre of mass, kg m².
+    /// Moment of inertia I > 0 about the centre of mass, kg m².
     pub inertia: S,
-    /// J ≥ 0 of the rotor that drives the joint and sits on the parent, kg m².
+    /// Moment of inertia J ≥ 0 of the rotor that drives the joint and sits on the parent, kg m².
     pub rotor: S,
-    /// g: the rotor turns g q̇ against the parent; 1, or 1/m of a prismatic joint.
+    /// Gear ratio g: the rotor turns at g q̇ against the parent; unit 1, or 1/m for a prismatic joint.
     pub gear: S,
 }
 
 impl<S> BodyParameters<S> {
-    /// Parameters from the order of the weight block.
+    /// Creates the parameters from the order of the weight block.
     pub fn from_array(numbers: [S; BODY_PARAMETERS]) -> Self {
         let [x, y, angle, mass, centre_x, centre_y, inertia, rotor, gear] = numbers;
         Self { place: [x, y], angle, mass, centre: [centre_x, centre_y], inertia, rotor, gear }
     }
 
-    /// Parameters in the order of the weight block.
+    /// Returns the parameters in the order of the weight block.
     pub fn into_array(self) -> [S; BODY_PARAMETERS] {
         let Self { place: [x, y], angle, mass, centre: [centre_x, centre_y], inertia, rotor, gear } = self;
         [x, y, angle, mass, centre_x, centre_y, inertia, rotor, gear]

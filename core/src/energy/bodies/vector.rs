@@ -1,9 +1,9 @@
-//! Vectors of the plane.
+//! Vectors in the plane.
 
 use crate::energy::multibody;
 use crate::scalar::Scalar;
 
-/// A point or a direction of the plane.
+/// A point or a direction in the plane.
 pub type Vector<S> = [S; 2];
 
 /// a + b.
@@ -30,19 +30,19 @@ pub(super) fn cross<S: Scalar>(a: Vector<S>, b: Vector<S>) -> S {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// a, a quarter turn ahead.
+/// a rotated by a quarter turn, counter-clockwise.
 #[inline(always)]
 pub(super) fn across<S: Scalar>(a: Vector<S>) -> Vector<S> {
     [-a[1], a[0]]
 }
 
-/// The vector of these components along an axis and across it.
+/// The vector with the given components along an axis and across it.
 #[inline(always)]
 pub(super) fn turned<S: Scalar>(axis: Vector<S>, [along, aside]: Vector<S>) -> Vector<S> {
     [axis[0] * along - axis[1] * aside, axis[1] * along + axis[0] * aside]
 }
 
-/// A linear and an angular part, the angular one about a joint: momentum (kg m/s, kg m²/s) or its derivative.
+/// A linear part, and an angular part about a joint: momentum (kg m/s, kg m²/s) or its derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrench<S> {
     /// The linear part.

@@ -1,18 +1,17 @@
-//! Edges between all pairs of nodes that are near each other.
+//! Edges between all pairs of nearby nodes.
 
 use super::radial::square;
 use super::{Edge, GraphError, MAX_NODES};
 use crate::scalar::Real;
 
-/// Writes an edge of type `kind` for every pair of nodes whose distance is below `cutoff` (m) to the front of `edges`, and
-/// returns how many there are. Pairs come in the order of their second node, and of their first where that is the same, so the
-/// list is the same on every target.
+/// Writes an edge of type `kind` for every pair of nodes closer than `cutoff` (m) to the front of `edges`, and returns the number of edges.
+/// Pairs are sorted by their second node, then by their first, so the list is the same on every target.
 ///
-/// Compares every pair, so time grows with the square of the number of nodes: for graphs of some hundred nodes, or that are
+/// Compares all pairs, so time grows with the square of the number of nodes: meant for graphs of some hundred nodes, or for lists that are
 /// rebuilt seldom.
 ///
 /// # Errors
-/// [`GraphError::TooManyNodes`], and [`GraphError::TooManyEdges`] with the number of near pairs where `edges` is too short.
+/// [`GraphError::TooManyNodes`]; [`GraphError::TooManyEdges`] with the number of near pairs if `edges` is too short.
 pub fn cutoff_edges<R: Real, const D: usize>(
     q: &[[R; D]],
     cutoff: R,

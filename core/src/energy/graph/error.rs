@@ -1,44 +1,44 @@
 use core::fmt;
 
-/// Why a graph was refused.
+/// Reason for refusing a graph.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GraphError {
-    /// No node.
+    /// The graph has no nodes.
     Empty,
-    /// More nodes than an edge can name.
+    /// The graph has more nodes than an edge can name.
     TooManyNodes {
-        /// Of the graph.
+        /// Nodes of the graph.
         found: usize,
-        /// At most.
+        /// Maximum number of nodes.
         most: usize,
     },
     /// A node is of a type that does not exist.
     NodeKind {
         /// The node, from 0.
         node: usize,
-        /// The type it names.
+        /// The type that the node names.
         kind: usize,
-        /// Types there are.
+        /// Number of node types.
         kinds: usize,
     },
     /// An edge is of a type that does not exist.
     EdgeKind {
         /// The edge, from 0.
         edge: usize,
-        /// The type it names.
+        /// The type that the edge names.
         kind: usize,
-        /// Types there are.
+        /// Number of edge types.
         kinds: usize,
     },
     /// An edge ends at a node that does not exist.
     End {
         /// The edge, from 0.
         edge: usize,
-        /// The node it names.
+        /// The node that the edge names.
         node: usize,
-        /// Nodes there are.
+        /// Number of nodes.
         nodes: usize,
     },
     /// An edge joins a node to itself.
@@ -50,9 +50,9 @@ pub enum GraphError {
     },
     /// The graph does not have the number of coordinates that was compiled in.
     Coordinates {
-        /// Of the graph: nodes times dimensions.
+        /// Coordinates of the graph: nodes times dimensions.
         found: usize,
-        /// Compiled in.
+        /// Coordinates compiled in.
         compiled: usize,
     },
     /// The mass of a node type is not finite or not positive.
@@ -65,39 +65,39 @@ pub enum GraphError {
         /// The node type, from 0.
         kind: usize,
     },
-    /// A member of a union does not name as many nodes as it has.
+    /// A member of a union names another number of nodes than its graph has.
     MemberNodes {
         /// The member, from 0.
         member: usize,
-        /// Nodes that it names.
+        /// Number of nodes that the member names.
         found: usize,
-        /// Nodes that it has.
+        /// Number of nodes of the member's graph.
         needed: usize,
     },
-    /// The nodes that a member of a union names do not ascend, or one does not exist.
+    /// The nodes that a member of a union names do not ascend, or a named node does not exist.
     MemberOrder {
         /// The member, from 0.
         member: usize,
-        /// The node of the union that it names at the wrong place.
+        /// The node of the union that the member names at the wrong place.
         node: usize,
     },
-    /// No member of a union has a node.
+    /// A node belongs to no member of a union.
     Ownerless {
         /// The node, from 0.
         node: usize,
     },
-    /// More edges than the caller's slice holds.
+    /// The graph has more edges than the caller's slice holds.
     TooManyEdges {
-        /// Edges that the slice holds.
+        /// Number of edges that the slice holds.
         capacity: usize,
-        /// Edges that there are.
+        /// Number of edges that the graph has.
         needed: usize,
     },
-    /// More rods than there is room for.
+    /// The graph has more rods than there is room for.
     TooManyRods {
-        /// Rods that there is room for.
+        /// Number of rods that there is room for.
         capacity: usize,
-        /// Rods that there are.
+        /// Number of rods that the graph has.
         needed: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Graphs whose number of coordinates is compiled in.
+//! Graphs with a compiled number of coordinates.
 
 use super::round::MovingNodes;
 use super::{Edge, Graph, GraphError, across, exchange};
@@ -8,9 +8,9 @@ use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::scalar::{Scalar, WeightFormat};
 
-/// A graph in N coordinates, node after node: N is the number of nodes times `D`.
+/// A graph in N coordinates, node by node: N is the number of nodes times `D`.
 ///
-/// It is its own [`Forces`]: the drag on its nodes.
+/// A `Fixed` is also its own [`Forces`]: the drag on its nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed<'a, W, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize> {
     graph: Graph<'a, W, D, K, H, L>,
@@ -19,10 +19,10 @@ pub struct Fixed<'a, W, const D: usize, const K: usize, const H: usize, const L:
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Fixed<'a, W, D, K, H, L, N>
 {
-    /// The graph, which must have N coordinates.
+    /// Wraps a graph, which must have N coordinates.
     ///
     /// # Errors
-    /// [`GraphError::Coordinates`].
+    /// [`GraphError::Coordinates`] if it has another number.
     pub fn new(graph: Graph<'a, W, D, K, H, L>) -> Result<Self, GraphError> {
         let found = graph.nodes.len() * D;
         if found == N { Ok(Self { graph }) } else { Err(GraphError::Coordinates { found, compiled: N }) }
@@ -45,7 +45,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         self.graph.edges.iter().filter_map(|edge| Some((edge, across(vectors(q), edge)?)))
     }
 
-    /// Applies `of` to the type of every node and its part of x, node after node.
+    /// Applies `of` to the type of every node and its part of x, in the order of the nodes.
     fn each<S: Scalar<Weight = W::Wide>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
         let mut y = [S::zero(); N];
         for (slot, (kind, x)) in y.as_chunks_mut::<D>().0.iter_mut().zip(self.nodes(x)) {
@@ -102,7 +102,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         l_qq
     }
 
-    /// V of the messages; `gradient` gets ∂V/∂(x_a − x_b) of one edge at a time, in parts.
+    /// Potential V of the messages; `gradient` receives ∂V/∂(x_a − x_b) of one edge at a time, in parts.
     fn messages<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[[Jet<S, T>; D]; N],
@@ -111,7 +111,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         self.graph.round(&mut MovingNodes::new(x), gradient)
     }
 
-    /// Adds the messages' part, one column of blocks after the other: the derivatives of their gradients in the position of node j.
+    /// Adds the messages' part of L_qq, one column of blocks at a time: the derivatives of the gradients in the position of node j.
     fn add_messages<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
         for j in 0..self.graph.nodes.len() {
             let mut x = placed::<S, D, D, N>(q);
@@ -197,13 +197,13 @@ impl<
     }
 }
 
-/// x as one vector a node.
+/// Splits x into one vector per node.
 #[inline(always)]
 fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
     x.as_chunks().0
 }
 
-/// Nodes at q that move along none of the T directions; what follows the last node is not used.
+/// Nodes at q, constant along all T directions; entries after the last node are unused.
 fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N]) -> [[Jet<S, T>; D]; N] {
     let mut placed = [[Jet::zero(); D]; N];
     for (slot, x) in placed.iter_mut().zip(vectors::<S, D, N>(q)) {
@@ -212,7 +212,7 @@ fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N])
     placed
 }
 
-/// Adds to the block of rows of node i and columns of node j.
+/// Adds a block to the rows of node i and the columns of node j.
 #[inline(always)]
 fn add_block<S: Scalar, const D: usize, const N: usize>(
     matrix: &mut [[S; N]; N],

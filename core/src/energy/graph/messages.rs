@@ -1,9 +1,9 @@
-//! Messages (LGNN): every node sums what its edges send it, every edge is updated by both of its nodes, and both have a
+//! Messages (LGNN): every node sums the messages of its edges, every edge is updated by both of its nodes, and nodes and edges then have a
 //! potential.
 //!
-//! A round takes four passes: (1) [`Messaging::send`] sums n at every node; (2) [`Messaging::settle`] and (3)
-//! [`Messaging::update`] give the energies of nodes and edges and sum n̄ = ∂V/∂n; (4) [`Messaging::answer`] carries n̄ back to
-//! the distances. This file has what one batch of edges or nodes does in each; [`round`](super::round) has the passes.
+//! A round takes four passes: (1) [`Messaging::send`] sums n at every node; (2) [`Messaging::settle`] and (3) [`Messaging::update`] give
+//! the energies of nodes and edges and sum n̄ = ∂V/∂n; (4) [`Messaging::answer`] carries n̄ back to the distances. This file has the work
+//! of each pass on one batch of edges or nodes; [`round`](super::round) has the passes.
 
 use super::Edge;
 use super::round::{Batch, NodeQuantity, NodeStates};
@@ -29,17 +29,17 @@ pub(super) struct Messaging<'t, 'a, W, const D: usize, const K: usize, const H: 
 impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Messaging<'t, 'a, W, D, K, H, L>
 {
-    /// The messages between nodes of these types, where the model has any.
+    /// Messages between nodes of the given types, if the model has messages.
     pub fn new(types: &'t Types<'a, W, D, K, H, L>, nodes: &'a [u8]) -> Option<Self> {
         Some(Self { types, shape: types.shape().messages?, nodes })
     }
 
-    /// Numbers of a node's embedding.
+    /// Length of a node's embedding.
     pub fn width(&self) -> usize {
         self.types.shape().embedding.into()
     }
 
-    /// Whether there is one node type, so that an edge sends the same to both of its ends.
+    /// Whether there is only one node type, so an edge sends the same message to both of its ends.
     fn alike(&self) -> bool {
         self.types.shape().nodes.len() == 1
     }
@@ -48,13 +48,13 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         self.types.network(network)
     }
 
-    /// f_b of an edge type, and its number of outputs.
+    /// Network f_b of an edge type, and its number of outputs.
     fn embed(&self, kind: u8) -> Option<(&'t Mlp<'a, W, H, L>, usize)> {
         let network = self.part(self.types.edge_type(kind)?.embedding?)?;
         Some((network, network.outputs()))
     }
 
-    /// The feature z of d that the networks of an edge type see, and (∂z/∂r)/r.
+    /// Feature z of d that the networks of an edge type see, and (∂z/∂r)/r.
     pub fn feature<S: Scalar, const T: usize>(&self, kind: u8, d: &[Jet<S, T>; D]) -> [Jet<S, T>; 2] {
         let feature = expected(
             self.types.edge_type(kind).map(|edge| edge.separation.feature()),
@@ -63,7 +63,7 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         feature.of_difference(d)
     }
 
-    /// n_i += f_v(h_j ‖ e) at both ends.
+    /// Adds messages at both ends: n_i += f_v(h_j ‖ e).
     pub fn send<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         kind: u8,
@@ -85,7 +85,7 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         Some(())
     }
 
-    /// f₂(n) of a node; adds its gradient to n̄.
+    /// Computes f₂(n) of a node, and adds its gradient to n̄.
     pub fn settle<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         nodes: impl Batch,
@@ -100,7 +100,7 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         Some(v)
     }
 
-    /// 2f₁(e′) of an edge, and its derivative in the feature at constant n; adds its gradient in n to n̄.
+    /// Computes 2f₁(e′) of an edge, and its derivative in the feature at constant n; adds its gradient in n to n̄.
     pub fn update<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
@@ -128,7 +128,7 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         Some([v.plus(&v), feature_bar])
     }
 
-    /// The derivative in the feature through what an edge sends.
+    /// Computes the derivative in the feature through the messages that an edge sends.
     pub fn answer<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         kind: u8,
@@ -156,7 +156,7 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         Some(feature_bar)
     }
 
-    /// h ‖ e, h the embedding of the type of the node at end `from`.
+    /// Inputs h ‖ e of the message network, with h the embedding of the type of the node at end `from`.
     fn message_inputs<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         edges: &[Edge],
@@ -168,7 +168,7 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         collected((0..self.width()).map(h).chain(e.iter().copied()))
     }
 
-    /// All numbers of a quantity at one end.
+    /// Reads all numbers of a quantity at one end.
     fn read<S: Scalar, const T: usize>(
         &self,
         quantity: NodeQuantity,

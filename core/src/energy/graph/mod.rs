@@ -1,17 +1,17 @@
-//! Particles with energies of their own, of the edges between them and of messages along those (LGNN; Bhattoo, Ranu,
-//! Krishnan, MLST 2023), in 2 or 3 dimensions.
+//! Particles with energies of single nodes, of the edges between nodes and of messages along the edges (LGNN; Bhattoo, Ranu, Krishnan, MLST
+//! 2023), in 2 or 3 dimensions.
 //!
 //! Node types and edge types are learned once and reused in any graph, of any size. With s_ab = |x_a − x_b|²,
 //!
 //! L = Σ_i T_i(|v_i|²) − Σ_i V_i(x_i) − Σ_edges U(s_ab) − V_messages,
 //!
-//! and drag acts on every node by its own velocity; [`MessageShape`] says what the messages add. Every term sees one node or
-//! one edge with its ends, so values and derivatives take time and memory in proportion to nodes and edges; L_vq = 0, and the
-//! masses are blocks of one node each.
+//! The drag on a node depends on its own velocity; [`MessageShape`] defines V_messages. Every term sees one node, or one edge with its
+//! ends, so values and derivatives take time and memory in proportion to nodes and edges; L_vq = 0, and the mass matrix has one block per
+//! node.
 //!
 //! [`Graph`] implements [`Particles`](crate::particles::Particles) for any number of nodes; [`Fixed`] implements
-//! [`Lagrangian`](crate::lagrangian::Lagrangian) for a number that is compiled in, with all derivatives, for training and for
-//! the discrete Euler–Lagrange equation.
+//! [`Lagrangian`](crate::lagrangian::Lagrangian) for a compiled number of nodes, with all derivatives, for training and for the discrete
+//! Euler–Lagrange equation.
 
 mod cutoff;
 mod error;
@@ -38,13 +38,13 @@ use crate::expected::expected;
 use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// Nodes of a graph at most: edges name them by 16 bits.
+/// Maximum number of nodes of a graph: edges name nodes by 16 bits.
 pub const MAX_NODES: usize = 1 << 16;
 
-/// An edge: its type, and the two nodes that it joins, either way round. Two nodes may share several edges; each counts.
+/// An edge: its type, and the two nodes that it joins, in either order. Two nodes may share several edges; each counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
-    /// Which edge type it is of, from 0.
+    /// Edge type, from 0.
     pub kind: u8,
     /// The nodes, from 0.
     pub ends: [u16; 2],
@@ -52,8 +52,8 @@ pub struct Edge {
 
 /// A graph of any size over borrowed weights, node types and edges.
 ///
-/// Neighbouring edges of one type are evaluated side by side (see [`Packed`](crate::scalar::Packed)): sort long lists by type.
-/// The order of the sums is that of the lists.
+/// Neighbouring edges of one type are evaluated side by side (see [`Packed`](crate::scalar::Packed)): sort long lists by type. Sums are
+/// taken in the order of the lists.
 #[derive(Clone, Copy, Debug)]
 pub struct Graph<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     types: Types<'a, W, D, K, H, L>,
@@ -64,10 +64,10 @@ pub struct Graph<'a, W, const D: usize, const K: usize, const H: usize, const L:
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Graph<'a, W, D, K, H, L>
 {
-    /// A graph of these nodes, each by its type, and edges.
+    /// Creates a graph from its edges and the type of every node.
     ///
     /// # Errors
-    /// See [`GraphError`]: nodes and edges must be of types that exist, and edges join two different nodes that exist.
+    /// See [`GraphError`]: all types must exist, and every edge must join two different nodes that exist.
     pub fn new(
         types: Types<'a, W, D, K, H, L>,
         nodes: &'a [u8],
@@ -77,7 +77,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         Ok(Self { types, nodes, edges })
     }
 
-    /// Node types and edge types.
+    /// The node types and edge types.
     pub fn types(&self) -> &Types<'a, W, D, K, H, L> {
         &self.types
     }
@@ -131,7 +131,7 @@ impl GraphShape {
     }
 }
 
-/// x_a − x_b of an edge's ends; `None` where q has no such node.
+/// x_a − x_b between an edge's ends; `None` if q has no such node.
 #[inline(always)]
 fn across<S: Scalar, const D: usize>(q: &[[S; D]], edge: &Edge) -> Option<[S; D]> {
     let [a, b] = edge.ends.map(usize::from);

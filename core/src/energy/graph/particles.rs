@@ -1,4 +1,4 @@
-//! Graphs of any size, whose nodes and edges are evaluated several at a time in the lanes of a scalar.
+//! Graphs of any size; several nodes or edges are evaluated at a time in the lanes of a scalar.
 
 use super::round::{NodesAtRest, difference_in_lanes, packs, runs};
 use super::{Edge, Graph, exchange};
@@ -97,7 +97,7 @@ fn lane<R: Packed, const D: usize>(x: &[R::Pack; D], lane: usize) -> [R; D] {
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Graph<'a, W, D, K, H, L>
 {
-    /// Visits neighbouring nodes of one type, from `first` on, with their type and vectors of `x`.
+    /// Visits runs of neighbouring nodes of one type, starting at node `first`, with their type and vectors of `x`.
     #[inline(always)]
     fn for_nodes<R: Packed<Weight = W::Wide>>(
         &self,
@@ -115,7 +115,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
     }
 
-    /// Applies `of` to types and vectors of neighbouring nodes, from node `first` on, and writes one `lane` of the result a node.
+    /// Applies `of` to types and vectors of neighbouring nodes, starting at node `first`, and writes one `lane` of the result per node.
     #[inline(always)]
     fn write_nodes<R: Packed<Weight = W::Wide>, P, T>(
         &self,
@@ -131,7 +131,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         });
     }
 
-    /// Visits neighbouring edges of one type with their type and x_a − x_b of their ends.
+    /// Visits runs of neighbouring edges of one type, with their type and x_a − x_b between their ends.
     #[inline(always)]
     fn for_edges<R: Packed<Weight = W::Wide>>(
         &self,
@@ -143,7 +143,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
     }
 
-    /// V(q).
+    /// Potential V(q).
     pub(super) fn potential<R: Packed<Weight = W::Wide>>(&self, q: &[[R; D]], workspace: &mut [R]) -> R {
         let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
         self.for_edges(q, |run, kind, d| {
@@ -154,7 +154,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         potential
     }
 
-    /// V of the messages; `gradient` gets ∂V/∂(x_a − x_b) of edges in lanes, in parts.
+    /// Potential V of the messages; `gradient` receives ∂V/∂(x_a − x_b) of edges in lanes, in parts.
     fn messages<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],

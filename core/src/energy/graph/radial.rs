@@ -1,4 +1,4 @@
-//! Functions of a vector's length alone: kinetic energies of a velocity, pair potentials of a difference.
+//! Functions of a vector's length alone: kinetic energies as functions of a velocity, pair potentials as functions of a difference.
 
 use crate::linear::dot;
 use crate::network::Jet;
@@ -13,7 +13,7 @@ pub(super) struct Radial<S> {
 }
 
 impl<S: Scalar> Radial<S> {
-    /// φ and its derivatives; those that the series does not carry are 0.
+    /// φ and its derivatives; derivatives that the series does not carry are 0.
     #[inline(always)]
     pub fn of<const O: usize>(series: &Jet<S, O>) -> Self {
         let at = |k: usize| series.tangent.get(k).copied().unwrap_or(S::zero());
@@ -37,7 +37,7 @@ impl<S: Scalar> Radial<S> {
         }
     }
 
-    /// The sum.
+    /// Adds two functions.
     #[inline(always)]
     pub fn plus(&self, other: &Self) -> Self {
         let Self { value, first, second } = *other;

@@ -1,5 +1,5 @@
-//! One round of messages over a whole graph: the four passes over its nodes and edges, for nodes that stand still and are
-//! evaluated side by side, and for nodes that move.
+//! One round of messages over a whole graph: the four passes over its nodes and edges, for nodes at rest, evaluated side by side, and for
+//! moving nodes.
 
 use super::messages::{Embedding, Messaging};
 use super::shape::MAX_EMBEDDING;
@@ -9,10 +9,10 @@ use crate::network::Jet;
 use crate::scalar::{Packed, Scalar, WeightFormat};
 use core::iter;
 
-/// A quantity of which every node has as many numbers as an embedding.
+/// A quantity of a node with as many numbers as an embedding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NodeQuantity {
-    /// n, the sum of the node's embedding and of the messages to it.
+    /// n, the sum of the node's embedding and the messages to it.
     Sum,
     /// n̄ = ∂V/∂n.
     Adjoint,
@@ -21,11 +21,11 @@ pub(super) enum NodeQuantity {
 /// Number of node quantities.
 pub(super) const NODE_QUANTITIES: usize = 2;
 
-/// Edges of one type or nodes, one in each lane of a scalar.
+/// A batch of edges of one type, or of nodes: one in each lane of a scalar.
 pub(super) trait Batch: Copy {
-    /// Number of lanes that are used, at least 1.
+    /// Number of used lanes, at least 1.
     fn lanes(self) -> usize;
-    /// The node at an end of the edge in a lane; a node is its own only end. Lanes that are not used repeat the first.
+    /// The node at an end of the edge in a lane; in a batch of nodes, every end is the node itself. Unused lanes repeat the first.
     fn node(self, end: usize, lane: usize) -> usize;
 }
 
@@ -42,7 +42,7 @@ impl Batch for &[Edge] {
     }
 }
 
-/// Neighbouring nodes.
+/// A batch of neighbouring nodes.
 #[derive(Clone, Copy, Debug)]
 struct Neighbours {
     first: usize,
@@ -61,42 +61,42 @@ impl Batch for Neighbours {
     }
 }
 
-/// Where the nodes of a graph are, and the quantities of every node during a round of messages.
+/// Positions of a graph's nodes, and the quantities of every node during a round of messages.
 pub(super) trait NodeStates<S: Scalar, const T: usize, const D: usize> {
-    /// What one lane of `S` holds.
+    /// Type of one lane of `S`.
     type Lane: Scalar<Weight = S::Weight>;
-    /// Lanes of `S`.
+    /// Number of lanes of `S`.
     const WIDTH: usize;
 
-    /// The scalar whose lane l is `lane(l)`.
+    /// The scalar with `lane(l)` in lane l.
     fn pack(lane: impl FnMut(usize) -> Self::Lane) -> S;
     /// One lane of a scalar.
     fn lane(x: &S, lane: usize) -> Self::Lane;
-    /// Begins with n_i = h(i) and n̄_i = 0 at every node, the numbers of h given one by one.
+    /// Initializes n_i = h(i) and n̄_i = 0 at every node; h gives one number of a node at a time.
     fn begin(&mut self, nodes: usize, width: usize, h: impl Fn(usize, usize) -> Self::Lane);
-    /// x_a − x_b of the edges' ends.
+    /// x_a − x_b between the edges' ends.
     fn difference(&self, edges: &[Edge]) -> [Jet<S, T>; D];
     /// Number k of a quantity at one end.
     fn get(&self, quantity: NodeQuantity, batch: impl Batch, end: usize, k: usize) -> Jet<S, T>;
-    /// Adds to a quantity at every end: edge after edge, each first at its first end.
+    /// Adds to a quantity at every end: edge by edge, first end first.
     fn add(&mut self, quantity: NodeQuantity, batch: impl Batch, x: &[Embedding<S, T>]);
 }
 
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Graph<'a, W, D, K, H, L>
 {
-    /// Length of the workspace of any graph of so many nodes at most, for the length of an array: that of a graph is
-    /// [`Particles::workspace`](crate::particles::Particles::workspace).
+    /// Maximum workspace length of any graph of at most `nodes` nodes, usable as an array length;
+    /// [`Particles::workspace`](crate::particles::Particles::workspace) is the length for one graph.
     pub const fn most_workspace(nodes: usize) -> usize {
         NODE_QUANTITIES * MAX_EMBEDDING * nodes
     }
 
-    /// The networks of the messages, where the model has any.
+    /// Networks of the messages, if the model has messages.
     pub(super) fn messaging(&self) -> Option<Messaging<'_, 'a, W, D, K, H, L>> {
         Messaging::new(&self.types, self.nodes)
     }
 
-    /// V of the messages. `gradient` gets ∂V/∂(x_a − x_b) of edges in parts.
+    /// Potential V of the messages. `gradient` receives ∂V/∂(x_a − x_b) of edges, in parts.
     pub(super) fn round<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         states: &mut M,
@@ -130,7 +130,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         sum
     }
 
-    /// Neighbouring edges of one type with that type, at most `width` at a time.
+    /// Runs of neighbouring edges of one type, with the type; at most `width` edges each.
     #[inline(always)]
     pub(super) fn edge_runs(
         &self,
@@ -140,7 +140,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     }
 }
 
-/// Parts of a list whose items are of one kind, each as long as it may be and at most `width`, with the kind.
+/// Splits a list into its longest runs of at most `width` items of one kind; each run comes with its kind.
 #[inline(always)]
 pub(super) fn runs<T>(
     mut rest: &[T],
@@ -156,18 +156,18 @@ pub(super) fn runs<T>(
     })
 }
 
-/// Nodes at positions `q`, in lanes.
+/// Nodes at rest at positions `q`, in lanes.
 pub(super) struct NodesAtRest<'x, R, const D: usize> {
     /// The position of every node.
     pub q: &'x [[R; D]],
-    /// All quantities of a node, node after node.
+    /// All quantities of a node, node by node.
     pub workspace: &'x mut [R],
-    /// Numbers of a quantity.
+    /// Length of a quantity.
     pub width: usize,
 }
 
 impl<R: Packed, const D: usize> NodesAtRest<'_, R, D> {
-    /// Where number k of a quantity of a node is.
+    /// Index of number k of a node's quantity.
     fn place(&self, quantity: NodeQuantity, node: usize, k: usize) -> usize {
         (NODE_QUANTITIES * node + quantity as usize) * self.width + k
     }
@@ -220,7 +220,7 @@ impl<R: Packed, const D: usize> NodeStates<R::Pack, 0, D> for NodesAtRest<'_, R,
     }
 }
 
-/// x_a − x_b of edges, one in each lane; lanes that are not used repeat the first.
+/// x_a − x_b of edges, one edge per lane; unused lanes repeat the first.
 #[inline(always)]
 pub(super) fn difference_in_lanes<R: Packed, const D: usize>(q: &[[R; D]], edges: &[Edge]) -> [R::Pack; D] {
     let zero = [R::zero(); D];
@@ -228,7 +228,7 @@ pub(super) fn difference_in_lanes<R: Packed, const D: usize>(q: &[[R; D]], edges
     packs(|lane| expected(edge(lane).and_then(|edge| across(q, edge)), zero))
 }
 
-/// The vectors of every lane, component by component.
+/// Packs the vectors of all lanes, component by component.
 #[inline(always)]
 pub(super) fn packs<R: Packed, const D: usize>(lane: impl Fn(usize) -> [R; D]) -> [R::Pack; D] {
     let mut packs = [R::Pack::zero(); D];
@@ -239,14 +239,14 @@ pub(super) fn packs<R: Packed, const D: usize>(lane: impl Fn(usize) -> [R; D]) -
     packs
 }
 
-/// At most N nodes that move along T directions, one after the other.
+/// At most N nodes that move along T directions, evaluated one by one.
 pub(super) struct MovingNodes<'x, S, const T: usize, const D: usize, const N: usize> {
     x: &'x [[Jet<S, T>; D]; N],
     quantities: [[[Jet<S, T>; MAX_EMBEDDING]; NODE_QUANTITIES]; N],
 }
 
 impl<'x, S: Scalar, const T: usize, const D: usize, const N: usize> MovingNodes<'x, S, T, D, N> {
-    /// Nodes at x.
+    /// Creates the nodes at x.
     pub fn new(x: &'x [[Jet<S, T>; D]; N]) -> Self {
         Self { x, quantities: [[[Jet::zero(); MAX_EMBEDDING]; NODE_QUANTITIES]; N] }
     }

@@ -1,4 +1,4 @@
-//! The shape of a graph model, apart from its numbers and its graphs.
+//! Shape of a graph model, without its numbers and its graphs.
 
 use super::GraphError;
 use super::round::NODE_QUANTITIES;
@@ -8,51 +8,51 @@ use crate::energy::{List, NetworkShape, SizeError};
 use crate::scalar::{Real, Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// Networks of a model at most.
+/// Maximum number of networks of a model.
 pub const MAX_NETWORKS: usize = 12;
-/// Node types of a model at most.
+/// Maximum number of node types of a model.
 pub const MAX_NODE_TYPES: usize = 6;
-/// Edge types of a model at most.
+/// Maximum number of edge types of a model.
 pub const MAX_EDGE_TYPES: usize = 6;
-/// Numbers of an edge type: c₁ and c₂ of its law.
+/// Number of numbers of an edge type: c₁ and c₂ of its law.
 pub const EDGE_NUMBERS: usize = 2;
-/// Numbers of an embedding at most.
+/// Maximum length of an embedding.
 pub const MAX_EMBEDDING: usize = 8;
 
-/// Kinetic energy T(v) of a node; networks by their number from 0.
+/// Kinetic energy T(v) of a node; networks are given by number, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kinetic {
     /// ½m|v|².
     Mass,
-    /// net(k ‖ |v|²), k the type's kinetic embedding (LGNN's T_i).
+    /// net(k ‖ |v|²), with k the type's kinetic embedding (LGNN's T_i).
     Network(u8),
 }
 
-/// Potential V(x) of a node at a place.
+/// Potential V(x) of a node at position x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Potential {
     /// 0.
     None,
     /// g·x: a uniform field, which pulls with −g.
     Uniform,
-    /// g·x + net(h ‖ x), h the type's embedding; without g LGNN's V_i.
+    /// g·x + net(h ‖ x), with h the type's embedding; without g it is LGNN's V_i.
     ///
-    /// A network alone represents a uniform field, as gravity is, only within the range of its data.
+    /// A network alone represents a uniform field such as gravity only within the range of its data.
     Network(u8),
 }
 
-/// Drag Q(v) on a node, component by component.
+/// Drag Q(v) on a node, by component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Drag {
     /// 0.
     None,
     /// −cv, c ≥ 0.
     Viscous,
-    /// −(c + |net(v_i)|)v_i for each component i; LGNN's for c = 0. Its slope jumps where the network is 0.
+    /// −(c + |net(v_i)|)v_i for each component i; LGNN's drag if c = 0. The slope jumps where the network is 0.
     Network(u8),
 }
 
-/// What the networks of an edge see: a function of the distance of its ends alone, so linear and angular momentum are conserved.
+/// Input of an edge's networks: a function of the distance of the edge's ends alone, so linear and angular momentum are conserved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Separation {
     /// r = |x_a − x_b|, m (LGNN); not differentiable at 0.
@@ -62,7 +62,7 @@ pub enum Separation {
 }
 
 impl Separation {
-    /// The feature of the distance that the networks see.
+    /// The feature of the distance for the networks.
     #[inline(always)]
     pub(super) fn feature(self) -> DistanceFeature {
         match self {
@@ -75,70 +75,70 @@ impl Separation {
 /// The shape of a node type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NodeShape {
-    /// T.
+    /// Kinetic energy T.
     pub kinetic: Kinetic,
-    /// V.
+    /// Potential V.
     pub potential: Potential,
-    /// Q.
+    /// Drag Q.
     pub drag: Drag,
 }
 
-/// The shape of an edge type: U = c₁z + c₂z² + net(z), z what its [`Separation`] gives. With z = r, c₁ and c₂ alone are a
-/// linear spring, ½k(r − ℓ)² up to a constant, which a network alone represents only within the range of its data.
+/// The shape of an edge type: U = c₁z + c₂z² + net(z), with z given by the [`Separation`]. If z = r, c₁ and c₂ alone are a linear spring,
+/// ½k(r − ℓ)² up to a constant, which a network alone represents only within the range of its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EdgeShape {
-    /// z.
+    /// Feature z of the distance.
     pub separation: Separation,
-    /// The network of the pair potential; counted once for every edge.
+    /// Network of the pair potential, counted once per edge.
     pub potential: Option<u8>,
-    /// The network f_b of its embedding: present in all edge types of a model with messages, and in none of a model without.
+    /// Network f_b of the edge's embedding: present in all edge types of a model with messages, and in none of a model without.
     pub embedding: Option<u8>,
 }
 
-/// One round of messages (LGNN, as its published program has it), with h_i the embedding of node i's type and e_ij = f_b of
-/// the edge's separation:
+/// Networks of one round of messages (LGNN, as in its published program), with h_i the embedding of node i's type and e_ij = f_b of the
+/// edge's separation:
 ///
 /// n_i = h_i + Σ_j f_v(h_j ‖ e_ij), e′_ij = e_ij + f_e(n_i ∘ n_j), V = 2Σ_edges f₁(e′_ij) + Σ_i f₂(n_i).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MessageShape {
-    /// f_v.
+    /// Network f_v.
     pub message: u8,
-    /// f_e.
+    /// Network f_e.
     pub update: u8,
-    /// f₁, counted once in each direction of an edge.
+    /// Network f₁, counted once per direction of an edge.
     pub edge_potential: Option<u8>,
-    /// f₂.
+    /// Network f₂.
     pub node_potential: Option<u8>,
 }
 
-/// The shape of a graph model. Its weight block: the networks in order, then of each node type its numbers: mass (kg), viscous
-/// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. Numbers
-/// that a type does not use have no effect.
+/// The shape of a graph model. Its weight block has the networks in order, then the numbers of each node type: mass (kg), viscous drag c (N
+/// s/m), field (N, one per dimension), kinetic embedding, embedding; then c₁ and c₂ of each edge type. Numbers that a type does not use
+/// have no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphShape {
     /// Dimensions of space, 2 or 3.
     pub dimension: u8,
-    /// Numbers of a node type's kinetic embedding.
+    /// Length of a node type's kinetic embedding.
     pub kinetic_embedding: u8,
-    /// Numbers of a node type's embedding, which potentials and messages see.
+    /// Length of a node type's embedding, an input of potentials and messages.
     pub embedding: u8,
-    /// The networks. Types may share one.
+    /// The networks. Types may share a network.
     pub networks: List<NetworkShape, MAX_NETWORKS>,
     /// The node types.
     pub nodes: List<NodeShape, MAX_NODE_TYPES>,
     /// The edge types.
     pub edges: List<EdgeShape, MAX_EDGE_TYPES>,
-    /// Messages.
+    /// The messages, if any.
     pub messages: Option<MessageShape>,
 }
 
 impl GraphShape {
-    /// Numbers of workspace that a graph of so many nodes needs to evaluate its messages; 0 without messages.
+    /// Workspace length of a graph of `nodes` nodes for the evaluation of its messages; 0 without messages.
     pub fn workspace(&self, nodes: usize) -> usize {
         self.messages.map_or(0, |_| NODE_QUANTITIES * usize::from(self.embedding) * nodes)
     }
 
-    /// The shape with these networks and types, without embeddings and messages; `None` for more than the lists hold.
+    /// Creates a shape without embeddings and messages; `None` if a list is too long.
     pub fn new(
         dimension: u8,
         networks: &[NetworkShape],
@@ -156,27 +156,27 @@ impl GraphShape {
         })
     }
 
-    /// Numbers of a node type apart from its networks.
+    /// Number of numbers of a node type, without its networks.
     #[inline(always)]
     pub fn numbers(&self) -> usize {
         let field_and_embeddings = [self.dimension, self.kinetic_embedding, self.embedding].map(usize::from);
         2 + field_and_embeddings.iter().sum::<usize>()
     }
 
-    /// Numbers of all node types, then of all edge types: what follows the networks in the weight block.
+    /// Number of numbers of all node types and edge types, which follow the networks in the weight block.
     pub fn all_numbers(&self) -> usize {
         self.numbers() * self.nodes.len() + EDGE_NUMBERS * self.edges.len()
     }
 
-    /// Numbers in the weight block; `None` on overflow.
+    /// Length of the weight block, in numbers; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         self.networks.parameters()?.checked_add(self.all_numbers())
     }
 
-    /// Checks the numbers of all node types that must be positive: masses that are used, and coefficients of viscous drag.
+    /// Checks the signs of the node types' numbers: masses in use must be positive, coefficients of viscous drag not negative.
     ///
     /// # Errors
-    /// [`GraphError::Mass`] and [`GraphError::Drag`].
+    /// [`GraphError::Mass`] and [`GraphError::Drag`] for the first number that is out of range.
     pub fn check_numbers<W: WeightFormat<Wide: Real>>(&self, numbers: &[W]) -> Result<(), GraphError> {
         for (kind, node) in self.nodes.iter().enumerate() {
             let own = numbers.get(kind * self.numbers()..).and_then(|rest| rest.first_chunk::<2>());
@@ -198,7 +198,7 @@ impl GraphShape {
         network.map_or(0, |network| network.outputs.into())
     }
 
-    /// The name of the first part that is invalid; `None` where the shape is valid.
+    /// Name of the first invalid part; `None` if the shape is valid.
     pub fn invalid_part(&self) -> Option<&'static str> {
         let e = self.edge_embedding();
         let embeddings = [self.kinetic_embedding.into(), self.embedding.into(), e];
@@ -215,11 +215,11 @@ impl GraphShape {
         self.networks.invalid_part().or_else(|| first_invalid(&invalid))
     }
 
-    /// Checks that space has `D` dimensions, and that there are at most `K` networks of at most `L` hidden layers of at most `H`
-    /// units.
+    /// Checks that space has `D` dimensions, and that there are at most `K` networks of at most `L` hidden layers of at most `H` units
+    /// each.
     ///
     /// # Errors
-    /// [`SizeError`] with the first size that was not compiled in.
+    /// [`SizeError`] with the first size that does not fit the compiled one.
     pub fn check_size<const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
     ) -> Result<(), SizeError> {

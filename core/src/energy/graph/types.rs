@@ -1,4 +1,4 @@
-//! Node types and edge types over borrowed weights, and their energies at one node or edge.
+//! Node types and edge types over borrowed weights, and their energies at a single node or edge.
 
 use super::GraphError;
 use super::messages::collected;
@@ -10,7 +10,7 @@ use crate::network::{Jet, Mlp};
 use crate::scalar::{Real, Scalar, WeightFormat};
 use heapless::Vec;
 
-/// Inputs of a network at most: two embeddings.
+/// Maximum number of inputs of a network: two embeddings.
 const MAX_INPUTS: usize = 2 * MAX_EMBEDDING;
 
 /// Inputs of a network.
@@ -21,7 +21,7 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     shape: GraphShape,
     networks: List<Mlp<'a, W, H, L>, K>,
-    /// The numbers of all node types and then of all edge types.
+    /// The numbers of all node types, then of all edge types.
     numbers: &'a [W],
 }
 
@@ -37,9 +37,9 @@ struct NodeParameters<'a, W> {
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Types<'a, W, D, K, H, L>
 {
-    /// Takes the types of this shape from the front of `block` and leaves the rest there. `None` where the block is too short,
-    /// the shape does not fit in itself (see [`GraphShape::invalid_part`]), or it has not `D` dimensions or more than `K` networks, `L`
-    /// hidden layers or `H` units in one.
+    /// Takes the types of the given shape from the front of `block` and leaves the rest there. `None` if the block is too short, the shape
+    /// is inconsistent (see [`GraphShape::invalid_part`]), or it does not have `D` dimensions, or it has more than `K` networks, `L` hidden
+    /// layers or `H` units in a layer.
     pub fn take(block: &mut &'a [W], shape: &GraphShape) -> Option<Self> {
         if shape.invalid_part().is_some() || shape.check_size::<D, K, H, L>().is_err() {
             return None;
@@ -94,7 +94,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         present(self.numbers.get(at..)?.first_chunk()).copied()
     }
 
-    /// T of a node, with `O` derivatives in |v|².
+    /// T of a node, with its first `O` derivatives in |v|².
     #[inline(always)]
     pub(super) fn kinetic<S: Scalar<Weight = W::Wide>, const O: usize>(
         &self,
@@ -115,7 +115,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
     }
 
-    /// V of a node at x.
+    /// Potential V of a node at x.
     pub(super) fn potential<S: Scalar<Weight = W::Wide>>(&self, kind: u8, x: &[S; D]) -> S {
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else {
             return S::zero();
@@ -131,7 +131,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
     }
 
-    /// V_x of a node at x, with tangents.
+    /// Gradient V_x of a node at x, with tangents.
     pub(super) fn pull<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
@@ -159,7 +159,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         pull
     }
 
-    /// U of an edge across d, with `O` derivatives in |d|².
+    /// Potential U of an edge across d, with its first `O` derivatives in |d|².
     #[inline(always)]
     pub(super) fn pair<S: Scalar<Weight = W::Wide>, const O: usize>(
         &self,
@@ -177,7 +177,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         law.plus(&Radial::of(&y[0]))
     }
 
-    /// Q of a node along each axis, and ∂Q/∂v there.
+    /// Drag Q of a node along each axis, and ∂Q/∂v along the same axis.
     #[inline(always)]
     pub(super) fn drags<S: Scalar<Weight = W::Wide>>(&self, kind: u8, v: &[S; D]) -> [[S; D]; 2] {
         let mut drags = [[S::zero(); D]; 2];
@@ -190,7 +190,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         drags
     }
 
-    /// Q of a node along one axis, and ∂Q/∂v.
+    /// Drag Q of a node along one axis, and ∂Q/∂v.
     #[inline(always)]
     pub(super) fn drag<S: Scalar<Weight = W::Wide>>(&self, kind: u8, v: S) -> [S; 2] {
         let none = [S::zero(); 2];
@@ -214,16 +214,16 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
 impl<W: WeightFormat<Wide: Real>, const D: usize, const K: usize, const H: usize, const L: usize>
     Types<'_, W, D, K, H, L>
 {
-    /// Checks the numbers that must be positive, see [`GraphShape::check_numbers`].
+    /// Checks the signs of the numbers, see [`GraphShape::check_numbers`].
     ///
     /// # Errors
-    /// [`GraphError::Mass`] and [`GraphError::Drag`].
+    /// [`GraphError::Mass`] and [`GraphError::Drag`] for the first number that is out of range.
     pub fn check_numbers(&self) -> Result<(), GraphError> {
         self.shape.check_numbers(self.numbers)
     }
 }
 
-/// The inputs of a network: an embedding, which does not move, and then `x`.
+/// Inputs of a network: an embedding, which is constant, then `x`.
 fn inputs<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize>(
     embedding: &[W],
     x: &[Jet<S, T>],
@@ -232,7 +232,7 @@ fn inputs<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize>(
     collected(constant.chain(x.iter().copied()))
 }
 
-/// ±1, and 0 at 0.
+/// Sign of x: ±1, and 0 at 0.
 #[inline(always)]
 fn sign<S: Scalar>(x: S) -> S {
     const SMALLEST: f64 = 1e-30;

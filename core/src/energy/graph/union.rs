@@ -6,19 +6,19 @@ use crate::lagrangian::Energies;
 use crate::particles::Particles;
 use crate::scalar::{Packed, WeightFormat};
 
-/// A graph of one model on some of the nodes of a union.
+/// A model's graph on some of the nodes of a union.
 #[derive(Clone, Copy, Debug)]
 pub struct Member<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
-    /// The graph, with nodes of its own.
+    /// The graph, with its own numbering of nodes.
     pub graph: Graph<'a, W, D, K, H, L>,
-    /// For each of its nodes, the number of that node in the union, in ascending order.
+    /// The number in the union of each of the graph's nodes, in ascending order.
     pub nodes: &'a [u16],
 }
 
-/// Graphs of different models on one set of nodes (LGNN's hybrid systems). Their potentials and drags add up; the kinetic energy
-/// of a node counts once, as the first member that has the node gives it.
+/// Graphs of different models on one set of nodes (LGNN's hybrid systems). Potentials and drags of all members add up; the kinetic energy
+/// of a node is taken once, from the first member that has the node.
 ///
-/// Models that are joined must have been trained with one scale of energy, which accelerations alone do not determine.
+/// The models of a union must have been trained with the same scale of energy, which accelerations alone do not determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     members: &'a [Member<'a, W, D, K, H, L>],
@@ -28,11 +28,11 @@ pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L:
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Union<'a, W, D, K, H, L>
 {
-    /// A union of `nodes` nodes.
+    /// Creates a union of `nodes` nodes.
     ///
     /// # Errors
-    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] where a member does not name its nodes in ascending order,
-    /// [`GraphError::Ownerless`] for a node that no member has, [`GraphError::Empty`].
+    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] if a member does not name its nodes in ascending order,
+    /// [`GraphError::Ownerless`] for a node of no member, [`GraphError::Empty`].
     pub fn new(members: &'a [Member<'a, W, D, K, H, L>], nodes: usize) -> Result<Self, GraphError> {
         let union = Self { members, nodes };
         if nodes == 0 {
@@ -45,7 +45,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
     }
 
-    /// The members that have a node, each with the type it gives it.
+    /// The members that have a node, each with its type for the node.
     #[inline(always)]
     fn holders(&self, node: usize) -> impl Iterator<Item = (&'a Member<'a, W, D, K, H, L>, u8)> {
         self.members.iter().filter_map(move |member| Some((member, member.kind(node)?)))
@@ -70,13 +70,13 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         Ok(())
     }
 
-    /// The type of a node of the union.
+    /// The member's type for a node of the union.
     fn kind(&self, node: usize) -> Option<u8> {
         let own = self.nodes.binary_search(&u16::try_from(node).ok()?).ok()?;
         self.graph.nodes.get(own).copied()
     }
 
-    /// Copies the vectors of the member's nodes to the front of `own`, and returns that part.
+    /// Copies the vectors of the member's nodes to the front of `own` and returns that part.
     fn gather<'o, R: Packed>(&self, x: &[[R; D]], own: &'o mut [[R; D]]) -> &'o mut [[R; D]] {
         for (slot, node) in own.iter_mut().zip(self.nodes) {
             *slot = expected(x.get(usize::from(*node)).copied(), [R::zero(); D]);
@@ -156,7 +156,7 @@ impl<
 impl<W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Union<'_, W, D, K, H, L>
 {
-    /// The sum of what `part` takes of every member's drag and its slope, axis by axis.
+    /// Sums over all members the `part` of drag or slope, axis by axis.
     fn sum<R: Packed<Weight = W::Wide>>(
         &self,
         node: usize,
@@ -173,7 +173,7 @@ impl<W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: u
     }
 }
 
-/// Workspace for this number of vectors, and the rest.
+/// Splits off the workspace for `vectors` vectors.
 fn split<R: Packed, const D: usize>(workspace: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
     let (own, rest) = expected(workspace.split_at_mut_checked(vectors * D), (&mut [], &mut []));
     (own.as_chunks_mut().0, rest)

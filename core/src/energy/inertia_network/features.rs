@@ -3,15 +3,15 @@ use crate::network::Jet;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// The kind of a coordinate, which decides the features that the network sees.
+/// Kind of a coordinate, which decides the features that the network sees.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Coordinate {
-    /// A length (m), fed to the network as it is.
+    /// A length (m), fed to the network unchanged.
     Translation,
     /// An angle (rad), fed as (cos q, sin q): no seam at ±π.
     Angle,
-    /// A coordinate that the energies do not depend on; its momentum is conserved exactly.
+    /// A coordinate on which the energies do not depend; its momentum is conserved exactly.
     Cyclic,
 }
 
@@ -27,7 +27,7 @@ pub fn count(coordinates: &[Coordinate]) -> usize {
         .sum()
 }
 
-/// One feature s(q_i) with s′ and s″, and the number i of its coordinate.
+/// One feature s(q_i) with s′ and s″, and the index i of its coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Feature<S> {
     pub coordinate: usize,
@@ -36,7 +36,7 @@ pub(crate) struct Feature<S> {
     pub curvature: S,
 }
 
-/// s(q) in SyMo's order: translations, then the cosines of all angles, then their sines.
+/// Features s(q) in SyMo's order: translations, then the cosines of all angles, then their sines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Features<S, const N: usize> {
     slots: [[Feature<S>; N]; 2],
@@ -90,7 +90,7 @@ impl<S: Scalar, const N: usize> Features<S, N> {
         self.slots.as_flattened().iter().take(self.count)
     }
 
-    /// The network's input: features with their tangents along the directions δq.
+    /// Inputs of the network: features with their tangents along the directions δq.
     #[inline]
     pub fn jets<const T: usize>(&self, directions: &[[S; N]; T]) -> ([[Jet<S, T>; N]; 2], usize) {
         let mut jets = [[Jet::zero(); N]; 2];
@@ -103,8 +103,8 @@ impl<S: Scalar, const N: usize> Features<S, N> {
         (jets, self.count)
     }
 
-    /// Carries the adjoint of the features back to the coordinates: q̄_i = Σ s̄ s′, and its derivative along direction k,
-    /// Σ (s̄_k s′ + s̄ s″ δq_k).
+    /// Pulls the adjoint of the features back to the coordinates: q̄_i = Σ s̄ s′, and its derivative along direction k, Σ (s̄_k s′ + s̄ s″
+    /// δq_k).
     #[inline]
     pub fn adjoint<const A: usize>(&self, bar: &[Jet<S, A>], directions: &[[S; N]; A]) -> [Jet<S, A>; N] {
         let mut q_bar = [Jet::zero(); N];

@@ -1,15 +1,15 @@
-//! From the network's outputs o to energies, L = ½vᵀH(o)v − V(o), with derivatives in o and v.
+//! Energies from the network's outputs o, L = ½vᵀH(o)v − V(o), with derivatives in o and v.
 
 use crate::expected::{expected, first_mut};
 use crate::network::{Jet, softplus_jets};
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// How the outputs o give the inertia matrix; the last one is V.
+/// Form of the inertia matrix in the network's outputs o; the last output is V.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Inertia {
-    /// H = diag(softplus(o)), o = (diagonal, V): decoupled coordinates, and the form SyMo uses for one coordinate.
+    /// H = diag(softplus(o)), o = (diagonal, V): decoupled coordinates, and SyMo's form for one coordinate.
     Diagonal,
     /// H = LLᵀ + εI, L lower triangular with softplus on its diagonal (SyMo, DeLaN); o = (diagonal, strict lower triangle row by
     /// row, V).
@@ -17,12 +17,12 @@ pub enum Inertia {
         /// ε ≥ 0, in the units of H.
         epsilon: f32,
     },
-    /// H = BᵀB + εI, o = (B row by row, V): T = ½|B(q)v|² + ½ε|v|² as a mechanism has it, whose masses m move with velocities
-    /// J(q)v, B = √m J. The entries of J are simple functions of q where those of a triangular factor of the same H are not:
-    /// many coordinates are learned from less data.
+    /// H = BᵀB + εI, o = (B row by row, V): T = ½|B(q)v|² + ½ε|v|², as for a mechanism whose masses m move with velocities J(q)v, B = √m J.
+    /// The entries of J are simple functions of q, unlike those of a triangular factor of the same H, so many coordinates are learned from
+    /// less data.
     Factor {
-        /// Rows of B, from n (fewer leave H singular but for ε) to 2n − 1: a chain of n masses in the plane has so many, the first
-        /// moving along a circle.
+        /// Number of rows of B, from n (with fewer, H is singular up to ε) to 2n − 1 (a planar chain of n masses, the first of which moves
+        /// on a circle).
         rows: u8,
         /// ε ≥ 0, in the units of H.
         epsilon: f32,
@@ -30,7 +30,7 @@ pub enum Inertia {
 }
 
 impl Inertia {
-    /// Outputs of the network for `n` coordinates, V included.
+    /// Number of outputs of the network for `n` coordinates, V included.
     pub const fn outputs(&self, n: usize) -> usize {
         match self {
             Self::Diagonal => n + 1,
@@ -39,7 +39,7 @@ impl Inertia {
         }
     }
 
-    /// The same with another ε, where it has one.
+    /// Replaces ε, if the form has one.
     #[must_use]
     pub const fn with_epsilon(self, epsilon: f32) -> Self {
         match self {
@@ -49,7 +49,7 @@ impl Inertia {
         }
     }
 
-    /// ε, 0 of the diagonal form.
+    /// ε; 0 for the diagonal form.
     pub(crate) const fn epsilon(&self) -> f32 {
         match *self {
             Self::Diagonal => 0.0,
@@ -57,7 +57,7 @@ impl Inertia {
         }
     }
 
-    /// Whether a model of `n` coordinates can have so many rows.
+    /// Whether the number of rows is valid for a model of `n` coordinates.
     pub(crate) fn has_valid_rows(&self, n: usize) -> bool {
         match *self {
             Self::Factor { rows, .. } => (n..2 * n).contains(&usize::from(rows)),
@@ -69,7 +69,7 @@ impl Inertia {
 /// A vector of N jets.
 pub(super) type Jets<S, const T: usize, const N: usize> = [Jet<S, T>; N];
 
-/// The values alone.
+/// Drops the tangents.
 #[inline(always)]
 pub(super) fn without_tangents<S: Scalar, const T: usize, const N: usize>(
     x: &Jets<S, T, N>,
@@ -83,12 +83,11 @@ pub(super) type OutputJets<S, const T: usize, const N: usize> = [[Jets<S, T, N>;
 /// Bv, with room for 2N rows.
 type Speeds<S, const T: usize, const N: usize> = [Jets<S, T, N>; 2];
 
-/// The outputs of the network read as energies, with tangents. H = BᵀB + εI or, of the diagonal form, diag(d); B = Lᵀ of the
-/// Cholesky form.
+/// The outputs of the network read as energies, with tangents. H = BᵀB + εI, or diag(d) in the diagonal form; B = Lᵀ in the Cholesky form.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outputs<'o, S, const T: usize, const N: usize> {
     inertia: Inertia,
-    /// As the network gives them.
+    /// Outputs of the network, unchanged.
     pub o: &'o [Jet<S, T>],
     /// softplus of the diagonal outputs.
     diagonal: Jets<S, T, N>,
@@ -108,7 +107,7 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
         Self { inertia, o, diagonal, slopes }
     }
 
-    /// What `f` gives of the same without tangents.
+    /// Calls `f` with the same outputs without tangents.
     #[inline]
     pub fn without_tangents<Y>(&self, f: impl FnOnce(&Outputs<S, 0, N>) -> Y) -> Y {
         let mut values: OutputJets<S, 0, N> = [[[Jet::zero(); N]; N]; 2];
@@ -124,13 +123,13 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
         })
     }
 
-    /// V.
+    /// Potential V.
     #[inline]
     pub fn potential(&self) -> Jet<S, T> {
         expected(self.o.last().copied(), Jet::zero())
     }
 
-    /// Visits the entries of B with their rows and columns.
+    /// Visits the entries of B with their row and column.
     #[inline(always)]
     fn each_entry(&self, mut visit: impl FnMut(usize, usize, &Jet<S, T>)) {
         match self.inertia {
@@ -166,7 +165,7 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
         y
     }
 
-    /// p = Hv and its tangents.
+    /// p = Hv, with its tangents.
     #[inline]
     pub fn momentum(&self, v: &Jets<S, T, N>) -> Jets<S, T, N> {
         match self.inertia {
@@ -185,7 +184,7 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
         }
     }
 
-    /// H.
+    /// Inertia matrix H.
     #[inline]
     pub fn mass_matrix(&self) -> [[S; N]; N] {
         // H is symmetric: its columns are its rows.
@@ -215,7 +214,7 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
         bar
     }
 
-    /// Lays ∂/∂B of a row and a column out in the order of the outputs, through softplus on the diagonal.
+    /// Arranges ∂/∂B, given by row and column, in the order of the outputs, through softplus on the diagonal.
     #[inline]
     fn pack(&self, entry: impl Fn(usize, usize) -> Jet<S, T>) -> OutputJets<S, T, N> {
         let mut bar = [[[Jet::zero(); N]; N]; 2];
@@ -226,7 +225,7 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
             return bar;
         }
         let mut slots = bar.as_flattened_mut().as_flattened_mut().iter_mut();
-        // Plain loops over const bounds: no panic branch is left at any optimisation level.
+        // Plain loops over const bounds leave no panic branch at any optimisation level.
         for (i, slope) in self.slopes.iter().enumerate() {
             if let Some(slot) = slots.next() {
                 *slot = entry(i, i).times(slope);

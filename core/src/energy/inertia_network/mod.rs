@@ -19,20 +19,20 @@ use crate::network::{Activation, Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 use inertia::{Jets, OutputJets, Outputs, without_tangents};
 
-/// The shape of an inertia network, apart from its numbers.
+/// The shape of an inertia network, without its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InertiaNetworkShape<const N: usize> {
-    /// What each coordinate is.
+    /// Kind of each coordinate.
     pub coordinates: [Coordinate; N],
-    /// The network from the features of the coordinates to the outputs that `inertia` reads.
+    /// Network from the features of the coordinates to the outputs that `inertia` reads.
     pub network: NetworkShape,
-    /// How the outputs give the inertia matrix.
+    /// Form of the inertia matrix.
     pub inertia: Inertia,
 }
 
 impl<const N: usize> InertiaNetworkShape<N> {
-    /// The shape of a model whose network has hidden layers of these widths, the first 0 or the end of the slice ending the list.
-    /// `None` for more than [`MAX_HIDDEN`](crate::energy::MAX_HIDDEN) widths, or more than 255 inputs or outputs.
+    /// Creates a shape with hidden layers of the given widths; the first 0 or the end of the slice ends the list. `None` for more than
+    /// [`MAX_HIDDEN`](crate::energy::MAX_HIDDEN) widths, or more than 255 inputs or outputs.
     pub fn new(
         coordinates: [Coordinate; N],
         widths: &[u16],
@@ -43,12 +43,12 @@ impl<const N: usize> InertiaNetworkShape<N> {
         Some(Self { coordinates, network, inertia })
     }
 
-    /// Numbers in the network's weight block; `None` on overflow.
+    /// Length of the network's weight block, in numbers; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         self.network.parameters()
     }
 
-    /// The name of the first part that is invalid; `None` where the shape is valid.
+    /// Name of the first invalid part; `None` if the shape is valid.
     pub fn invalid_part(&self) -> Option<&'static str> {
         let serves = self.network.serves(feature_count(&self.coordinates), self.inertia.outputs(N));
         first_invalid(&[
@@ -66,7 +66,7 @@ impl<const N: usize> InertiaNetworkShape<N> {
     }
 }
 
-/// The network of a model in `n` coordinates with `features` features in all; `None` as of [`InertiaNetworkShape::new`].
+/// The network of a model with `n` coordinates and `features` features in all; `None` as for [`InertiaNetworkShape::new`].
 pub fn network_shape(
     features: usize,
     widths: &[u16],
@@ -86,8 +86,8 @@ pub struct InertiaNetwork<'a, W, const N: usize, const H: usize, const L: usize>
 }
 
 impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> InertiaNetwork<'a, W, N, H, L> {
-    /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, the shape
-    /// is invalid (see [`InertiaNetworkShape::invalid_part`]), or it has more than `L` hidden layers or `H` units in one.
+    /// Builds the mechanism on the front of `block` and leaves the rest there. `None` if the block is too short, the shape is invalid (see
+    /// [`InertiaNetworkShape::invalid_part`]), or it has more than `L` hidden layers or `H` units in a layer.
     pub fn take(block: &mut &'a [W], shape: &InertiaNetworkShape<N>) -> Option<Self> {
         if shape.invalid_part().is_some() {
             return None;
@@ -96,7 +96,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Inerti
         Some(Self { coordinates: shape.coordinates, inertia: shape.inertia, network })
     }
 
-    /// What each coordinate is.
+    /// Kind of each coordinate.
     pub fn coordinates(&self) -> &[Coordinate; N] {
         &self.coordinates
     }
@@ -112,7 +112,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Inerti
         self.evaluate(q, directions, o, |x, y| self.network.forward(x, tape, y))
     }
 
-    /// Features → network → energies, the network run by `pass(inputs, outputs)`.
+    /// Evaluates features → network → energies; `pass(inputs, outputs)` runs the network.
     #[inline(always)]
     fn evaluate<'o, S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
@@ -144,7 +144,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Inerti
         features.adjoint(feature_slots, directions)
     }
 
-    /// ∂L/∂q with the features' part of its derivatives, and the network's part of them.
+    /// ∂L/∂q and the two parts of its derivatives: from the features (as tangents) and from the network.
     #[inline]
     fn adjoint_second_order<S: Scalar<Weight = W::Wide>>(
         &self,
@@ -163,7 +163,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Inerti
 }
 
 impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> InertiaNetwork<'_, W, N, H, L> {
-    /// One forward pass with the tangent along v, and one adjoint: three passes' work.
+    /// Takes one forward pass with the tangent along v and one adjoint pass: the work of three passes.
     #[inline]
     fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let mut tape = Tape::<S, 1, H, L>::default();
@@ -186,7 +186,7 @@ fn no_outputs<S: Scalar, const T: usize, const N: usize>() -> OutputJets<S, T, N
     [[[Jet::zero(); N]; N]; 2]
 }
 
-/// v at rest along all directions: all tangents are zero.
+/// v, constant along all directions: all tangents are zero.
 #[inline(always)]
 fn held<S: Scalar, const T: usize, const N: usize>(v: &[S; N]) -> Jets<S, T, N> {
     v.map(Jet::constant)
@@ -208,7 +208,7 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
         Energies { kinetic: dot(&p, v).half(), potential: outputs.potential().value }
     }
 
-    // Functions of their own: on a controller neither's tape lies on the stack beside the other's.
+    // Separate functions keep only one tape at a time on a controller's stack.
     #[inline(never)]
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
         let mut tape = Tape::<S, 0, H, L>::default();
@@ -219,12 +219,12 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
         Gradient { l_q: l_q.map(|l| l.value), l_v: outputs.momentum(&v).map(|p| p.value) }
     }
 
-    /// Takes the way that needs fewer passes through the network for N; no dense ∂H/∂q is formed.
+    /// Takes the method with fewer passes through the network for this N; forms no dense ∂H/∂q.
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         if N <= 2 { self.linearization(q, v).dynamics(v) } else { self.dynamics_by_adjoint(q, v) }
     }
 
-    /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
+    /// Takes one forward pass with N tangents: the work of 1 + N passes. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
     #[inline]
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         let mut o = no_outputs();
@@ -241,8 +241,8 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
         }
     }
 
-    /// One forward pass with N tangents and one plain adjoint: L_qq is Σ_o ∂o/∂q_i ∂ō/∂q_j with ō = ∂L/∂o, plus the
-    /// second derivatives of the network weighed by ō, plus those of the features.
+    /// Takes one forward pass with N tangents and one plain adjoint pass. L_qq is Σ_o ∂o/∂q_i ∂ō/∂q_j with ō = ∂L/∂o, plus the second
+    /// derivatives of the network weighted by ō, plus those of the features.
     #[inline(never)]
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         let mut tape = SecondOrderTape::<S, N, H, L>::default();
@@ -263,7 +263,7 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     }
 }
 
-/// L_qq, the sum of three parts: the features' (tangents of `l_q`), the network's (`of_network`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
+/// L_qq as the sum of three parts: the features' (tangents of `l_q`), the network's (`of_network`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
 #[inline]
 fn assembled<S: Scalar, const N: usize>(
     l_q: &Jets<S, N, N>,

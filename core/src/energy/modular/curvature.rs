@@ -6,13 +6,13 @@ use super::{Configuration, Modular, dot};
 use crate::network::Jet;
 use crate::scalar::{Scalar, WeightFormat};
 
-/// V_xx, by pairs of elements.
+/// V_xx in blocks, by pairs of elements.
 pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 
 impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
-    /// JᵀV_xxJ times the displacement that coordinate k alone adds.
+    /// JᵀV_xxJ times the displacement that coordinate k adds.
     pub(super) fn pulled<S: Scalar>(
         &self,
         c: &Configuration<S, N>,

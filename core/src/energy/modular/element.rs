@@ -1,4 +1,4 @@
-//! Element types: how the coordinates of an element move it, its mass and other parameters, and its potential.
+//! Element types: motion of an element with its coordinates, its mass and other parameters, and its potential.
 
 use super::tree::{SPACE, Vector};
 use crate::expected::first;
@@ -6,10 +6,10 @@ use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// How a coordinate enters a position network.
+/// Form in which a coordinate enters a position network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Input {
-    /// A length (m), as it is.
+    /// A length (m), unchanged.
     Translation,
     /// An angle (rad), as (cos q, sin q): no seam.
     Angle,
@@ -18,7 +18,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// Number of features that it gives the network.
+    /// Number of features that the coordinate gives the network.
     pub const fn features(self) -> usize {
         match self {
             Self::Translation | Self::WrappedAngle => 1,
@@ -26,7 +26,7 @@ impl Input {
         }
     }
 
-    /// The features and their first E derivatives in q.
+    /// The features with their first E derivatives in q.
     fn series<S: Scalar, const E: usize>(self, q: S) -> [Jet<S, E>; 2] {
         match self {
             Self::Translation => [Jet::parameter(q), Jet::zero()],
@@ -39,19 +39,19 @@ impl Input {
     }
 }
 
-/// How the coordinates of an element move it and everything that it carries.
+/// Displacement of an element, and of everything that it carries, as a function of its coordinates.
 #[derive(Clone, Copy, Debug)]
 pub enum Transform<'a, W, const H: usize, const L: usize> {
     /// x = T(q), learned (ModLaNet, section 4.1); one coordinate.
     Network {
         /// T.
         position: Mlp<'a, W, H, L>,
-        /// ModLaNet's separate velocity network, ẋ = T_v(q)q̇; without it ẋ is the exact derivative of T.
+        /// Separate velocity network of ModLaNet, ẋ = T_v(q)q̇; without it, ẋ is the exact derivative of T.
         velocity: Option<Mlp<'a, W, H, L>>,
-        /// How q enters.
+        /// Form in which q enters.
         input: Input,
     },
-    /// A rod turning about a pivot, x = ℓ(sin q, −cos q), q from the downward vertical; one coordinate.
+    /// A rod rotating about a pivot, x = ℓ(sin q, −cos q), q from the downward vertical; one coordinate.
     Rod,
     /// A slide along the horizontal, x = (q, 0); one coordinate.
     Slide,
@@ -60,7 +60,7 @@ pub enum Transform<'a, W, const H: usize, const L: usize> {
 }
 
 impl<W, const H: usize, const L: usize> Transform<'_, W, H, L> {
-    /// Coordinates of such an element.
+    /// Number of coordinates of an element.
     pub const fn coordinates(&self) -> usize {
         match self {
             Self::Free => 2,
@@ -69,8 +69,8 @@ impl<W, const H: usize, const L: usize> Transform<'_, W, H, L> {
     }
 }
 
-/// What one coordinate adds to the position of everything it carries, s(q), and the map from v to velocity, g(q) = s′(q)
-/// unless it is a network of its own.
+/// Displacement s(q) that one coordinate adds to everything it carries, and the map g(q) from v to velocity: g = s′ unless the velocity has
+/// a network of its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion<S> {
     pub s: Vector<S>,
@@ -87,7 +87,7 @@ impl<S: Scalar> Motion<S> {
         Self { s: zero, s_q: zero, s_qq: zero, g: zero, g_q: zero, g_qq: zero }
     }
 
-    /// s with its derivatives; g = s′.
+    /// Motion from s with its derivatives; g = s′.
     #[inline(always)]
     fn exact<const E: usize>(s: &[Jet<S, E>; SPACE]) -> Self {
         let at = |k: usize| s.each_ref().map(|s| s.tangent.get(k).copied().unwrap_or(S::zero()));
@@ -95,7 +95,7 @@ impl<S: Scalar> Motion<S> {
         Self { s: s.map(|s| s.value), s_q: first, s_qq: second, g: first, g_q: second, g_qq: third }
     }
 
-    /// With a velocity map of its own, g with its derivatives.
+    /// Replaces the velocity map by g with its derivatives.
     #[inline(always)]
     fn with_velocity<const E: usize>(self, g: &[Jet<S, E>; SPACE]) -> Self {
         let Self { s: value, s_q: first, s_qq: second, .. } = Motion::exact(g);
@@ -106,11 +106,11 @@ impl<S: Scalar> Motion<S> {
 /// An element type over borrowed weights.
 #[derive(Clone, Copy, Debug)]
 pub struct ElementType<'a, W, const H: usize, const L: usize> {
-    /// How it moves.
+    /// Displacement of the element.
     pub transform: Transform<'a, W, H, L>,
-    /// U₁(x) of its centre, per unit of mass; `None`: no potential of its own.
+    /// Potential U₁(x) of the element's centre, per unit of mass; `None`: no potential of its own.
     pub potential: Option<Mlp<'a, W, H, L>>,
-    /// Its numbers.
+    /// Parameters of the element.
     pub numbers: ElementParameters<W>,
 }
 
@@ -121,9 +121,10 @@ pub struct ElementParameters<W> {
     pub mass: W,
     /// Moment of inertia about the centre per coordinate (rad), I ≥ 0, kg m²; 0 for a point.
     pub inertia: W,
-    /// Where the centre lies between what the element hangs from (0) and what it carries (1): 1 for a point at the end.
+    /// Position of the centre between the point that the element hangs from (0) and the point that it carries (1): 1 for a point at the
+    /// end.
     pub centre: W,
-    /// ℓ of a [`Transform::Rod`], m; not used by others.
+    /// Length ℓ of a [`Transform::Rod`], m; unused by all other transforms.
     pub length: W,
 }
 
@@ -131,7 +132,7 @@ pub struct ElementParameters<W> {
 pub const ELEMENT_PARAMETERS: usize = 4;
 
 impl<W: WeightFormat> ElementParameters<W> {
-    /// From the weight block.
+    /// Takes the parameters from the front of the weight block.
     pub(super) fn take(block: &mut &[W]) -> Option<Self> {
         let (numbers, rest) = block.split_first_chunk::<ELEMENT_PARAMETERS>()?;
         *block = rest;
@@ -141,7 +142,7 @@ impl<W: WeightFormat> ElementParameters<W> {
 }
 
 impl<'a, W: WeightFormat, const H: usize, const L: usize> ElementType<'a, W, H, L> {
-    /// s(q) of the element's coordinate `axis` (from 0), with E derivatives of it.
+    /// s(q) of the element's coordinate `axis` (from 0), with its first E derivatives.
     pub(super) fn motion<S: Scalar<Weight = W::Wide>, const E: usize>(&self, axis: usize, q: S) -> Motion<S> {
         match &self.transform {
             Transform::Network { position, velocity, input } => {
@@ -166,7 +167,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> ElementType<'a, W, H, 
     }
 }
 
-/// The position or velocity that a network gives, with E derivatives in the coordinate.
+/// Position or velocity from a network, with its first E derivatives in the coordinate.
 fn series<W: WeightFormat, S: Scalar<Weight = W::Wide>, const E: usize, const H: usize, const L: usize>(
     network: &Mlp<W, H, L>,
     x: &[Jet<S, E>],

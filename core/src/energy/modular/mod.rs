@@ -1,17 +1,17 @@
 //! Trees of reusable elements (ModLaNet; Lu et al., ICML 2022).
 //!
-//! Every element type has a position transform, a mass and a potential, learned once and reused in any tree. With x_e the
-//! centre of element e, the sum of its own displacement and of those of all that it hangs from (ModLaNet eq. 7),
+//! Every element type has a position transform, a mass and a potential, learned once and reused in any tree. With x_e the centre of element
+//! e, the sum of its own displacement and those of all elements below it in the tree (ModLaNet eq. 7),
 //!
 //! L = ½Σ m_e|ẋ_e|² + ½Σ I_e q̇² − c₁Σ m_e U₁(x_e) − c₂Σ_{e<f} m_e m_f U₂(x_e, x_f)   (ModLaNet eqs. 8–10; I_e is ours).
 //!
 //! # Method
 //!
-//! A coordinate j adds s_j(q_j) to the position of everything it carries, so x = J s(q) and ẋ = J (g v), g = s′, with J the
-//! constant map `Tree::centres` of the tree. With P = Jᵀm J(g v) and F = JᵀV_x, all derivatives are products of a
-//! coordinate's own s, s′, s″, s‴ with P and F:
-//! p = g·P + Iv, L_q = v g′·P − s′·F, L_vq v = v g′·P + g·JᵀmJ(g′v²). One pass down the tree and one up give P: no
-//! matrix of positions by coordinates is ever formed.
+//! A coordinate j adds s_j(q_j) to the position of everything it carries, so x = J s(q) and ẋ = J (g v), g = s′, with J the constant map
+//! `Tree::centres` of the tree. With P = Jᵀm J(g v) and F = JᵀV_x, all derivatives are products of a coordinate's own s, s′, s″, s‴ with P
+//! and F:
+//! p = g·P + Iv, L_q = v g′·P − s′·F, L_vq v = v g′·P + g·JᵀmJ(g′v²). One pass away from the ground and one back give P: no matrix of
+//! positions by coordinates is ever formed.
 
 mod curvature;
 mod element;
@@ -40,11 +40,11 @@ use tree::scale;
 pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const L: usize> {
     /// The element types.
     pub types: List<ElementType<'a, W, H, L>, E>,
-    /// What every pair of elements adds.
+    /// Pair potential, added for every pair of elements.
     pub pair: Option<Pair<'a, W, H, L>>,
-    /// c₁ and c₂.
+    /// Coefficients c₁ and c₂ of the potentials.
     pub coefficients: [W; 2],
-    /// Which element hangs from which.
+    /// The tree of elements.
     pub tree: Tree<N>,
 }
 
@@ -53,7 +53,7 @@ struct Configuration<S, const N: usize> {
     motion: [Motion<S>; N],
     mass: [S; N],
     centre: [S; N],
-    /// The moment of inertia of the element that a coordinate belongs to.
+    /// The moment of inertia of the element that has the coordinate.
     inertia: [S; N],
 }
 
@@ -78,7 +78,7 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         self.coefficients.map(W::scalar)
     }
 
-    /// Every coordinate's motion with `O` derivatives of s, and every element's numbers.
+    /// The motion of every coordinate with the first `O` derivatives of s, and the parameters of every element.
     fn configuration<S: Scalar<Weight = W::Wide>, const O: usize>(&self, q: &[S; N]) -> Configuration<S, N> {
         let zero = [S::zero(); N];
         let mut c = Configuration { motion: [Motion::none(); N], mass: zero, centre: zero, inertia: zero };
@@ -104,7 +104,7 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         self.tree.joints(&c.centre, &momenta)
     }
 
-    /// JᵀmJ times the displacement that coordinate k alone adds.
+    /// JᵀmJ times the displacement that coordinate k adds.
     fn inertial_of<S: Scalar>(&self, c: &Configuration<S, N>, k: usize, moved: Vector<S>) -> [Vector<S>; N] {
         let mut alone = [[S::zero(); SPACE]; N];
         if let Some(slot) = alone.get_mut(k) {
@@ -122,7 +122,7 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         })
     }
 
-    /// All derivatives but L_qq from JᵀmJ(g v) and JᵀV_x; calls `visit` with JᵀmJ of what v_k g′_k alone adds, for each k.
+    /// All derivatives except L_qq, from JᵀmJ(g v) and JᵀV_x; calls `visit` for each k with JᵀmJ times v_k g′_k of that coordinate.
     #[inline(always)]
     fn linearized<S: Scalar>(
         &self,
@@ -151,7 +151,7 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         }
     }
 
-    /// V_x with its tangents at centres that move.
+    /// V_x with its tangents, at moving centres.
     fn pull<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         mass: &[S; N],

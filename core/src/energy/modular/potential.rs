@@ -7,21 +7,21 @@ use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
-/// What a pair potential sees of two positions a and b.
+/// Input of a pair potential, from the two positions a and b.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PairInput {
     /// Both positions, symmetrised: ½[U(a, b) + U(b, a)] (ModLaNet).
     Concat,
-    /// Their difference, symmetrised: ½[U(a − b) + U(b − a)]. Conserves linear momentum.
+    /// The difference of the positions, symmetrised: ½[U(a − b) + U(b − a)]. Conserves linear momentum.
     Difference,
-    /// Their distance: U(|a − b|). Conserves linear and angular momentum; not differentiable where the two meet.
+    /// The distance: U(|a − b|). Conserves linear and angular momentum; not differentiable where the positions coincide.
     Distance,
-    /// One over their distance: U(1/|a − b|), for forces that fall off with it: far apart lies at 0, and not beyond all data.
+    /// The inverse distance: U(1/|a − b|), for forces that fall off with distance: distant elements lie near 0, not beyond all data.
     InverseDistance,
 }
 
 impl PairInput {
-    /// Inputs of the network.
+    /// Number of inputs of the network.
     pub const fn features(self) -> usize {
         match self {
             Self::Concat => 2 * SPACE,
@@ -31,7 +31,7 @@ impl PairInput {
     }
 }
 
-/// A position moving along T directions.
+/// A position that moves along T directions.
 pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
 
 /// The pair potential of a model.
@@ -39,7 +39,7 @@ pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
 pub struct Pair<'a, W, const H: usize, const L: usize> {
     /// U₂.
     pub potential: Mlp<'a, W, H, L>,
-    /// What it sees.
+    /// Input of the network.
     pub input: PairInput,
 }
 

@@ -1,4 +1,4 @@
-//! The shape of a modular model, apart from its numbers and its trees.
+//! Shape of a modular model, without its numbers and its trees.
 
 use super::Modular;
 use super::element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
@@ -10,24 +10,24 @@ use crate::network::Mlp;
 use crate::scalar::WeightFormat;
 use serde::{Deserialize, Serialize};
 
-/// Networks of a model at most.
+/// Maximum number of networks of a model.
 pub const MAX_NETWORKS: usize = 8;
-/// Element types of a model at most.
+/// Maximum number of element types of a model.
 pub const MAX_TYPES: usize = 6;
 
-/// How the coordinates of an element type move it; networks by their number from 0. See [`Transform`].
+/// Displacement of an element type; networks are given by number, from 0. See [`Transform`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TransformShape {
     /// A learned position.
     Network {
         /// T.
         position: u8,
-        /// T_v; without it ẋ is the exact derivative of T.
+        /// T_v; without it, ẋ is the exact derivative of T.
         velocity: Option<u8>,
-        /// How q enters.
+        /// Form in which q enters.
         input: Input,
     },
-    /// A rod turning about a pivot.
+    /// A rod rotating about a pivot.
     Rod,
     /// A slide along the horizontal.
     Slide,
@@ -38,14 +38,14 @@ pub enum TransformShape {
 /// The shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TypeShape {
-    /// How it moves.
+    /// Displacement of the element.
     pub transform: TransformShape,
-    /// The network of U₁, where it has a potential.
+    /// Network of U₁, if the element has a potential.
     pub potential: Option<u8>,
 }
 
 impl TypeShape {
-    /// Coordinates of such an element.
+    /// Number of coordinates of an element.
     pub const fn coordinates(&self) -> usize {
         match self.transform {
             TransformShape::Free => 2,
@@ -57,16 +57,16 @@ impl TypeShape {
 /// The pair potential.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairShape {
-    /// The network of U₂.
+    /// Network of U₂.
     pub network: u8,
-    /// What it sees.
+    /// Input of the network.
     pub input: PairInput,
 }
 
-/// The shape of a modular model. Its weight block: the networks in order, then the [`ElementParameters`] of each type, then c₁ and c₂.
+/// The shape of a modular model. Its weight block has the networks in order, then the [`ElementParameters`] of each type, then c₁ and c₂.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModularShape {
-    /// The networks. Types may share one.
+    /// The networks. Types may share a network.
     pub networks: List<NetworkShape, MAX_NETWORKS>,
     /// The element types.
     pub types: List<TypeShape, MAX_TYPES>,
@@ -75,12 +75,12 @@ pub struct ModularShape {
 }
 
 impl ModularShape {
-    /// The shape with these networks, types and pair potential; `None` for more than the lists hold.
+    /// Creates a shape; `None` if a list is too long.
     pub fn new(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Option<Self> {
         Some(Self { networks: List::new(networks)?, types: List::new(types)?, pair })
     }
 
-    /// Numbers in the weight block; `None` on overflow.
+    /// Length of the weight block, in numbers; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         self.networks.parameters()?.checked_add(ELEMENT_PARAMETERS * self.types.len() + 2)
     }
@@ -97,7 +97,7 @@ impl ModularShape {
         Tree::new(nodes, self.types.len(), coordinates)
     }
 
-    /// The name of the first part that is invalid; `None` where the shape is valid.
+    /// Name of the first invalid part; `None` if the shape is valid.
     pub fn invalid_part(&self) -> Option<&'static str> {
         let serves = |network, inputs, outputs| self.networks.serves(network, inputs, outputs);
         let moves = |kind: &TypeShape| match kind.transform {
@@ -132,9 +132,9 @@ impl ModularShape {
 impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
-    /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` where the block is too
-    /// short, the shape does not fit in itself (see [`ModularShape::invalid_part`]), or it has more than `E` types, `L` hidden layers or `H`
-    /// units in one.
+    /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` if the block is too short, the
+    /// shape is inconsistent (see [`ModularShape::invalid_part`]), or it has more than `E` types, `L` hidden layers or `H` units in a
+    /// layer.
     pub fn take(block: &mut &'a [W], shape: &ModularShape, tree: Tree<N>) -> Option<Self> {
         if shape.invalid_part().is_some() {
             return None;

@@ -1,53 +1,53 @@
-//! Which element hangs from which, and the two linear maps of a tree: from the coordinates' displacements to the elements'
-//! centres, and back from forces on the centres to the coordinates.
+//! The tree of elements and its two linear maps: from the coordinates' displacements to the elements' centres, and back from forces on the
+//! centres to the coordinates.
 
 use core::fmt;
 
 use crate::expected::expected;
 use crate::scalar::Scalar;
 
-/// Dimensions of the space that elements lie in.
+/// Number of dimensions of the elements' space.
 pub const SPACE: usize = 2;
-/// A point or a direction of that space.
+/// A point or a direction in that space.
 pub type Vector<S> = [S; SPACE];
 
-/// One element of a tree, as it is described.
+/// Description of one element of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TreeElement {
-    /// Which type the element is of.
+    /// Type of the element.
     pub kind: u8,
-    /// The element that it hangs from, described before it; `None`: the ground.
+    /// The element that this one hangs from, which is described earlier; `None`: the ground.
     pub parent: Option<u8>,
 }
 
-/// Why a tree was refused.
+/// Reason for refusing a tree.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TreeError {
-    /// No element.
+    /// The tree has no elements.
     Empty,
-    /// An element hangs from itself or from one that is described later, which a cycle always makes.
+    /// An element hangs from itself or from one described later; every cycle contains such an element.
     Parent {
         /// The element, from 0.
         element: usize,
-        /// What it hangs from.
+        /// The element that it hangs from.
         parent: usize,
     },
     /// An element is of a type that does not exist.
     Kind {
         /// The element, from 0.
         element: usize,
-        /// The type it names.
+        /// The type that the element names.
         kind: usize,
-        /// Types there are.
+        /// Number of element types.
         kinds: usize,
     },
     /// The elements do not have the number of coordinates that was compiled in.
     Coordinates {
-        /// Of the tree.
+        /// Coordinates of the tree.
         found: usize,
-        /// Compiled in.
+        /// Coordinates compiled in.
         compiled: usize,
     },
 }
@@ -72,25 +72,25 @@ impl fmt::Display for TreeError {
 
 impl core::error::Error for TreeError {}
 
-/// One element with its place among the coordinates.
+/// An element with the range of its coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Element {
     pub kind: usize,
     pub parent: Option<usize>,
-    /// The first of its coordinates, and how many it has.
+    /// Index of the first coordinate, and number of coordinates.
     pub first: usize,
     pub count: usize,
 }
 
-/// A tree of elements with N coordinates in all.
+/// A tree of elements with N coordinates in total.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tree<const N: usize> {
     elements: [Option<Element>; N],
 }
 
 impl<const N: usize> Tree<N> {
-    /// A tree of elements, parents first. `coordinates(kind)` is the number of coordinates, at least 1, that an element of a
-    /// type has; `None` for a type that does not exist, of `kinds`.
+    /// Creates a tree of elements, parents first. `coordinates(kind)` is the number of coordinates of an element of that type, at least 1;
+    /// `None` for a type that does not exist. `kinds` is the number of types.
     ///
     /// # Errors
     /// See [`TreeError`].
@@ -136,19 +136,19 @@ impl<const N: usize> Tree<N> {
         kinds
     }
 
-    /// Always false: a tree has an element.
+    /// Always false: a tree has at least one element.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The elements in order, with their numbers.
+    /// The elements in order, with their indices.
     #[inline(always)]
     pub(super) fn elements(&self) -> impl DoubleEndedIterator<Item = (usize, &Element)> {
         self.elements.iter().enumerate().filter_map(|(e, element)| Some((e, element.as_ref()?)))
     }
 
-    /// From what each coordinate adds to everything that its element carries, to the displacement of every element's
-    /// centre: the sum along the way from the ground, of which the element's own part counts `centre[e]` times.
+    /// Maps the displacement that each coordinate adds to everything its element carries, to the displacement of every element's centre:
+    /// the sum along the path from the ground, in which the element's own part counts `centre[e]` times.
     #[inline]
     pub(super) fn centres<S: Scalar>(&self, centre: &[S; N], moved: &[Vector<S>; N]) -> [Vector<S>; N] {
         let mut tips = [[S::zero(); SPACE]; N];
@@ -167,8 +167,7 @@ impl<const N: usize> Tree<N> {
         centres
     }
 
-    /// The transpose of [`Tree::centres`]: from forces on the elements' centres to what acts on each coordinate's
-    /// displacement.
+    /// The transpose of [`Tree::centres`]: maps forces on the elements' centres to forces on each coordinate's displacement.
     #[inline]
     pub(super) fn joints<S: Scalar>(&self, centre: &[S; N], force: &[Vector<S>; N]) -> [Vector<S>; N] {
         let mut carried = [[S::zero(); SPACE]; N];
@@ -192,7 +191,7 @@ impl<const N: usize> Tree<N> {
 }
 
 impl Element {
-    /// The sum of what its own coordinates give.
+    /// Sum of the displacements of the element's own coordinates.
     #[inline(always)]
     pub fn own<S: Scalar, const N: usize>(&self, moved: &[Vector<S>; N]) -> Vector<S> {
         let own = moved.iter().skip(self.first).take(self.count);

@@ -1,5 +1,5 @@
-//! Trees of rigid bodies on joints in any [`Space`]: one recursion from the base up, which says where frames are and how they move,
-//! and one from the tips down, which sums what every joint carries.
+//! Trees of rigid bodies on joints in any [`Space`]: one recursion from the base up for the frames and their motion, and one from the tips
+//! down for the sums over all that every joint carries.
 
 mod space;
 mod tree;
@@ -12,30 +12,29 @@ use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear;
 use crate::scalar::{Scalar, WeightFormat};
 
-/// A tree of N rigid bodies on joints, over borrowed weights: in `D` dimensions, with `B` numbers a body.
+/// A tree of N rigid bodies on joints, over borrowed weights: in `D` dimensions, with `B` numbers per body.
 ///
 /// # Method
 ///
-/// With the momentum P of all that a joint carries, about the joint, U = ∂P/∂q̇, the part S·P of P that the joint's coordinate has,
-/// and the velocity V of its frame,
+/// Let P be the momentum of all that a joint carries, about the joint, U = ∂P/∂q̇, S·P the component of P along the joint's coordinate, and
+/// V the velocity of the joint's frame. Then
 ///
-/// p = S·P, beside the rotor's, and L_q = z·P + γ·U, z = V × S.
+/// p = S·P plus the rotor's momentum, and L_q = z·P + γ·U, z = V × S.
 ///
-/// For a joint k that j carries (or j itself) and D = ∂P/∂q, taken to the place of j, M_jk = S_j·U_k, ∂p_j/∂q_k = S_j·D_k,
-/// ∂p_k/∂q_j = z_j·U_k and ∂²T/∂q_j∂q_k = z_j·D_k. Time is O(n · depth), and O(n) of what has no matrix.
+/// For a joint k that j carries (or j itself), with U_k and D_k = ∂P_k/∂q_k taken about joint j, M_jk = S_j·U_k, ∂p_j/∂q_k = S_j·D_k,
+/// ∂p_k/∂q_j = z_j·U_k and ∂²T/∂q_j∂q_k = z_j·D_k. Time is O(n · depth), and O(n) for everything but matrices.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a, W, const D: usize, const B: usize, const N: usize> {
-    /// Which body stands on which, by what joint.
+    /// Parent and joint of every body.
     pub tree: BodyTree<N>,
-    /// γ in the axes of the base, m/s².
+    /// Gravity γ in the axes of the base, m/s².
     pub gravity: &'a [W; D],
-    /// The numbers of every body, as they stand in the weight block.
+    /// The numbers of every body, as in the weight block.
     pub numbers: &'a [[W; B]; N],
 }
 
 impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies<'a, W, D, B, N> {
-    /// The tree over the front of `block`, of which the rest is left there: γ, then the numbers of every body. `None` where the
-    /// block is too short.
+    /// Takes γ and the numbers of every body from the front of `block`, and leaves the rest there. `None` if the block is too short.
     pub fn take(block: &mut &'a [W], tree: BodyTree<N>) -> Option<Self> {
         let (gravity, rest) = block.split_first_chunk()?;
         let (numbers, rest) = rest.split_at_checked(N * B)?;
@@ -60,7 +59,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
         self.tree.bodies()[k].parent.map(usize::from)
     }
 
-    /// All derivatives but L_qq, which is written where it is asked for.
+    /// All derivatives except L_qq, which is written only on request.
     #[inline(always)]
     fn derivatives<S: Scalar<Weight = W::Wide>>(
         &self,
@@ -85,7 +84,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
                 l_qq[k][k] = FrameOf::<S, D, B>::bent(&bend, &slope) + frame.pulled(pull);
             }
             unit = motion.rotors[k].below(unit);
-            // A loop, not a closure: where it is not inlined, an index is not known to be one.
+            // A loop, not a closure: if a closure is not inlined, the compiler cannot prove its indices valid.
             let (mut step, mut below) = (frame.step(), self.parent(k));
             while let Some(j) = below {
                 let Some(frame) = present(motion.frames.get(j)) else { break };
@@ -106,19 +105,19 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
     }
 }
 
-/// The frames of a space.
+/// Frame type of a space.
 type FrameOf<S, const D: usize, const B: usize> = <[S; D] as Space<S, B>>::Frame;
-/// The bodies of a space.
+/// Body type of a space.
 type BodyOf<S, const D: usize, const B: usize> = <FrameOf<S, D, B> as Frame<S>>::Body;
 
 /// A tree in motion.
 pub(super) struct Motion<S: Scalar, F: Frame<S>, const N: usize> {
     frames: [F; N],
-    /// z of every joint: without a floating-point unit, a second evaluation costs more than its memory.
+    /// z of every joint; stored, since without a floating-point unit a second evaluation costs more than the memory.
     bends: [F::Bend; N],
     carried: [F::Carried; N],
     rotors: [F::Rotor; N],
-    /// All together, about the origin of the base.
+    /// Sums over the whole tree, about the origin of the base.
     whole: F::Carried,
 }
 
@@ -160,7 +159,7 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
         motion
     }
 
-    /// Momentum of what a joint carries at its unit velocity.
+    /// Momentum of all that a joint carries, at a unit velocity of the joint.
     #[inline(always)]
     pub(super) fn unit(&self, k: usize) -> F::Wrench {
         self.carried[k].unit_momentum(&self.frames[k])
@@ -171,7 +170,7 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
         core::array::from_fn(|k| self.force_at(k, (&self.unit(k), &self.bends[k]), gravity))
     }
 
-    /// L_q of a joint with what it carries at its unit velocity, and its z.
+    /// L_q of a joint; `unit` is the momentum at its unit velocity, `bend` its z.
     #[inline(always)]
     fn force_at(&self, k: usize, (unit, bend): (&F::Wrench, &F::Bend), gravity: F::Vector) -> S {
         F::bent(bend, self.carried[k].momentum()) + unit.along(gravity)

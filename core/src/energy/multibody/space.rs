@@ -1,14 +1,14 @@
-//! What the recursion over a tree of bodies asks of the kind of space that they move in.
+//! Interface between the recursion over a tree of bodies and the space that they move in.
 
 use super::Joint;
 use crate::scalar::Scalar;
 
-/// A kind of space, known by its vectors: `[S; 2]` is the plane, `[S; 3]` space. A body has `B` numbers there.
+/// A kind of space, identified by its vectors: `[S; 2]` is the plane, `[S; 3]` three-dimensional space. A body has `B` numbers.
 pub trait Space<S: Scalar, const B: usize>: Copy {
-    /// How frames are there.
+    /// Frame type of the space.
     type Frame: Frame<S, Vector = Self>;
 
-    /// A body by its numbers in the order of the weight block.
+    /// Creates a body from its numbers in the order of the weight block.
     fn body(numbers: [S; B]) -> <Self::Frame as Frame<S>>::Body;
 }
 
@@ -18,7 +18,7 @@ pub trait Frame<S: Scalar>: Copy {
     type Vector: Copy;
     /// The numbers of a body.
     type Body;
-    /// z, what ∂T/∂q of a joint makes of momentum.
+    /// z, whose product with momentum is ∂T/∂q of a joint.
     type Bend: Copy;
     /// Momentum or force, about a joint.
     type Wrench: Wrench<S, Vector = Self::Vector>;
@@ -26,33 +26,33 @@ pub trait Frame<S: Scalar>: Copy {
     type Carried: Carried<S, Self>;
     /// The rotor of a joint's drive.
     type Rotor: Rotor<S, Self>;
-    /// Force of gravity as the coordinate of a joint takes it.
+    /// Derivative of γ·U under rotation of U, before its component along a joint's coordinate is taken.
     type Pull: Copy;
 
-    /// The frame that does not move, on which trees stand.
+    /// The fixed frame that trees stand on.
     fn base() -> Self;
-    /// The frame of a body on this one.
+    /// The frame of a body that stands on this one.
     fn carried(&self, joint: Joint, body: &Self::Body, q: S, v: S) -> Self;
-    /// From the parent's joint to this one, m.
+    /// Step from the parent's joint to this joint, m.
     fn step(&self) -> Self::Vector;
-    /// The part of momentum or force at this joint that its coordinate has.
+    /// The component of momentum or force at this joint along its coordinate.
     fn share(&self, wrench: &Self::Wrench) -> S;
     /// z of this joint.
     fn bend(&self) -> Self::Bend;
     /// z·wrench.
     fn bent(bend: &Self::Bend, wrench: &Self::Wrench) -> S;
-    /// How γ acts on the momentum `unit` of a unit velocity when it turns.
+    /// Derivative of γ·`unit` under rotation of `unit`, the momentum of a unit velocity.
     fn pull(unit: &Self::Wrench, gravity: Self::Vector) -> Self::Pull;
-    /// The part of a pull at this joint that its coordinate has.
+    /// The component of a pull at this joint along its coordinate.
     fn pulled(&self, pull: Self::Pull) -> S;
 }
 
-/// A linear and an angular part, the angular one about a joint.
+/// A linear part, and an angular part about a joint.
 pub trait Wrench<S: Scalar>: Copy {
     /// A direction.
     type Vector;
 
-    /// Wrench about a joint from which this one is at `step`.
+    /// Moves the wrench to another joint, from which this joint is at `step`.
     fn about(self, step: Self::Vector) -> Self;
     /// The linear part along a direction.
     fn along(&self, direction: Self::Vector) -> S;
@@ -62,20 +62,20 @@ pub trait Wrench<S: Scalar>: Copy {
 pub trait Carried<S: Scalar, F: Frame<S>>: Copy {
     /// No body.
     fn nothing() -> Self;
-    /// The sums to which those of the joints on a body are added. A body enters them before or after its joints: the order of a sum
-    /// is part of its bits, and every space keeps its own.
+    /// Initial sums, to which the sums of the joints on a body are added. Every space adds the body itself either here or at the end, and
+    /// keeps its choice: the order of a sum affects its bits.
     fn begun(frame: &F, body: &F::Body) -> Self;
-    /// With the body itself, where [`Carried::begun`] has left it out.
+    /// Adds the body itself, if [`Carried::begun`] has left it out.
     fn finished(self, frame: &F, body: &F::Body) -> Self;
-    /// With all that a joint on this body carries, and the rotor of its drive; `body` is that of the joint.
+    /// Adds all that a joint on this body carries, and the rotor of the joint's drive; `body` is the body of that joint.
     fn with_joint(&self, joint: &F, above: &Self, body: &F::Body, rotor: &F::Rotor) -> Self;
     /// The momentum.
     fn momentum(&self) -> &F::Wrench;
     /// The first moments Σ m(x − r) along a direction.
     fn moment(&self, direction: F::Vector) -> S;
-    /// ∂/∂q̇ of momentum: that of a unit velocity of the joint.
+    /// ∂P/∂q̇ of the momentum P: the momentum at a unit velocity of the joint.
     fn unit_momentum(&self, frame: &F) -> F::Wrench;
-    /// ∂/∂q of momentum, about a point that does not move with q; `bend` is that of the joint.
+    /// ∂P/∂q of the momentum P, about a point that does not move with q; `bend` is the joint's.
     fn momentum_slope(&self, frame: &F, bend: &F::Bend) -> F::Wrench;
 }
 
@@ -85,10 +85,10 @@ pub trait Rotor<S: Scalar, F: Frame<S>>: Copy {
     fn none() -> Self;
     /// The rotor of a body's joint on `parent`.
     fn new(parent: &F, body: &F::Body, v: S) -> Self;
-    /// The part of the joint's momentum p that is the rotor's.
+    /// The rotor's part of the joint's momentum p.
     fn momentum(&self, v: S) -> S;
-    /// ∂/∂q̇ of that part.
+    /// ∂/∂q̇ of the rotor's part of p.
     fn inertia(&self) -> S;
-    /// The momentum `unit` of a unit velocity of the joint, as the joints below have it: with what the rotor adds.
+    /// The momentum `unit` of a unit velocity of the joint, as the joints below see it: with the rotor's momentum added.
     fn below(&self, unit: F::Wrench) -> F::Wrench;
 }

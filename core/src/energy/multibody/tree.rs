@@ -1,24 +1,24 @@
-//! Which body hangs from which, by what joint.
+//! The tree of bodies: parent and joint of every body.
 
 use crate::energy::modular::TreeError;
 use serde::{Deserialize, Serialize};
 
-/// How a body moves on its parent.
+/// Motion of a body on its parent.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Joint {
-    /// It turns about the origin of the joint's frame, in space about the joint's axis; q is an angle, rad.
+    /// The body rotates about the origin of the joint's frame, in space about the joint's axis; q is an angle, rad.
     Revolute,
-    /// It slides along the x axis of the joint's frame, in space along the joint's axis; q is a length, m.
+    /// The body slides along the x axis of the joint's frame, in space along the joint's axis; q is a length, m.
     Prismatic,
 }
 
 /// One body of a tree; it has one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TreeBody {
-    /// How it moves on its parent.
+    /// Joint between the body and its parent.
     pub joint: Joint,
-    /// The body that its joint sits on, described before it; `None`: the ground.
+    /// The body that the joint sits on, which is described earlier; `None`: the ground.
     pub parent: Option<u8>,
 }
 
@@ -29,10 +29,10 @@ pub struct BodyTree<const N: usize> {
 }
 
 impl<const N: usize> BodyTree<N> {
-    /// The tree of these bodies.
+    /// Creates a tree of the given bodies.
     ///
     /// # Errors
-    /// [`TreeError::Empty`], [`TreeError::Parent`] and [`TreeError::Coordinates`]; their elements are the bodies.
+    /// [`TreeError::Empty`], [`TreeError::Parent`] and [`TreeError::Coordinates`], whose elements are the bodies.
     pub fn new(bodies: impl IntoIterator<Item = TreeBody>) -> Result<Self, TreeError> {
         let mut tree = Self { bodies: [TreeBody { joint: Joint::Revolute, parent: None }; N] };
         let (mut found, mut slots) = (0, tree.bodies.iter_mut());
