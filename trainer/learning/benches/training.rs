@@ -1,5 +1,5 @@
-//! What second-order training buys: one Levenberg–Marquardt iteration, and Levenberg–Marquardt against Adam alone on the same
-//! cart-pole data, network and loss.
+//! Benchmark of second-order training: the time of one Levenberg–Marquardt iteration, and Levenberg–Marquardt against Adam alone on the
+//! same cart-pole data, network and loss.
 //!
 //! `cargo bench -p leastaction-learning --bench training`
 
@@ -13,13 +13,13 @@ use leastaction_learning::training::{
 use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use std::time::{Duration, Instant};
 
-/// Training trajectories.
+/// Number of training trajectories.
 const TRAJECTORIES: usize = 32;
-/// Of the initial weights and of the data.
+/// Seed of the initial weights and of the data.
 const SEED: u64 = 0;
-/// Iterations of Levenberg–Marquardt, and the seconds that Adam gets beside its own share.
+/// Levenberg–Marquardt iterations.
 const ITERATIONS: usize = 60;
-/// How much longer than Levenberg–Marquardt Adam may go on to reach the same error.
+/// Largest multiple of Levenberg–Marquardt's time that Adam may take to reach the same loss.
 const PATIENCE: u32 = 10;
 
 /// A loss and the time it took.
@@ -70,7 +70,7 @@ fn main() {
     );
 }
 
-/// Multiply-adds a nanosecond of a product of two large matrices in f64, times the number of threads: what this machine can do.
+/// Attainable rate of this machine: multiply-adds per nanosecond in the product of two large f64 matrices, times the number of threads.
 fn peak() -> f64 {
     const SIZE: usize = 1024;
     let a = Mat::from_fn(SIZE, SIZE, |i, j| ((i * 7 + j * 3) % 11) as f64);
@@ -96,7 +96,7 @@ fn levenberg(residual: &dyn Objective, loss: &dyn Objective, weights: Vec<f64>) 
     Reached { loss: levenberg.loss, time: clock.elapsed() }
 }
 
-/// The lowest loss until `done`.
+/// Returns the lowest loss that Adam reaches before `done` holds.
 fn adam(
     loss: &dyn Objective,
     weights: Vec<f64>,

@@ -13,9 +13,9 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Inputs, hidden widths and outputs of the position and of the potential.
+/// Layer sizes (inputs, two hidden widths, outputs) of the position network and of the potential network.
 const SIZES: [[usize; 4]; 2] = [[2, 16, 16, 2], [2, 16, 16, 1]];
-/// The fastest of this many repetitions counts.
+/// Number of repetitions; the fastest counts.
 const REPETITIONS: usize = 3;
 /// Seed of the generated data.
 const SEED: u64 = 0;
@@ -42,7 +42,7 @@ fn run() -> Outcome<()> {
     }
 }
 
-/// The protocol's double pendulums, 9,090 rows to train on.
+/// Writes the protocol's double-pendulum data: 9,090 training rows.
 fn generate(file: &str) -> Outcome<()> {
     let settings = ModlanetSettings::published(ManyBody::Pendulum(2), SEED);
     Ok(modlanet::write(file, &modlanet_set_of(&settings)?)?)
@@ -75,7 +75,7 @@ fn doubles(path: &str) -> Outcome<Vec<f64>> {
     Ok(bytes.as_chunks().0.iter().map(|word| f64::from_le_bytes(*word)).collect())
 }
 
-/// Rows q, v, a of two numbers each.
+/// Samples from rows (q, v, a), two numbers each.
 fn samples(rows: &[f64]) -> Samples {
     let rows = rows.as_chunks::<6>().0;
     let part = |k: usize| rows.iter().flat_map(|row| [row[2 * k], row[2 * k + 1]]).collect();
@@ -89,7 +89,7 @@ fn samples(rows: &[f64]) -> Samples {
     }
 }
 
-/// Position and potential learned, mass 1, c₁ learned, no pair potential.
+/// Model with learned position and potential, mass 1, learned c₁ and no pair potential.
 fn architecture() -> Architecture {
     let network = |[inputs, first, second, outputs]: [usize; 4]| {
         NetworkShape::new(inputs as u8, &[first as u16, second as u16], outputs as u8, Activation::Tanh)
@@ -109,7 +109,7 @@ fn architecture() -> Architecture {
     .into()
 }
 
-/// For every number of the file, its place in our weight block.
+/// Index in our weight block of every number in the file.
 fn places() -> Vec<usize> {
     let (mut places, mut start) = (Vec::new(), 0);
     for layer in SIZES.iter().flat_map(|sizes| sizes.windows(2)) {
@@ -125,7 +125,7 @@ fn places() -> Vec<usize> {
     places
 }
 
-/// Row-major matrices, biases and c₁ to our weight block; `None` where the count is wrong.
+/// Our weight block from row-major matrices, biases and c₁; `None` if the count is wrong.
 fn panels(numbers: &[f64]) -> Option<Vec<f64>> {
     let mut block = architecture().initial_weights(0);
     let places = places();
@@ -142,7 +142,7 @@ fn gram_of(equations: &NormalEquations, places: &[usize]) -> Vec<u8> {
     places.iter().flat_map(|a| places.iter().flat_map(move |b| entry(*a, *b).to_le_bytes())).collect()
 }
 
-/// The last result, with the least wall and processor seconds.
+/// Calls `call` repeatedly; returns the last result with the least wall-clock and processor seconds.
 fn fastest<T>(call: impl Fn() -> Option<T>) -> Option<(T, [f64; 2])> {
     let mut best = [f64::INFINITY; 2];
     let mut result = call()?;
@@ -155,7 +155,7 @@ fn fastest<T>(call: impl Fn() -> Option<T>) -> Option<(T, [f64; 2])> {
     Some((result, best))
 }
 
-/// Of all threads of this program so far, as Linux counts them; not a number elsewhere.
+/// Processor seconds of all threads of this program so far, as Linux counts them; NaN on other systems.
 fn processor_seconds() -> f64 {
     let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
     let nanoseconds = tasks.filter_map(|task| {

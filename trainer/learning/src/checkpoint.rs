@@ -1,4 +1,4 @@
-//! The checkpoint of a run: where it is, to go on bit for bit, and the best weights so far.
+//! The checkpoint of a run: its full state, for resuming bit for bit, and the best weights so far.
 
 use crate::checksummed::{self, ReadError};
 use crate::training::{Adam, Levenberg};
@@ -12,28 +12,28 @@ use std::path::Path;
 use std::{fs, io};
 use thiserror::Error;
 
-/// Its name in the folder of a run.
+/// File name in the run folder.
 pub(crate) const FILE: &str = "checkpoint.postcard";
 
-/// The first bytes of the file: what it is, and the version of its layout.
+/// First bytes of the file: a signature and the version of the layout.
 const MAGIC: &[u8] = b"LARUN\x08";
 
-/// Everything in the file.
+/// Contents of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    /// The configuration without what may change on resuming, as TOML.
+    /// Configuration as TOML, without the keys that may change on resuming.
     pub identity: String,
     /// Fingerprint of the data.
     pub data: u64,
-    /// Of the model.
+    /// Shape of the model.
     pub architecture: Architecture,
-    /// Of the model.
+    /// Step that the model was trained with.
     pub trained_step: Option<TrainedStep>,
-    /// What the data covered.
+    /// Range that the data covers in every coordinate.
     pub range: Vec<CoordinateRange>,
-    /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
+    /// Layout of the learned sensor and actuator numbers in the parameter vector of a loss over windows.
     pub calibration: Option<CalibrationLayout>,
-    /// Where the run is.
+    /// Progress of the run.
     pub state: State,
 }
 
@@ -46,26 +46,26 @@ pub(crate) enum Optimiser {
     Adam(Adam),
 }
 
-/// The best weights of a stage, and their losses.
+/// The best weights of a stage with their losses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Best {
     /// The weight block.
     pub weights: Vec<f64>,
-    /// The iteration that gave them.
+    /// Iteration that gave these weights.
     pub iteration: u64,
-    /// Their training loss.
+    /// Training loss.
     pub train: f64,
-    /// Their loss on the trajectories held back.
+    /// Validation loss: the loss on the held-back trajectories.
     pub validation: Option<f64>,
-    /// Their error of the next position, where the DEL residual is minimised.
+    /// Mean squared error of the next position, if the DEL residual is minimised.
     pub next_position: Option<f64>,
-    /// Whether they can solve none of the training samples, as was found when training ended: all samples then count as predicted by
-    /// a constant velocity.
+    /// Whether no training sample can be solved with these weights, as found at the end of training: every sample then counts as predicted
+    /// by a constant velocity.
     pub solves_nothing: bool,
 }
 
 impl Best {
-    /// Whether it is of use: its training loss is a number, and not that of constant velocities alone.
+    /// Whether the weights are usable: finite, with a finite training loss, and better than constant velocities alone.
     pub fn is_a_model(&self) -> bool {
         self.train.is_finite() && !self.solves_nothing && self.weights.iter().all(|weight| weight.is_finite())
     }
@@ -74,19 +74,19 @@ impl Best {
 /// The state of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
-    /// Position in the plan's stages.
+    /// Index into the plan's stages.
     pub stage: usize,
     /// Iterations done in this stage.
     pub in_stage: u64,
-    /// Iterations done in all.
+    /// Iterations done in all stages.
     pub iteration: u64,
-    /// Seconds of training.
+    /// Training time, s.
     pub seconds: f64,
-    /// Of this stage.
+    /// Optimiser of this stage.
     pub optimiser: Optimiser,
-    /// Of this stage.
+    /// Best weights of this stage.
     pub best: Best,
-    /// The best numbers of the model alone, before networks that correct it.
+    /// Best parameters of the model alone, before correcting networks are added.
     pub alone: Option<Vec<f64>>,
 }
 
@@ -128,27 +128,27 @@ impl Checkpoint {
     }
 }
 
-/// A trained model as a run holds it.
+/// A trained model as read from a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trained {
-    /// Its shape.
+    /// Shape of the model.
     pub architecture: Architecture,
-    /// The step that it was trained with, where the loss has one.
+    /// Step that the model was trained with, if its loss has one.
     pub trained_step: Option<TrainedStep>,
-    /// What the training data covered of every coordinate.
+    /// Range that the training data covers in every coordinate.
     pub range: Vec<CoordinateRange>,
-    /// The best weights of the model and their losses.
+    /// Best weights of the model, with their losses.
     pub best: Best,
-    /// Sensors and actuators, of a loss over windows.
+    /// Calibrated sensors and actuators, if the loss was one over windows.
     pub calibrated: Option<Calibrated>,
     /// Iterations of the run so far.
     pub iterations: u64,
-    /// Where it comes from, for people: the same for the same run.
+    /// Origin of the model, for people to read; identical for identical runs.
     pub provenance: String,
 }
 
 impl Trained {
-    /// What a model file says of it beside its shape and weights.
+    /// Facts that a model file holds beside shape and weights.
     pub fn facts(&self) -> Facts {
         let Self { trained_step, range, provenance, calibrated, .. } = self.clone();
         let actuator = calibrated.map_or_else(Actuator::default, |calibrated| calibrated.actuator);
@@ -160,24 +160,24 @@ impl Trained {
         Model::new(self.architecture.clone(), self.best.weights.clone()).with_facts(self.facts())
     }
 
-    /// The best model of the run in a folder.
+    /// Reads the best model of the run in `folder`.
     ///
     /// # Errors
-    /// [`CheckpointError`] where there is no usable checkpoint.
+    /// [`CheckpointError`] if there is no usable checkpoint.
     pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
         Ok(Checkpoint::read(&folder.join(FILE))?.into())
     }
 
-    /// The same, of the bytes of a checkpoint; `None` where they are none, or were damaged.
+    /// Decodes the bytes of a checkpoint; `None` if they are no checkpoint or are damaged.
     pub fn decode(bytes: &[u8]) -> Option<Self> {
         checksummed::decode::<Checkpoint>(bytes, MAGIC).map(Self::from)
     }
 }
 
-/// The best model of the run in a folder, or the model of a file.
+/// Opens the best model of a run folder, or a model file.
 ///
 /// # Errors
-/// Why it cannot be read.
+/// The reason why the model cannot be read, as text.
 pub fn open(path: &Path) -> Result<Model, String> {
     if path.is_dir() {
         return Ok(Trained::read(path).map_err(|error| error.to_string())?.model());
@@ -192,7 +192,7 @@ impl From<Checkpoint> for Trained {
         let Checkpoint { architecture, trained_step, range, calibration, state, .. } = checkpoint;
         let mut best = state.best;
         let calibrated = calibration.map(|layout| layout.read(&best.weights));
-        // What follows the weight block belongs to logs or samples.
+        // Entries after the weight block belong to logs or samples.
         best.weights.truncate(architecture.parameters().unwrap_or(usize::MAX));
         Self { architecture, trained_step, range, best, calibrated, iterations: state.iteration, provenance }
     }

@@ -1,5 +1,5 @@
-//! How good a model is, in SyMo's measures on equal terms, [`states`] those of models that are stepped from states;
-//! [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
+//! Measures of a model's quality: SyMo's, on equal terms; in [`states`] those for models that are stepped from states; in [`prediction`]
+//! ModLaNet's; in [`rollouts`] LGNN's.
 
 #[cfg(test)]
 mod forces_tests;
@@ -22,10 +22,10 @@ use leastaction_ground_truth::{Exact, Mechanism};
 use leastaction_models::rollout::logged_command;
 use leastaction_models::{Model, parallel};
 
-/// Steps of the first part of a long integration.
+/// Number of steps in the early part of a long integration.
 const EARLY: usize = 100;
 
-/// Positions along every trajectory as [`Model::rollout`] gives them, by any system of core's types, exact or learned.
+/// Positions along every trajectory, as from [`Model::rollout`], for any system of core's types, exact or learned.
 pub fn rollout_system<L, F, const N: usize>(system: &System<L, F>, order: u8, data: &Dataset) -> Vec<Vec<f64>>
 where
     L: Lagrangian<f64, N> + Sync,
@@ -75,7 +75,7 @@ where
     Ok(())
 }
 
-/// Errors of long free motions, positions after the first two.
+/// Position errors of long free motions, without the first two positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntegrationErrors {
     /// Mean squared position error.
@@ -86,7 +86,7 @@ pub struct IntegrationErrors {
     pub first_100: f64,
 }
 
-/// Of rollouts those that reach the end, with the motions that they should be.
+/// The rollouts that reach the end, with the corresponding exact motions.
 pub fn finished(predicted: &[Vec<f64>], data: &Dataset) -> (Vec<Vec<f64>>, Dataset) {
     let pairs = predicted.iter().zip(&data.trajectories);
     let finished = pairs.filter(|(positions, _)| positions.iter().all(|q| q.is_finite()));
@@ -95,7 +95,7 @@ pub fn finished(predicted: &[Vec<f64>], data: &Dataset) -> (Vec<Vec<f64>>, Datas
     (predicted, Dataset { n: data.n, h: data.h, control: data.control, trajectories })
 }
 
-/// Compares rollouts with the motions they should be. A rollout that broke off counts as infinite error.
+/// Compares rollouts with the exact motions. A rollout that broke off counts as infinite error.
 pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> IntegrationErrors {
     let errors = |steps: usize| -> Vec<f64> {
         let pairs = predicted.iter().zip(&data.trajectories);
@@ -111,13 +111,13 @@ fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
     mean_square_or_infinite(&errors)
 }
 
-/// Infinite where one is not a number.
+/// Mean square; infinite if an error is not finite.
 fn mean_square_or_infinite(errors: &[f64]) -> f64 {
     let mean = mean(&errors.iter().map(|e| e * e).collect::<Vec<_>>());
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 
-/// The value in the middle, of an even number the mean of both; not a number of none.
+/// The median; for an even number of values the mean of the middle two, for none NaN.
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -128,7 +128,7 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// Of sorted values that at this part of the way from the first to the last, linear between; not a number of none.
+/// Quantile at `part` (0 to 1), with linear interpolation; NaN if there are no values.
 pub fn percentile(values: &[f64], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -143,9 +143,9 @@ fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
-/// Mean squared difference of the true energy along the rollouts, at the midpoint states ((a + b)/2, (b − a)/h), from the
-/// true energy at the start (of the first midpoint where the data has no velocities). Exact positions do not give zero: the
-/// midpoint state itself is an approximation.
+/// Mean squared deviation of the true energy along the rollouts from the true energy at the start (at the first midpoint if the data has no
+/// velocities). The energy is taken at the midpoint states ((a + b)/2, (b − a)/h). Exact positions do not give zero: the midpoint state
+/// itself is an approximation.
 pub fn energy_mse(mechanism: Mechanism, predicted: &[Vec<f64>], data: &Dataset) -> f64 {
     match mechanism.exact() {
         Exact::One(exact) => exact_energy_mse(&exact, predicted, data),
@@ -164,7 +164,7 @@ fn exact_energy_mse<const N: usize>(exact: &Trigonometric<N>, predicted: &[Vec<f
     mean_square_or_infinite(&errors)
 }
 
-/// Of the first state, or of the first midpoint where there are no velocities.
+/// Energy of the first state, or of the first midpoint if there are no velocities.
 fn start_energy<const N: usize>(exact: &Trigonometric<N>, trajectory: &Trajectory, h: f64) -> f64 {
     let row = |x: &[f64]| -> [f64; N] { std::array::from_fn(|i| x[i]) };
     let q = &trajectory.q;
@@ -183,7 +183,7 @@ fn midpoint_energy<const N: usize>(exact: &Trigonometric<N>, a: &[f64; N], b: &[
 /// Mean squared difference between the learned and the true inertia matrix, entry by entry, at all positions of the data.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// [`ModelError`] if the shape is inconsistent or does not fit the data.
 pub fn inertia_mse(model: &Model, mechanism: Mechanism, data: &Dataset) -> Result<f64, ModelError> {
     let positions: Vec<&[f64]> = data.trajectories.iter().flat_map(|t| t.q.iter()).collect();
     let pairs = model.at_rest(&positions)?.into_iter().zip(positions);
@@ -201,11 +201,11 @@ fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Squared error of the acceleration at logged states under what the actuator makes of the logged commands, over samples and
-/// coordinates, and the mean squared acceleration; `None` where the data lacks velocities or accelerations.
+/// Squared error of the acceleration at logged states, summed over samples and coordinates, and the mean squared acceleration. The forces
+/// are those that the actuator makes of the logged commands. `None` if the data lacks velocities or accelerations.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// [`ModelError`] if the shape is inconsistent or does not fit the data.
 pub fn acceleration_mse(model: &Model, data: &Dataset) -> Result<Option<(Solved, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
     let (n, square) = (samples.n.max(1), samples.mean_square());
@@ -237,10 +237,10 @@ fn forces(model: &Model, data: &Dataset) -> Vec<f64> {
     forces
 }
 
-/// Squared error of the position one step ahead, from the two before it, over samples and coordinates.
+/// Squared error of the position one step ahead, predicted from the two before, over samples and coordinates.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// [`ModelError`] if the shape is inconsistent or does not fit the data.
 pub fn one_step_mse(model: &Model, order: u8, data: &Dataset) -> Result<Solved, ModelError> {
     Ok(Solved::of(&model.one_steps(order, data)?))
 }

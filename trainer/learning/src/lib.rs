@@ -1,7 +1,7 @@
 //! Learn the energies of a mechanical system from logged motion, on the host.
 //!
-//! Data flows one way: a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`leastaction_models::file`], and
-//! from there to the chip; [`evaluate`] measures.
+//! Data flows one way: a log → [`data`] → [`training`] (directed by [`config`] and [`run`]) → [`leastaction_models::file`] → the chip;
+//! [`evaluate`] measures.
 
 pub mod checkpoint;
 pub mod config;

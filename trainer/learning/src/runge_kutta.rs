@@ -3,13 +3,13 @@
 use leastaction_core::linear::add_scaled;
 pub use leastaction_programs::steps::RungeKutta;
 
-/// q and v.
+/// State (q, v).
 pub type State<const N: usize> = [[f64; N]; 2];
 
-/// The state after a step of h, s, under accelerations v̇(q, v).
+/// The state after a step of h (s) under accelerations v̇(q, v).
 ///
 /// # Errors
-/// That of the first acceleration that does not exist.
+/// The error of the first acceleration that does not exist.
 pub fn step<E, const N: usize>(
     method: RungeKutta,
     h: f64,
@@ -24,7 +24,7 @@ pub fn step<E, const N: usize>(
     Ok(moved(start, h, method.end(), &rates))
 }
 
-/// The state and h times the sum of these rates (v, v̇), each times its share.
+/// The state plus h times the weighted sum of the rates (v, v̇).
 fn moved<const N: usize>(state: &State<N>, h: f64, shares: &[f64], rates: &[State<N>]) -> State<N> {
     shares.iter().zip(rates).fold(*state, |[q, v], (share, rate)| {
         [add_scaled(&q, h * share, &rate[0]), add_scaled(&v, h * share, &rate[1])]

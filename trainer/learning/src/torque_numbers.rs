@@ -1,4 +1,4 @@
-//! What a log of torques says alone of an arm's base parameters and friction, beside what the model has.
+//! Estimates of an arm's base parameters and friction from a torque log alone, beside the model's values.
 
 use crate::data::Dataset;
 use crate::torque::Samples;
@@ -9,45 +9,45 @@ use leastaction_models::{Actuator, Architecture, ArmArchitecture, Family, Model,
 use serde::Serialize;
 use std::fmt;
 
-/// Estimates without a prior ([`crate::torque::fit::alone`]) beside the numbers of a model.
+/// Estimates without a prior ([`crate::torque::fit::alone`]), beside the numbers of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueNumbers {
-    /// Of the independent parameter of every base parameter, and of every number of friction.
+    /// Names of the base parameters (by their independent parameters), then of the friction numbers.
     pub names: Vec<NumberName>,
-    /// What a base parameter is the sum of beside the parameter of its name: factors and their names.
+    /// Further terms of every base parameter besides its independent parameter: factors and parameter names.
     pub combinations: Vec<Vec<(f64, String)>>,
-    /// The model's.
+    /// The model's values.
     pub model: Vec<f64>,
-    /// By the log alone, positions being those in `names`.
+    /// Estimates from the log alone; positions index `names`.
     pub certainty: Certainty,
 }
 
-/// One of them in JSON.
+/// A number as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TorqueNumber {
-    /// Of the number.
+    /// Name of the number.
     pub name: String,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
-    /// Factors and names of what else it is the sum of.
+    /// Further terms of the sum: factors and parameter names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plus: Vec<(f64, String)>,
-    /// The model's.
+    /// The model's value.
     pub model: f64,
-    /// By the log alone; none where the log does not show it.
+    /// Estimate from the log alone; `None` if the log does not show the number.
     pub by_log: Option<f64>,
-    /// Of `by_log`; none too where it ended at an end of its range.
+    /// Standard error of `by_log`; `None` also if the estimate is at an end of its range.
     pub standard_error: Option<f64>,
-    /// Half of the 95% interval around `by_log`.
+    /// Half-width of the 95% interval around `by_log`.
     pub interval: Option<f64>,
-    /// The number that its error hangs together with most.
+    /// Name of the number with the strongest error correlation.
     pub correlated_with: Option<String>,
-    /// Their correlation.
+    /// This correlation.
     pub correlation: Option<f64>,
 }
 
-/// Estimates of a model's numbers by logs that are filtered at so many Hz: of all bodies, rotors and friction that it has, and of the offsets of its drives;
-/// `None` of another family, of an arm with networks, and where [`crate::torques::torque_errors`] has none either.
+/// Estimates a model's numbers from logs filtered at `cut_off` (Hz): all bodies, rotors and friction that it has, and the offsets of its
+/// drives. `None` for another family, for an arm with networks, and if [`crate::torques::torque_errors`] returns `None`.
 pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueNumbers> {
     let architecture = &model.architecture;
     let (family, arm) = (architecture.family.arm()?, arm(model)?);
@@ -67,7 +67,7 @@ fn drives(model: &Model) -> Actuator {
 }
 
 impl TorqueNumbers {
-    /// Of an arm by these samples; `learned` says what is not known.
+    /// The estimates for an arm from these samples; `learned` selects the numbers that are estimated.
     ///
     /// # Errors
     /// [`FitError`].
@@ -98,7 +98,7 @@ impl TorqueNumbers {
         })
     }
 
-    /// Of the numbers their names, whose base parameters are said to be sums.
+    /// Names of the numbers; a base parameter with further terms is marked as a sum.
     pub fn full_names(&self) -> impl Iterator<Item = NumberName> {
         let full = |(k, own): (usize, &NumberName)| {
             let is_sum = self.combinations.get(k).is_some_and(|of| !of.is_empty());
@@ -108,7 +108,7 @@ impl TorqueNumbers {
         self.names.iter().enumerate().map(full)
     }
 
-    /// For JSON.
+    /// The numbers as rows for JSON.
     pub fn rows(&self) -> Vec<TorqueNumber> {
         let row = |(own, (name, model)): (&LearnedNumber, (&NumberName, &f64))| {
             let standard_error = match own.shown {
@@ -153,7 +153,7 @@ impl fmt::Display for TorqueNumbers {
     }
 }
 
-/// Where a column of the regressor stands in the weight block.
+/// Position in the weight block of a column of the regressor.
 fn position(family: &ArmArchitecture, column: usize) -> usize {
     let bodies = leastaction_models::tree::INERTIAL * family.n();
     match column.checked_sub(bodies) {
@@ -165,7 +165,7 @@ fn position(family: &ArmArchitecture, column: usize) -> usize {
     }
 }
 
-/// Names, and the signs that turn the fit's numbers into those of a model: what a drive adds is what the log has less.
+/// Names, and the signs that turn the fit's numbers into the model's: an offset that the drive adds is missing from the log.
 fn names(
     (architecture, family): (&Architecture, &ArmArchitecture),
     found: &Alone,
@@ -197,7 +197,7 @@ fn names(
     base.chain(found.joints.iter().map(joint)).unzip()
 }
 
-/// Factors below this are rounding errors of 0.
+/// Factors of smaller size are rounding errors of 0.
 const NOTHING: f64 = 1e-9;
 
 fn combinations(

@@ -1,4 +1,4 @@
-//! The torques that a model takes along logged motion, filtered.
+//! Torques of a model along logged motion, after filtering.
 
 use crate::data::{Dataset, Rows, Trajectory};
 use crate::torque::fit::{Arm, JointNumbers, mean_nmse, squared_errors, variances};
@@ -10,23 +10,25 @@ use leastaction_models::{Actuator, Model};
 use serde::Serialize;
 use std::fmt;
 
-/// Time between samples, s: closer ones of a filtered motion say the same.
+/// Time between samples, s: closer samples of a filtered motion are redundant.
 const APART: f64 = 0.02;
 
-/// How far off the torques of a model are.
+/// Torque errors of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TorqueErrors {
-    /// Mean over coordinates of mean squared error over variance.
+    /// Mean over coordinates of mean squared error divided by variance.
     pub nmse: f64,
     /// Root mean squared error of every coordinate, N m or N.
     pub rmse: Vec<f64>,
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
 }
 
-/// Torque errors of a model along logs that are filtered at so many Hz, by its inverse dynamics and by what its actuator makes of the logged commands.
+/// Torque errors of a model along logs filtered at `cut_off` (Hz): its inverse dynamics against the forces that its actuator makes of the
+/// logged commands.
 ///
-/// `None` of a graph, where a coordinate is not driven or the model has no torque, and where the logs are too short or too coarse for the filter.
+/// `None` for a graph, if a coordinate is not driven or the model has no torque, and if the logs are too short or too coarse for the
+/// filter.
 pub fn torque_errors(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueErrors> {
     if model.architecture.family.graph().is_some() || !drives_all(data) {
         return None;
@@ -42,7 +44,7 @@ fn drives_all(data: &Dataset) -> bool {
 }
 
 impl TorqueErrors {
-    /// Those of a model along some trajectories of a step; `None` where there are no samples, or no torques.
+    /// The errors of a model along some trajectories with this step; `None` if there are no samples or no torques.
     pub(crate) fn along(
         model: &Model,
         trajectories: &[Trajectory],
@@ -72,17 +74,17 @@ impl fmt::Display for TorqueErrors {
     }
 }
 
-/// Torque errors of what was learned from and, where trajectories are held back, of those.
+/// Torque errors on the training trajectories and, if there are any, on the held-back trajectories.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SplitErrors {
-    /// Of what was learned from.
+    /// Errors on training trajectories.
     pub train: TorqueErrors,
-    /// Of what was held back.
+    /// Errors on held-back trajectories.
     pub held_back: Option<TorqueErrors>,
 }
 
 impl SplitErrors {
-    /// Those of a model, the first so many trajectories being those that were learned from; `None` where [`torque_errors`] has none.
+    /// The errors of a model; the first `training` trajectories are those it was trained on. `None` if [`torque_errors`] would be `None`.
     pub(crate) fn along(model: &Model, (data, training): (&Dataset, usize), cut_off: f64) -> Option<Self> {
         let (train, held) = data.trajectories.split_at(training.min(data.trajectories.len()));
         let of =
@@ -104,7 +106,7 @@ impl fmt::Display for SplitErrors {
     }
 }
 
-/// The arm of a model without networks. The log has τ less what its actuator adds.
+/// The arm of a model without networks. Its offsets are such that the log has τ minus what the actuator adds.
 pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<Arm> {
     let family = architecture.family.arm()?;
     if !architecture.corrections.is_none() {
@@ -127,7 +129,7 @@ pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<
     Some(Arm { tree, joints })
 }
 
-/// Filtered samples of all trajectories that are long enough, with the forces that an actuator makes of the logged commands.
+/// Filtered samples of all trajectories that are long enough, with the forces that the actuator makes of the logged commands.
 pub(crate) fn samples(
     trajectories: &[Trajectory],
     (h, control): (f64, ControlKind),
@@ -152,20 +154,20 @@ pub(crate) fn samples(
     all.ok_or(failure)
 }
 
-/// Filtered samples as a loss over single samples takes them, where commands are forces.
+/// Filtered samples for a loss over single samples; commands are taken as forces.
 pub(crate) fn filtered(data: &Dataset, cut_off: f64) -> Result<training::Samples, SampleError> {
     let own = samples(&data.trajectories, (data.h, data.control_kind()), &Actuator::default(), cut_off)?;
     Ok(training::Samples::of_torques(&own, data.h))
 }
 
-/// Torques at the samples: of those that are held between samples the mean of before and after.
+/// Torques at the samples; a torque held between samples gives the mean of the values before and after.
 fn at_samples(u: &Rows, control: ControlKind) -> Rows {
     if control == ControlKind::Linear {
         return u.clone();
     }
     let n = u.width();
     let of = |k: usize, i: usize| u.get(k).and_then(|row| row.get(i)).copied().unwrap_or_default();
-    // The last row acts on nothing.
+    // The last row does not act on any step.
     let last = u.len().saturating_sub(2);
     let mean = |k: usize, i: usize| 0.5 * (of(k.saturating_sub(1), i) + of(k.min(last), i));
     let values = (0..u.len()).flat_map(|k| (0..n).map(move |i| (k, i))).map(|(k, i)| mean(k, i)).collect();

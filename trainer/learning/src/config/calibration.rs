@@ -1,4 +1,4 @@
-//! `[calibration]`: what is learned of sensors and actuators.
+//! `[calibration]`: which numbers of sensors and actuators are learned.
 
 use crate::windows::{Calibration, Setting};
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
@@ -9,20 +9,20 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CalibrationConfig {
-    /// Zero offset of every coordinate and log, m or rad; if it is not learned, 0.
+    /// Zero offset of every coordinate and log, m or rad: learned, or 0.
     pub zero: SettingConfig,
-    /// Gain of every actuator, not 0.
+    /// Gain of every actuator; not 0.
     pub gain: SettingConfig,
     /// Offset of every actuator, N or N m.
     pub offset: SettingConfig,
-    /// Delay of all actuators, s, 0 or above.
+    /// Delay common to all actuators, s; at least 0.
     pub delay: SettingConfig,
 }
 
 /// A number that is known, or `"learned"`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SettingConfig(
-    /// As a loss over windows has it.
+    /// The setting as a loss over windows takes it.
     pub Setting,
 );
 
@@ -34,18 +34,18 @@ impl Default for CalibrationConfig {
 }
 
 impl CalibrationConfig {
-    /// Everything that can be learned.
+    /// Configuration that learns every number.
     pub const LEARNED: Self = {
         let learned = SettingConfig(Setting::Learned);
         Self { zero: learned, gain: learned, offset: learned, delay: learned }
     };
 
-    /// Whether every number is that of an ideal sensor or actuator.
+    /// Whether all sensors and actuators are ideal.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What is wrong with a known number: its key, and what it must be.
+    /// The first invalid known number: its key, and the requirement on its value.
     pub(super) fn problem(&self) -> Option<(&'static str, &'static str)> {
         let known = |setting: SettingConfig, holds: fn(f64) -> bool| match setting.0 {
             Setting::Known(number) => number.is_finite() && holds(number),
@@ -68,7 +68,7 @@ impl CalibrationConfig {
         checks.into_iter().find(|(_, holds, _)| !holds).map(|(key, _, must)| (key, must))
     }
 
-    /// As a loss over windows has it.
+    /// The calibration as a loss over windows takes it.
     pub fn calibration(&self) -> Calibration {
         Calibration {
             zero: self.zero.0 == Setting::Learned,

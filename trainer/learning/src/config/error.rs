@@ -1,4 +1,4 @@
-//! What is wrong with a configuration, and where.
+//! Errors in a configuration, with their place.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,31 +12,31 @@ pub enum ConfigError {
     Read {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The text is no configuration.
+    /// The text is not a valid configuration.
     #[error("{}:{line}: {text:?}: {message}", file.display())]
     Invalid {
         /// The file.
         file: PathBuf,
-        /// From 1.
+        /// Line number, from 1.
         line: usize,
         /// The line with its key.
         text: String,
-        /// What is wrong and what to do.
+        /// The problem and its remedy.
         message: String,
     },
 }
 
 impl ConfigError {
-    /// Finds the line and says what to do.
+    /// Locates the line of a TOML error and adds advice.
     pub(super) fn invalid(file: &Path, source: &str, error: &toml::de::Error) -> Self {
         let start = error.span().map_or(0, |span| span.start);
         Self::at(file, source, start, advise(error.message()))
     }
 
-    /// What is wrong at a place of the text.
+    /// An error at byte offset `start` of the text.
     pub(super) fn at(file: &Path, source: &str, start: usize, message: String) -> Self {
         let before = source.get(..start).unwrap_or(source);
         let line = before.matches('\n').count() + 1;
@@ -45,7 +45,7 @@ impl ConfigError {
     }
 }
 
-/// The message with what to do about it.
+/// The message with advice on how to mend it.
 fn advise(message: &str) -> String {
     let message = message.trim_end();
     if let Some(suggestion) = nearest(message) {
@@ -57,7 +57,7 @@ fn advise(message: &str) -> String {
     message.to_owned()
 }
 
-/// Of the names that serde lists as known, the one most like the name it does not know.
+/// The known name most like the unknown name, both from serde's message.
 fn nearest(message: &str) -> Option<&str> {
     message.strip_prefix("unknown ")?;
     let mut names = message.split('`').skip(1).step_by(2);

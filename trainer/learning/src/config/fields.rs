@@ -1,11 +1,11 @@
-//! Fields whose range is checked while they are read, so that the error knows the line.
+//! Deserialisers that check the range of a field while it is read, so that the error knows the line.
 
 use crate::training::StateNoise;
 use leastaction_models::config::fields::number;
 use serde::de::{Deserializer, Error, Unexpected};
 use serde::{Deserialize, Serialize};
 
-/// How the loss is minimised.
+/// Optimiser that minimises the loss.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OptimiserKind {
@@ -56,7 +56,7 @@ pub(super) fn some_positive<'de, D: Deserializer<'de>>(from: D) -> Result<Option
     positive(from).map(|x| usize::try_from(x).ok())
 }
 
-/// More threads than any machine has would only take minutes to start.
+/// Upper bound of the thread count: more than any machine has would only take minutes to start.
 const MAX_THREADS: usize = 1024;
 
 pub(super) fn threads<'de, D: Deserializer<'de>>(from: D) -> Result<usize, D::Error> {
@@ -75,7 +75,7 @@ pub(super) fn order<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> 
     }
 }
 
-/// What a control does between samples, by its name; it may be left out.
+/// The name of what a control does between samples; optional.
 pub(super) mod control_kind {
     use crate::data::{control_name, control_of_name};
     use leastaction_core::forces::ControlKind;

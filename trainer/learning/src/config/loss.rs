@@ -1,26 +1,26 @@
 use crate::training::LossKind;
 use serde::{Deserialize, Serialize};
 
-/// What a run minimises.
+/// The loss that a run minimises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TrainingLoss {
     /// The residual of the three-point DEL equation.
     DelResidual,
-    /// The next position.
+    /// Error of the next position.
     NextPosition,
-    /// The acceleration.
+    /// Error of the acceleration.
     Acceleration,
-    /// The next position and velocity.
+    /// Error of the next position and velocity.
     NextState,
-    /// Positions over windows of many steps, each from a start state of its own ([`windows`](crate::windows)).
+    /// Errors of positions over windows of many steps, each from a start state of its own ([`windows`](crate::windows)).
     Windows,
-    /// The torques of the drives, at filtered states; of an arm its bodies one by one.
+    /// Errors of the drive torques at filtered states; the bodies of an arm are identified individually.
     Torque,
 }
 
 impl TrainingLoss {
-    /// The loss of single samples, where it is one.
+    /// The corresponding loss over single samples; `None` for windows.
     pub fn of_samples(self) -> Option<LossKind> {
         match self {
             Self::DelResidual => Some(LossKind::DelResidual),
@@ -32,12 +32,12 @@ impl TrainingLoss {
         }
     }
 
-    /// Whether it reads logged velocities.
+    /// Whether the loss needs logged velocities.
     pub fn reads_velocities(self) -> bool {
         matches!(self, Self::Acceleration | Self::NextState | Self::Torque)
     }
 
-    /// Whether it is one of the DEL integrator.
+    /// Whether the loss uses the DEL integrator.
     pub fn is_discrete(self) -> bool {
         self.of_samples().is_some_and(LossKind::is_discrete)
     }

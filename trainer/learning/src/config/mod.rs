@@ -1,5 +1,4 @@
-//! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
-//! explained.
+//! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key explained.
 
 mod calibration;
 mod data;
@@ -22,7 +21,7 @@ use leastaction_models::config::{ModelConfig, ShapeError};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// What to learn, from what, and how.
+/// The configuration of a training run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Config {
     /// `[data]`.
@@ -40,60 +39,62 @@ pub struct Config {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrainingConfig {
-    /// What is minimised; by default windows where the positions are noisy, else the next position.
+    /// Loss to minimise; by default windows if the positions are noisy, else the next position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loss: Option<TrainingLoss>,
-    /// Length of a window, s; none: that of several by which held-back logs are predicted best.
+    /// Length of a window, s; by default, of several lengths the one that predicts the held-back logs best.
     #[serde(deserialize_with = "fields::some_limit", skip_serializing_if = "Option::is_none")]
     pub window: Option<f64>,
-    /// Part of a window that the next one has as well, in [0, 1); none: a half where windows are few.
+    /// Fraction of a window shared with the next window, in [0, 1); by default a half if there are few windows.
     #[serde(deserialize_with = "fields::some_fraction", skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Of the filter of the loss of torques, Hz.
+    /// Cut-off frequency of the low-pass filter for the torque loss, Hz.
     #[serde(deserialize_with = "fields::limit")]
     pub cut_off: f64,
-    /// What windows are integrated by; by default Runge–Kutta steps.
+    /// Integrator for windows; by default Runge–Kutta.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Of the discrete Euler–Lagrange equation or, for the next state and by default for windows, of the Runge–Kutta step: 2 or 4.
+    /// Order of the integrator, 2 or 4: of Runge–Kutta for the next state and, by default, for windows; otherwise of the discrete
+    /// Euler–Lagrange equation.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
-    /// Which optimiser.
+    /// Optimiser.
     pub optimiser: OptimiserKind,
-    /// Iterations at most, warm-up not counted.
+    /// Iteration limit, not counting warm-up.
     pub iterations: u64,
-    /// Iterations before those on the next position: on the DEL residual or, of free motion, on the next position of fewer samples.
+    /// Warm-up iterations. For the next position they minimise the DEL residual or, for free motion, the error of the next position over
+    /// fewer samples; for windows, the loss over shorter windows; for a graph with networks beside laws, the same loss with the laws alone.
     pub warm_up: u64,
     /// Training loss at which to stop.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
     pub target: Option<f64>,
-    /// Iterations without a better validation loss after which to stop.
+    /// Number of iterations without a better validation loss after which training stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patience: Option<u64>,
-    /// Seconds after which to stop.
+    /// Time limit, s.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
     pub max_seconds: Option<f64>,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Threads, at most 1024; 0: all.
+    /// Number of threads, at most 1024; 0: all that the machine has.
     #[serde(deserialize_with = "fields::threads")]
     pub threads: usize,
-    /// Iterations from checkpoint to checkpoint, at least 1.
+    /// Iterations between checkpoints, at least 1.
     #[serde(deserialize_with = "fields::positive")]
     pub checkpoint_iterations: u64,
-    /// Seconds from checkpoint to checkpoint.
+    /// Time between checkpoints, s.
     #[serde(deserialize_with = "fields::limit")]
     pub checkpoint_seconds: f64,
-    /// Standard deviations of logged states, where their noise is to be learned beside the weights: of the acceleration loss.
+    /// Standard deviations of the logged states, if their noise is to be estimated beside the weights; for the acceleration loss.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::state_noise")]
     pub state_noise: Option<StateNoise>,
-    /// Whether networks that correct the model are kept only where they predict held-back logs better.
+    /// Whether correcting networks are kept only if they predict held-back logs better.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub try_networks: bool,
     /// λ ≥ 0 of the penalty λ|θ|² that Levenberg–Marquardt adds to the loss.
     #[serde(deserialize_with = "fields::penalty")]
     pub weight_decay: f64,
-    /// Of Adam.
+    /// Settings of Adam.
     pub adam: AdamConfig,
 }
 
@@ -101,15 +102,15 @@ pub struct TrainingConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AdamConfig {
-    /// Of the first iterations, > 0.
+    /// Initial learning rate, > 0.
     #[serde(deserialize_with = "fields::limit")]
     pub learning_rate: f64,
-    /// Samples in a step; 0: all.
+    /// Batch size, in samples; 0: all samples.
     pub batch: usize,
-    /// By which the learning rate is multiplied on a plateau, in (0, 1].
+    /// Factor applied to the learning rate on a plateau, in (0, 1].
     #[serde(deserialize_with = "fields::factor")]
     pub plateau_factor: f64,
-    /// Iterations without a lower loss that make a plateau.
+    /// Number of iterations without a lower loss that counts as a plateau.
     pub plateau_patience: u32,
 }
 
@@ -147,7 +148,7 @@ impl Default for AdamConfig {
 }
 
 impl Config {
-    /// The defaults for a log, and a model of this shape; `Coordinates` give an inertia network.
+    /// The defaults for the given log files and model; a list of `Coordinate`s gives an inertia network.
     pub fn new(file: impl Into<LogFiles>, model: impl Into<ModelConfig>) -> Self {
         Self {
             data: DataConfig::new(file),
@@ -167,7 +168,7 @@ impl Config {
         Self::parse_in(&text, path, path.parent())
     }
 
-    /// Reads a configuration from text; `file` is for messages alone.
+    /// Reads a configuration from text; `file` only appears in messages.
     ///
     /// # Errors
     /// [`ConfigError::Invalid`] with line and key.
@@ -196,7 +197,7 @@ impl Config {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// The same without what may change when a run is resumed: where data and models lie, when to stop and to save, threads.
+    /// The configuration without what may change when a run is resumed: paths of data and models, stopping and saving limits, threads.
     #[must_use]
     pub fn identity(&self) -> Self {
         let defaults = TrainingConfig::default();
@@ -219,10 +220,10 @@ impl Config {
         }
     }
 
-    /// The shape of the model, and the weights that training begins with.
+    /// The shape of the model, and the initial weights.
     ///
     /// # Errors
-    /// [`ShapeError`] where a tree, a graph or its types cannot be, or the model that they come from cannot be read.
+    /// [`ShapeError`] if a tree, a graph or its types are invalid, or if the model to start from cannot be read.
     pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ShapeError> {
         self.model.beginning(self.training.seed, &open)
     }

@@ -1,4 +1,4 @@
-//! From the text of a file to a configuration.
+//! Parsing of a configuration.
 
 use super::{CalibrationConfig, Config, ConfigError, DataConfig, TrainingConfig};
 use leastaction_models::config::{ModelConfig, ShapeError, Step};
@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 
-/// A file without its `[model]`.
+/// A configuration file without its `[model]` table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -19,7 +19,7 @@ struct File {
     training: TrainingConfig,
 }
 
-/// The configuration, without a look at whether its trees or graphs can be.
+/// Parses the configuration; does not check that its trees and graphs are valid.
 pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
     let mut document = DeTable::parse(text)?;
     let model = document.get_mut().remove("model");
@@ -28,7 +28,7 @@ pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
     Ok(Config { data, model, calibration, training })
 }
 
-/// Takes `family` out of `[model]`: so every family has only keys of its own. A model to go on from is of the modular family.
+/// Removes `family` from `[model]`, so that the rest holds only that family's keys. A model with `from` is of the modular family.
 fn model_of(mut model: Spanned<DeValue<'_>>) -> Result<ModelConfig, toml::de::Error> {
     let mut family = "inertia-network";
     if let DeValue::Table(table) = model.get_mut() {
@@ -42,14 +42,14 @@ fn model_of(mut model: Spanned<DeValue<'_>>) -> Result<ModelConfig, toml::de::Er
     ModelConfig::read(family, ValueDeserializer::from(model))
 }
 
-/// The error with the line of what is wrong.
+/// The error with the line of its place.
 pub(super) fn located(file: &Path, text: &str, error: &ShapeError) -> ConfigError {
     let document = DeTable::parse(text).ok();
     let start = document.map_or(0, |document| start(&document, &error.place));
     ConfigError::at(file, text, start, error.problem.to_string())
 }
 
-/// An error at the value of these keys, one in the table of the other.
+/// An error at the value under this path of keys.
 pub(super) fn at_key(file: &Path, text: &str, keys: &[&str], message: String) -> ConfigError {
     let place: Vec<Step> = keys.iter().map(|key| Step::from(*key)).collect();
     let document = DeTable::parse(text).ok();
@@ -57,7 +57,7 @@ pub(super) fn at_key(file: &Path, text: &str, keys: &[&str], message: String) ->
     ConfigError::at(file, text, start, message)
 }
 
-/// Where the innermost part of the place begins that the text has.
+/// Start of the innermost part of the place that the text contains.
 fn start(document: &Spanned<DeTable>, place: &[Step]) -> usize {
     let mut start = 0;
     let mut steps = place.iter();

@@ -5,7 +5,7 @@ use leastaction_models::forces::Driven;
 use leastaction_programs::WIDTH;
 use std::path::Path;
 
-/// More states than run side by side, the last block not full.
+/// Number of states: more than one block, with the last block incomplete.
 const STATES: usize = WIDTH + 3;
 
 #[test]

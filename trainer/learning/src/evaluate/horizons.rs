@@ -1,10 +1,9 @@
-//! How far off a model is after a while: predictions along logs, beside those of a constant velocity and beside the noise.
+//! Prediction errors along logs at several horizons, beside those of a constant velocity and the noise.
 //!
-//! A prediction starts in the middle of the parabola nearest to seven positions, under the forces that the model's actuator makes of the
-//! logged control. It is integrated by Runge–Kutta steps of order 4, several a sample; where the model was trained with a step as long as
-//! that of the logs, by this one. Its error to a horizon is the root mean square over
-//! all samples from the start to there, of one coordinate or of all. A perfect model is off by the noise, and by what the noise does to
-//! the start.
+//! A prediction starts in the middle of a parabola fitted to seven positions, under the forces that the model's actuator makes of the
+//! logged control. It is integrated by fourth-order Runge–Kutta, several steps per sample; a model trained with the step of the logs is
+//! integrated with that step. The error at a horizon is the root mean square over all samples from the start to the horizon, for each
+//! coordinate and for all together. Even a perfect model errs by the noise, and by the effect of the noise on the start state.
 
 use super::{median, percentile};
 use crate::windows::{Integrator, WindowLogs};
@@ -14,30 +13,30 @@ use leastaction_models::parallel::{self, Pool};
 use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 
-/// How far ahead is predicted, s.
+/// Prediction horizons, s.
 pub const HORIZONS: [f64; 3] = [0.1, 0.5, 1.0];
-/// Whole logs are predicted so far, at most, s.
+/// Longest prediction horizon for a whole log, s.
 pub const WHOLE: f64 = 30.0;
 
-/// From the start of a prediction to that of the next, s.
+/// Time between the starts of consecutive predictions, s.
 const STRIDE: f64 = 0.25;
-/// Predictions at most.
+/// Largest number of predictions.
 const MOST: usize = 2000;
-/// Samples on each side of a start that its state is taken from.
+/// Samples on each side of a start that determine its state.
 const HALF: usize = 3;
-/// The longest integration step, s.
+/// Longest integration step, s.
 const STEP: f64 = 0.0025;
-/// Of so many predictions the error of nine is less.
+/// Quantile of the errors that is reported.
 const TENTH: f64 = 0.9;
 
-/// A model along logs.
+/// Predicts along logs with a model.
 #[derive(Clone, Copy, Debug)]
 pub struct Predictor<'a> {
     /// Shape, weights, actuator and step.
     pub model: &'a Model,
-    /// Zeros of the encoders of every log; those of logs without any are 0.
+    /// Zero offsets of the encoders, one list per log; missing entries count as 0.
     pub zeros: &'a [Vec<f64>],
-    /// Positions and commands.
+    /// Logs: positions and commands.
     pub logs: &'a WindowLogs,
 }
 
@@ -46,11 +45,11 @@ pub struct Predictor<'a> {
 pub struct Prediction {
     /// The log.
     pub log: usize,
-    /// The sample it starts at.
+    /// First sample.
     pub first: usize,
-    /// (q, v) there, true positions.
+    /// (q, v) at the first sample, true positions.
     start: Vec<[f64; 2]>,
-    /// \[samples\]\[n\], flat; not numbers from where it breaks off.
+    /// \[samples\]\[n\], flat; NaN from where the prediction breaks off.
     pub path: Vec<f64>,
 }
 
@@ -61,13 +60,13 @@ pub struct Predictions {
     pub n: usize,
     /// Time between samples, s.
     pub h: f64,
-    /// From all over the logs, to the longest horizon or the end of the log.
+    /// Predictions that start throughout the logs, each up to the longest horizon or the end of the log.
     pub windows: Vec<Prediction>,
-    /// Of whole logs from their start.
+    /// Predictions of whole logs from their start.
     pub logs: Vec<Prediction>,
 }
 
-/// An error over many predictions, m or rad; infinite where predictions break off.
+/// Distribution of an error over many predictions, m or rad; infinite if predictions break off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// The median.
@@ -79,21 +78,21 @@ pub struct Spread {
 /// Errors to a horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonErrors {
-    /// It, s; none: to the ends of the logs.
+    /// The horizon, s; `None`: to the ends of the logs.
     pub seconds: Option<f64>,
-    /// Predictions that go so far.
+    /// Number of predictions that reach the horizon.
     pub predictions: usize,
-    /// Of all coordinates together, and then of each.
+    /// Errors of the model: of all coordinates together, then of each.
     pub model: Vec<Spread>,
-    /// The same of a constant velocity.
+    /// Errors of a constant velocity, in the same order.
     pub constant_velocity: Vec<Spread>,
 }
 
 impl Predictor<'_> {
-    /// Predicts.
+    /// Predicts along all logs.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself or the weights.
+    /// [`ModelError`] if the shape is inconsistent or does not fit the weights.
     pub fn predict(&self) -> Result<Predictions, ModelError> {
         let (n, h) = (self.logs.n, self.logs.h);
         let system = self.model.system()?;
@@ -112,13 +111,13 @@ impl Predictor<'_> {
         Ok(Predictions { n, h, windows: roll(self.starts(), longest), logs: roll(self.log_starts(), WHOLE) })
     }
 
-    /// Logs that a prediction fits in, each with its first start.
+    /// Logs long enough for a prediction, each with its first start.
     fn log_starts(&self) -> Vec<(usize, usize)> {
         let fits = |log: &usize| self.logs.samples(*log) > 2 * HALF + 1;
         (0..self.logs.count()).filter(fits).map(|log| (log, HALF)).collect()
     }
 
-    /// Starts all over the logs: those of the longest horizon that some log has room for.
+    /// Start samples throughout the logs, for the longest horizon that fits into some log.
     fn starts(&self) -> Vec<(usize, usize)> {
         let steps = HORIZONS.map(|seconds| (seconds / self.logs.h).round() as usize);
         let longest = (0..self.logs.count()).map(|log| self.logs.samples(log)).max().unwrap_or(0);
@@ -139,7 +138,7 @@ impl Predictor<'_> {
         self.zeros.get(log).and_then(|zeros| zeros.get(i)).copied().unwrap_or(0.0)
     }
 
-    /// (q, v) of the parabola through the samples around one, q without the encoder's zero.
+    /// (q, v) of the parabola through the samples around `middle`; q without the encoder's zero offset.
     fn start(&self, log: usize, middle: usize, i: usize) -> [f64; 2] {
         const SHARES: [f64; 2 * HALF + 1] = [-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0];
         let q = |k: usize| self.logs.position(log, middle + k - HALF, i);
@@ -148,19 +147,19 @@ impl Predictor<'_> {
         [value - self.zero(log, i), slope / self.logs.h]
     }
 
-    /// τ_i at both ends of the step that begins at a sample.
+    /// Force τ_i at both ends of the step that begins at `sample`.
     fn force(&self, log: usize, sample: usize, i: usize) -> [f64; 2] {
         let step = (self.logs.h, self.logs.control);
         self.model.facts.actuator.over_step(step, (sample, i), |k| self.logs.command(log, k, i))
     }
 
-    /// The force that nine of ten samples are below, N or N m.
+    /// The force that nine samples in ten stay below, N or N m.
     pub fn largest_force(&self, i: usize) -> f64 {
         let sample = |(log, first): (usize, usize)| self.force(log, first, i)[0].abs();
         Spread::of(self.starts().into_iter().map(sample).collect()).percentile_90
     }
 
-    /// How far coordinate i moved in all, m or rad.
+    /// Range of coordinate i over all logs, m or rad.
     pub fn range(&self, i: usize) -> f64 {
         let logs = self.logs;
         let all =
@@ -169,7 +168,7 @@ impl Predictor<'_> {
         most - least
     }
 
-    /// Predictions side by side over so many samples at most, `parts` steps a sample.
+    /// Computes predictions side by side over at most `most` samples, with `parts` steps per sample.
     fn roll(
         &self,
         stepper: &mut dyn Steps,
@@ -210,7 +209,7 @@ impl Predictor<'_> {
             let [start, end] = [tau(0), tau(1)];
             for k in 0..parts {
                 let [from, to] = [k, k + 1].map(|k| between(&start, &end, k as f64 / parts as f64));
-                // What failed is not a number from here on.
+                // A lane that failed is NaN from here on.
                 let _failures = stepper.step(&self.model.weights, &mut state, [&from, &to], None);
             }
         }
@@ -223,26 +222,26 @@ fn between(start: &[Row], end: &[Row], part: f64) -> Vec<Row> {
 }
 
 impl Prediction {
-    /// (q, v) where it starts, of every coordinate: true positions, without the zeros of encoders.
+    /// (q, v) of every coordinate at the start: true positions, without encoder zeros.
     pub fn start(&self) -> &[[f64; 2]] {
         &self.start
     }
 
-    /// Steps.
+    /// Number of steps.
     pub fn steps(&self, n: usize) -> usize {
         (self.path.len() / n.max(1)).saturating_sub(1)
     }
 
-    /// What a constant velocity predicts, k samples on.
+    /// Reading predicted by a constant velocity, k samples on.
     pub fn straight(&self, k: usize, i: usize, h: f64) -> f64 {
-        // The zero of the encoder is in what is predicted first.
+        // The first predicted reading includes the zero of the encoder.
         let zero = self.path[i] - self.start[i][0];
         self.start[i][0] + zero + k as f64 * h * self.start[i][1]
     }
 }
 
 impl Predictions {
-    /// Errors to every horizon that a log has room for, and over whole logs.
+    /// Errors at every horizon that fits into a log, and over whole logs.
     pub fn errors(&self, logs: &WindowLogs) -> Vec<HorizonErrors> {
         let mut all = Vec::new();
         for seconds in HORIZONS {
@@ -276,7 +275,7 @@ impl Predictions {
         })
     }
 
-    /// Of all coordinates together, and then of each; infinite where it breaks off.
+    /// Mean squared errors: of all coordinates together, then of each; infinite if the prediction breaks off.
     fn mean_squares(
         &self,
         logs: &WindowLogs,
@@ -291,8 +290,8 @@ impl Predictions {
         std::iter::once(together).chain(each).map(|x| if x.is_finite() { x } else { f64::INFINITY }).collect()
     }
 
-    /// Over all coordinates, the median over predictions of the error k samples on, of the model and of a constant velocity; as far as
-    /// the longest horizon.
+    /// Growth of the error: the median over predictions of the error k samples on, over all coordinates, of the model and of a constant
+    /// velocity, up to the longest horizon.
     pub fn growth(&self, logs: &WindowLogs) -> Vec<[f64; 2]> {
         let longest = self.windows.iter().map(|own| own.steps(self.n)).max().unwrap_or(0);
         let at = |k: usize| {
@@ -315,7 +314,7 @@ impl Predictions {
         speeds.fold(0.0, f64::max)
     }
 
-    /// The window whose error is that part of the way from the least to the largest.
+    /// The window at quantile `part` of the errors.
     pub fn window_at(&self, logs: &WindowLogs, part: f64) -> Option<&Prediction> {
         let error = |own: &Prediction| {
             self.mean_squares(logs, own, own.steps(self.n), &|own, k, i| own.path[k * self.n + i])[0]

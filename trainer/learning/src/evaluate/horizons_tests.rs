@@ -9,7 +9,7 @@ const H: f64 = 0.01;
 const INERTIA: f64 = 0.5;
 const ACCELERATION: f64 = 3.0;
 
-/// A wheel.
+/// A wheel: one body with a moment of inertia, without gravity or friction.
 fn wheel() -> Architecture {
     let numbers = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, INERTIA, 0.0, 1.0].map(Number::known);
     let body = TreeBody { joint: Joint::Revolute, parent: None };
@@ -17,7 +17,7 @@ fn wheel() -> Architecture {
     BodiesArchitecture::new([Number::known(0.0); 2], [(body, own)]).unwrap().into()
 }
 
-/// Logs of so many samples of it under an even force; encoders are off by `zero`.
+/// Logs of the wheel with the given numbers of samples, under a constant force; the encoder has the zero offset `zero`.
 fn logs(samples: &[usize], zero: f64) -> WindowLogs {
     let trajectory = |count: &usize| {
         let t = |k: usize| k as f64 * H;
@@ -39,7 +39,7 @@ fn errors(logs: &WindowLogs, zeros: &[Vec<f64>]) -> Vec<HorizonErrors> {
     Predictor { model: &exact(), zeros, logs }.predict().unwrap().errors(logs)
 }
 
-/// Of a constant velocity k samples on the error is ½a(kh)², and Σk⁴ has a closed form.
+/// The error of a constant velocity after k samples is ½a(kh)², and Σk⁴ has a closed form.
 #[test]
 fn an_exact_model_is_exact_and_a_constant_velocity_as_wrong_as_it_is() {
     for (logs, zeros) in [(logs(&[160, 20], 0.0), Vec::new()), (logs(&[160, 20], 0.7), vec![vec![0.7]; 2])] {

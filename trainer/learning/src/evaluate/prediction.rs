@@ -1,14 +1,14 @@
-//! Long-term prediction in ModLaNet's measures, and the floor that single precision sets to them.
+//! Long-term prediction in ModLaNet's measures, and the error floor set by single precision.
 
 use leastaction_ground_truth::{ExactMotion, Horizon, IntegrationError, Start, follow};
 use leastaction_models::parallel;
 use std::f64::consts::{PI, TAU};
 
-/// Error a step of the truth, and of predictions unless said otherwise, relative to 1 + |x|.
+/// Error tolerance per step, relative to 1 + |x|, of exact motions and, unless said otherwise, of predictions.
 pub const TOLERANCE: f64 = 1e-12;
-/// Error a step that a motion can be followed to when its accelerations are rounded to single precision.
+/// Error tolerance per step that can be kept if accelerations are rounded to single precision.
 pub const ROUNDED_TOLERANCE: f64 = 1e-8;
-/// A prediction is valid until its error is above this, m or rad.
+/// Position error up to which a prediction is valid, m or rad.
 pub const VALID_ERROR: f64 = 0.1;
 
 /// Exact motions to compare predictions with.
@@ -27,7 +27,7 @@ impl Truth {
     /// Follows the exact motion from each start.
     ///
     /// # Errors
-    /// Where it cannot be followed.
+    /// [`IntegrationError`] if the motion cannot be followed.
     pub fn new(
         motion: &dyn ExactMotion,
         starts: Vec<Start>,
@@ -52,7 +52,7 @@ impl Truth {
         self.states.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Where the motions begin.
+    /// Start states.
     pub fn starts(&self) -> &[Start] {
         &self.starts
     }
@@ -62,13 +62,13 @@ impl Truth {
         &self.states[k]
     }
 
-    /// When and how often predictions are compared.
+    /// Times at which predictions are compared.
     pub fn horizon(&self) -> Horizon {
         self.horizon
     }
 
-    /// Predicts from the same starts by accelerations v̇(q, v), followed to `tolerance` and on the rods of the exact motion, and
-    /// measures the errors.
+    /// Predicts from the same starts by accelerations v̇(q, v), integrated to `tolerance` and projected onto the rods of the exact motion,
+    /// and measures the errors.
     ///
     /// The exact energy of the predicted state (J) is compared with that of the exact motion, as the authors do. A prediction that
     /// cannot be followed to the end counts as infinitely wrong from there on.
@@ -84,8 +84,8 @@ impl Truth {
         })
     }
 
-    /// As [`Truth::compare`], where `path` gives the predicted states (q, v) from a start to its second argument, one after the
-    /// other at the times of the horizon, or an error where it cannot go on.
+    /// Compares predictions as [`Truth::compare`] does, but `path` computes them: it passes the predicted states (q, v) from a start to its
+    /// second argument, one by one at the times of the horizon, or returns an error if it cannot go on.
     pub fn compare_paths(
         &self,
         motion: &dyn ExactMotion,
@@ -101,8 +101,8 @@ impl Truth {
         self.summarise(&errors, states.into_iter().next().unwrap_or_default())
     }
 
-    /// (q, v) along start `k`, \[samples\]\[2n\], by accelerations, on the rods of the exact motion; whether they could not be
-    /// followed to the end, from where on they are infinite.
+    /// (q, v) along start `k`, \[samples\]\[2n\], by accelerations and on the rods of the exact motion, and whether integration failed
+    /// before the end; the states after a failure are infinite.
     pub(super) fn predicted(
         &self,
         k: usize,
@@ -116,7 +116,7 @@ impl Truth {
         })
     }
 
-    /// The states of one path from start `k`, infinite from where it does not go on; whether there are such.
+    /// The states of one path from start `k`, and whether it failed; the states after a failure are infinite.
     fn path(
         &self,
         k: usize,
@@ -128,15 +128,15 @@ impl Truth {
         (states, failed)
     }
 
-    /// The errors of other exact motions, taken for predictions of these: how far disturbed starts lead away. Starts without
-    /// a partner are left out.
+    /// Errors of other exact motions taken as predictions of these: the growth of a disturbance of the start. Starts without a partner are
+    /// left out.
     pub fn difference(&self, other: &Self) -> Prediction {
         let pairs = other.states.iter().zip(&other.energies).take(self.starts.len());
         let errors = pairs.enumerate().map(|(k, (states, energies))| self.errors(k, states, energies, false));
         self.summarise(&errors.collect::<Vec<_>>(), other.first().to_vec())
     }
 
-    /// The floor of single precision: the exact accelerations, rounded to it.
+    /// The floor of single precision: predictions by exact accelerations rounded to single precision.
     pub fn single_precision(&self, motion: &dyn ExactMotion) -> Prediction {
         let rounded = |q: &[f64], v: &[f64], a: &mut [f64]| {
             motion.acceleration(q, v, a)?;
@@ -173,7 +173,7 @@ impl Truth {
         }
     }
 
-    /// Euclidean distance, angles being the same after whole turns; infinite where it is not a number.
+    /// Euclidean distance, modulo whole turns for angles; infinite if it is NaN.
     fn wrapped_distance(&self, predicted: &[f64], exact: &[f64]) -> f64 {
         let differences = predicted.iter().zip(exact).zip(&self.angles);
         let wrapped = differences.map(|((p, t), angle)| if *angle { wrap(p - t) } else { p - t });
@@ -194,7 +194,7 @@ fn square(x: f64) -> f64 {
     x * x
 }
 
-/// An angle in [−π, π).
+/// Wraps an angle to [−π, π).
 fn wrap(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
@@ -206,15 +206,15 @@ struct Errors {
     summary: TrajectoryErrors,
 }
 
-/// What one predicted trajectory comes to.
+/// Summary of one predicted trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryErrors {
     /// ‖q̂ − q‖_F / number of comparisons, angles not wrapped: the authors' position error.
     pub q: f64,
     /// ‖Ê − E‖₂ / number of comparisons: the authors' energy error, J.
     pub energy: f64,
-    /// Time of the first comparison at which the Euclidean position error, angles wrapped, is above [`VALID_ERROR`]; the whole
-    /// horizon where there is none, s.
+    /// Time of the first comparison at which the Euclidean position error, angles wrapped, is above [`VALID_ERROR`], s; the whole horizon
+    /// if there is none.
     pub valid: f64,
     /// Whether the prediction could not be followed to the end.
     pub failed: bool,
@@ -223,13 +223,13 @@ pub struct TrajectoryErrors {
 /// The errors of predictions from many starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
-    /// Each start.
+    /// Errors of each trajectory.
     pub trajectories: Vec<TrajectoryErrors>,
     /// Mean over starts and coordinates of the squared position error (angles not wrapped) at each comparison.
     pub mse_q: Vec<f64>,
     /// Mean over starts of the squared energy error at each comparison, J².
     pub mse_energy: Vec<f64>,
-    /// (q, v) along the first start, \[samples\]\[2n\]; not finite from where it could not be followed.
+    /// (q, v) along the first start, \[samples\]\[2n\]; not finite after a failure.
     pub first: Vec<f64>,
 }
 
@@ -263,15 +263,15 @@ impl Prediction {
         super::median(&self.trajectories.iter().map(|errors| errors.valid).collect::<Vec<_>>())
     }
 
-    /// Position and energy errors, as [`Prediction::position`] and [`Prediction::energy`], of those predictions alone that could be
-    /// followed to the end; `None` where there are none.
+    /// Position and energy errors, as [`Prediction::position`] and [`Prediction::energy`], over only those predictions that reached the
+    /// end; `None` if there are none.
     pub fn of_followed(&self) -> Option<[Average; 2]> {
         let followed: Vec<_> = self.trajectories.iter().copied().filter(|errors| !errors.failed).collect();
         let both = [|errors: &TrajectoryErrors| errors.q, |errors: &TrajectoryErrors| errors.energy];
         (!followed.is_empty()).then(|| both.map(|pick| average(&followed, pick)))
     }
 
-    /// How many predictions could not be followed to the end.
+    /// Number of predictions that did not reach the end.
     pub fn failed(&self) -> usize {
         self.trajectories.iter().filter(|errors| errors.failed).count()
     }

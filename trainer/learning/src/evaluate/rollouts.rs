@@ -1,14 +1,14 @@
-//! Rollouts in LGNN's measures: the rollout error ‖q̂ − q‖/(‖q̂‖ + ‖q‖) and the energy violation |Ê − E|/(|Ê| + |E|), Ê and E the
-//! exact energies of the predicted and of the exact state, with geometric means over starts and times (LGNN, section 4).
+//! Rollouts in LGNN's measures: the rollout error ‖q̂ − q‖/(‖q̂‖ + ‖q‖) and the energy violation |Ê − E|/(|Ê| + |E|), each as geometric
+//! mean over starts and times (LGNN, section 4). Ê and E are the exact energies of the predicted and of the exact state.
 
 use super::prediction::Truth;
 use leastaction_ground_truth::ExactMotion;
 use leastaction_models::parallel;
 
-/// The least error that a geometric mean takes; below it is rounding.
+/// Lower bound of errors in a geometric mean; smaller errors are rounding.
 const LEAST: f64 = 1e-17;
 
-/// What the rollout error is of.
+/// Quantities compared by the rollout error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compared {
     /// Positions (LGNN).
@@ -20,17 +20,17 @@ pub enum Compared {
 /// Errors of rollouts from many starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rollouts {
-    /// Geometric mean over starts of the rollout error at each comparison but that at the start.
+    /// Geometric mean over starts of the rollout error at each comparison, except at the start.
     pub rollout_error: Vec<f64>,
-    /// The same of the energy violation.
+    /// Geometric mean over starts of the energy violation at each comparison, except at the start.
     pub energy_violation: Vec<f64>,
-    /// Rollouts that could not be followed to the end; their errors count as 1 from there on.
+    /// Number of rollouts that could not be followed to the end; their errors count as 1 from there on.
     pub failed: usize,
 }
 
 impl Rollouts {
-    /// Rolls out accelerations v̇(q, v) from the starts of the truth, each step followed to `tolerance`, and on the rods of the
-    /// exact motion.
+    /// Rolls out accelerations v̇(q, v) from the starts of the truth, each step integrated to `tolerance` and projected onto the rods of
+    /// the exact motion.
     pub fn new(
         truth: &Truth,
         motion: &dyn ExactMotion,
@@ -45,13 +45,13 @@ impl Rollouts {
         Self::of(truth, parallel::map(truth.starts().len(), &one))
     }
 
-    /// Other exact motions, taken for rollouts of these: how far disturbed starts lead away.
+    /// Errors of other exact motions taken as rollouts of these: the growth of a disturbance of the start.
     pub fn between(truth: &Truth, other: &Truth, motion: &dyn ExactMotion, compared: Compared) -> Self {
         let one = |k: usize| (errors(motion, compared, other.states(k), truth.states(k)), false);
         Self::of(truth, (0..truth.starts().len()).map(one).collect())
     }
 
-    /// Of the errors of every start, and whether it failed.
+    /// Aggregates the errors of all starts; the flag says whether a start failed.
     fn of(truth: &Truth, all: Vec<(Vec<[f64; 2]>, bool)>) -> Self {
         let failed = all.iter().filter(|(_, failed)| *failed).count();
         let mean = |pick: fn(&[f64; 2]) -> f64| -> Vec<f64> {
@@ -87,7 +87,7 @@ fn errors(motion: &dyn ExactMotion, compared: Compared, predicted: &[f64], exact
     pairs.map(error).collect()
 }
 
-/// Between 0 and 1; 1 where a term is not finite.
+/// Relative difference, between 0 and 1; 1 if it is not finite.
 fn relative(difference: f64, a: f64, b: f64) -> f64 {
     let relative = difference / (a + b);
     if relative.is_finite() { relative } else { 1.0 }
@@ -97,7 +97,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Of numbers ≥ 0, those below 1e-17 taken as it; not a number of none.
+/// Geometric mean of numbers ≥ 0; numbers below 1e-17 count as 1e-17; NaN if there are none.
 pub fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), x| (sum + x.max(LEAST).ln(), count + 1));
     (sum / count as f64).exp()

@@ -7,16 +7,16 @@ use leastaction_core::continuous::energy;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_models::parallel;
 
-/// A learned v̇(q, v, u), m/s² or rad/s², and how it is stepped: each stage under the control at its time.
+/// A learned acceleration v̇(q, v, u), m/s² or rad/s², with its integration method. Each stage uses the control at its time.
 pub struct Stepper<A> {
-    /// How.
+    /// Runge–Kutta method.
     pub method: RungeKutta,
-    /// `None` where it does not exist.
+    /// The acceleration; `None` if it does not exist at a state.
     pub acceleration: A,
 }
 
 impl<A> Stepper<A> {
-    /// The state after a step; `None` where an acceleration does not exist.
+    /// The state after a step; `None` if an acceleration does not exist.
     fn step<const N: usize>(
         &self,
         h: f64,
@@ -35,10 +35,9 @@ impl<A> Stepper<A> {
         runge_kutta::step(self.method, h, state, acceleration).ok()
     }
 
-    /// States that free or forced steps from the second of each trajectory give, (q, v) each, after the first two as logged: as
-    /// many steps as a model makes that starts from two positions.
-    ///
-    /// Where a step fails, or the log has no velocities, the rest of the trajectory is not a number.
+    /// States (q, v) along every trajectory. The first two are as logged; free or forced steps from the second give the rest, as many as a
+    /// model makes that starts from two positions.
+    /// If a step fails, or the log has no velocities, the rest of the trajectory is NaN.
     pub fn rollout<const N: usize>(&self, data: &Dataset) -> Vec<Vec<State<N>>>
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]> + Sync,
@@ -59,8 +58,8 @@ impl<A> Stepper<A> {
         states
     }
 
-    /// Mean squared error of the position one step ahead of logged states, from the second of each trajectory on: the positions
-    /// that a model predicts which starts from two of them.
+    /// Mean squared error of the position one step ahead of a logged state, from the second state of each trajectory on. These are the
+    /// positions that a model predicts from two positions.
     pub fn one_step_mse<const N: usize>(&self, data: &Dataset) -> f64
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
@@ -85,17 +84,17 @@ fn logged<const N: usize>(trajectory: &Trajectory, k: usize) -> Option<State<N>>
     Some([row(&trajectory.q[k]), row(&trajectory.v.as_ref()?[k])])
 }
 
-/// At the start and the end of the step from a sample; linear between.
+/// Control at the start and at the end of the step from sample `k`; linear in between.
 fn control<const N: usize>(data: &Dataset, trajectory: &Trajectory, k: usize) -> [[f64; N]; 2] {
     [k, data.control_end(k)].map(|k| trajectory.u.as_ref().map_or([0.0; N], |u| row(&u[k])))
 }
 
-/// The positions of rollouts, \[samples\]\[n\], flat.
+/// Positions of rollouts, \[samples\]\[n\], flat.
 pub fn positions<const N: usize>(runs: &[Vec<State<N>>]) -> Vec<Vec<f64>> {
     runs.iter().map(|run| run.iter().flat_map(|[q, _]| *q).collect()).collect()
 }
 
-/// Mean squared difference of the true energy at the states of rollouts, after the first two, from the true energy at the start.
+/// Mean squared deviation of the true energy along rollouts, without their first two states, from the true energy at the start.
 pub fn state_energy_mse<const N: usize>(
     exact: &Trigonometric<N>,
     runs: &[Vec<State<N>>],
@@ -136,7 +135,7 @@ mod tests {
         });
         assert!(fine[0] < 1e-10 && fine[1] < 1e-6, "{fine:?}");
         assert!(coarse[0] > 100.0 * fine[0] && coarse[1] > 100.0 * fine[1], "{fine:?} {coarse:?}");
-        // The control works on the cart: a constant energy would be wrong.
+        // The control does work on the cart: a constant energy would be wrong.
         assert!(fine[2] > 1e-3 && fine[2].is_finite());
         let free = Settings { drive: Drive::Free, ..Settings::symo(Mechanism::Cartpole, 8, 3) };
         data = generate(&free).unwrap();

@@ -1,4 +1,4 @@
-//! Networks of the LGNN authors' program.
+//! Import of networks from the LGNN authors' program.
 
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
 use leastaction_core::energy::NetworkShape;
@@ -13,17 +13,16 @@ use safetensors::SafeTensors;
 
 /// The authors' names of the networks, in the order of our weight block.
 pub const NETWORKS: [&str; 8] = ["L.ke", "L.ff3", "drag", "L.fb", "L.fv", "L.fe", "L.ff1", "L.ff2"];
-/// Position of the drag in [`NETWORKS`].
+/// Index of the drag network in [`NETWORKS`].
 const DRAG: u8 = 2;
-/// The authors' linear layers of the node type, whose outputs are its kinetic embedding and its embedding.
+/// The authors' linear layers of the node type; their outputs are its kinetic embedding and its embedding.
 pub const EMBEDDINGS: [&str; 2] = ["L.fneke", "L.fne"];
 
-/// Reads a network of the LGNN authors' program that was trained on pendulums, as a chain of `count` bobs on rods of 1 m, the
-/// first from the origin.
-///
-/// Theirs is T = Σ ke(fneke ‖ |v_i|²), V = Σ ff3(fne ‖ x_i) and one round of messages along the chain (see
-/// [`MessageShape`]) with squareplus layers; an embedding is what a linear layer makes of the one type there is. The network of
-/// drag is in every file of theirs; `drag` says whether it was trained.
+/// Reads a network of the LGNN authors' program, trained on pendulums, as a chain of `count` bobs on rods of 1 m; the first rod hangs from
+/// the origin.
+/// Their model is T = Σ ke(fneke ‖ |v_i|²), V = Σ ff3(fne ‖ x_i) and one round of messages along the chain (see [`MessageShape`]) with
+/// squareplus layers. An embedding is the output of a linear layer for the only node type. Every file of theirs has a drag network; `drag`
+/// says whether it was trained.
 ///
 /// # Errors
 /// [`ImportError`] names the tensor.
@@ -45,7 +44,7 @@ pub fn lgnn(bytes: &[u8], count: usize, drag: bool) -> Result<Imported, ImportEr
     let shape = shape(&networks, [kinetic.len(), own.len(), dimension], drag).ok_or("number of parts");
     let fitting = shape.and_then(|shape| shape.invalid_part().map_or(Ok(shape), Err));
     let shape = fitting.map_err(|part| ImportError::Misfit { part })?;
-    // Mass, drag and field.
+    // Mass, drag and field numbers.
     let mut numbers = vec![Number::known(0.0); 2 + dimension];
     numbers.extend(kinetic.into_iter().chain(own).map(Number::learned));
     let law = vec![Number::known(0.0); EDGE_NUMBERS];
@@ -64,7 +63,7 @@ fn layer(name: &str, k: usize) -> String {
     format!("{name}.{k}")
 }
 
-/// Appends the weights of a network, whose sizes are those of its tensors.
+/// Appends the weights of a network; its tensors give the layer sizes.
 fn network(tensors: &Tensors, name: &str, weights: &mut Vec<f64>) -> Result<NetworkShape, ImportError> {
     let mut sizes: Vec<u16> = Vec::new();
     while let Some(width) = tensors.width(&layer(name, sizes.len())) {
@@ -85,12 +84,12 @@ fn network(tensors: &Tensors, name: &str, weights: &mut Vec<f64>) -> Result<Netw
     })
 }
 
-/// A size as the format has it; one that is too large fits nothing.
+/// A size as a byte, as the file format holds it; one that is too large becomes 255, which fits no network.
 fn byte(size: usize) -> u8 {
     u8::try_from(size).unwrap_or(u8::MAX)
 }
 
-/// What the linear layer of this name makes of the only type, which is the number 1.
+/// Output of the linear layer `name` for the only type, whose input is the number 1.
 fn embedding(tensors: &Tensors, name: &str) -> Result<Vec<f64>, ImportError> {
     let name = layer(name, 0);
     let length = tensors.width(&name).ok_or_else(|| ImportError::Missing(format!("{name}.bias")))?;
@@ -98,7 +97,7 @@ fn embedding(tensors: &Tensors, name: &str) -> Result<Vec<f64>, ImportError> {
     Ok(rows.iter().flatten().zip(bias).map(|(weight, bias)| weight + bias).collect())
 }
 
-/// Whether the program has a tensor of this name.
+/// Whether the authors' program has a tensor of this name.
 fn is_known(name: &str, networks: &[NetworkShape]) -> bool {
     let layers = networks.iter().map(|network| network.widths().1 + 1).chain([1, 1]);
     let named = NETWORKS.iter().chain(&EMBEDDINGS).zip(layers);
@@ -121,7 +120,7 @@ fn shape(networks: &[NetworkShape], [kinetic, own, dimension]: [usize; 3], drag:
     })
 }
 
-/// Bobs on rods, with an edge beside every rod between two of them.
+/// A chain of bobs on rods, with an edge beside every rod between two bobs.
 fn chain(count: usize) -> NamedGraph {
     let edges = (1..count as u16).map(|to| Edge { kind: 0, ends: [to - 1, to] }).collect();
     NamedGraph { edges, ..lgnn_graph(LgnnSystem::Pendulum(count)) }

@@ -1,4 +1,4 @@
-//! Networks that were trained elsewhere: weights in safetensors under the names of the authors' programs.
+//! Import of networks trained elsewhere: safetensors weights under the tensor names of the authors' programs.
 
 mod lgnn;
 mod modlanet;
@@ -16,21 +16,21 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use thiserror::Error;
 
-/// Elements of an imported tree or chain at most: two coordinates each, a tree still fits a model file.
+/// Largest number of elements in an imported tree or chain: with two coordinates each, a tree still fits a model file.
 pub const MAX_ELEMENTS: usize = 32;
 
-/// Why weights could not be imported.
+/// The reason why weights could not be imported.
 #[derive(Debug, Error)]
 pub enum ImportError {
     /// Not a safetensors file.
     #[error("not a safetensors file: {0}")]
     Container(#[from] safetensors::SafeTensorError),
-    /// No tensor has a name of the program.
+    /// No tensor has a name that the program uses.
     #[error("no tensor of {program} in the file; it has {found}")]
     Unknown {
-        /// The program, with how its tensors are called.
+        /// The program, with examples of its tensor names.
         program: &'static str,
-        /// The names that are there.
+        /// Names of the tensors in the file.
         found: String,
     },
     /// A tensor is missing.
@@ -39,49 +39,49 @@ pub enum ImportError {
     /// A tensor is not needed: the file holds another network than expected.
     #[error("tensor {name} has no place in this network; check {option}")]
     Unexpected {
-        /// Which.
+        /// Name of the tensor.
         name: String,
-        /// The option that says what is expected.
+        /// Command-line option that sets the expectation.
         option: &'static str,
     },
     /// A tensor has another shape than the network needs.
     #[error("tensor {name} has shape {found:?} where {expected} is needed; check {option}")]
     Shape {
-        /// Which.
+        /// Name of the tensor.
         name: String,
-        /// In the file.
+        /// Shape in the file.
         found: Vec<usize>,
-        /// What fits.
+        /// Expected shape.
         expected: String,
-        /// The option that says what is expected.
+        /// Command-line option that sets the expectation.
         option: &'static str,
     },
     /// The networks do not fit each other.
     #[error("the {part} does not fit the other networks in the file")]
     Misfit {
-        /// Which part.
+        /// Name of the part.
         part: &'static str,
     },
-    /// A tensor has another element type.
+    /// A tensor has an element type that is not read.
     #[error("tensor {name} holds {found:?}; F32 and F64 are read")]
     Type {
-        /// Which.
+        /// Name of the tensor.
         name: String,
-        /// In the file.
+        /// Element type in the file.
         found: Dtype,
     },
-    /// A weight is infinite or not a number.
+    /// A weight is infinite or NaN.
     #[error("tensor {name} has an infinite or undefined entry at position {index}")]
     NotFinite {
-        /// Which.
+        /// Name of the tensor.
         name: String,
-        /// Where, row by row.
+        /// Index of the entry, row by row.
         index: usize,
     },
-    /// No tree or chain of so many elements.
+    /// The number of elements is out of range.
     #[error("{found} elements; 1 to {MAX_ELEMENTS} are possible; check --count")]
     Count {
-        /// Asked for.
+        /// Requested number.
         found: usize,
     },
     /// The mass is not above 0.
@@ -90,21 +90,21 @@ pub enum ImportError {
          set it with --mass 1"
     )]
     Mass {
-        /// Which.
+        /// Name of the tensor.
         name: String,
-        /// In the file, kg.
+        /// Mass in the file, kg.
         found: f64,
     },
 }
 
-/// A network as a model of ours.
+/// An imported network as a model of this program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
-    /// Its shape.
+    /// Shape of the model.
     pub architecture: Architecture,
-    /// Its weight block.
+    /// Weight block.
     pub weights: Vec<f64>,
-    /// Whether it was trained through the discrete dynamics (SyMo, E2E-SyMo), and not through accelerations (L-NODE, ModLaNet,
+    /// Whether the network was trained through the discrete dynamics (SyMo, E2E-SyMo) rather than through accelerations (L-NODE, ModLaNet,
     /// LGNN).
     pub discrete: bool,
 }
@@ -133,7 +133,7 @@ impl Layer {
 /// The tensors of a file.
 struct Tensors<'a> {
     file: &'a SafeTensors<'a>,
-    /// The option that says what is expected of them.
+    /// Command-line option that sets what is expected of the tensors.
     option: &'static str,
 }
 
@@ -154,20 +154,20 @@ impl Tensors<'_> {
         Ok(weights.chunks_exact(inputs.max(1)).map(<[f64]>::to_vec).collect())
     }
 
-    /// Units of the layer `name`, by its bias; `None` where there is none.
+    /// Number of units in the layer `name`, from its bias; `None` if it has no bias.
     fn width(&self, name: &str) -> Option<u16> {
         let bias = self.file.tensor(&format!("{name}.bias")).ok()?;
         Some(bias.shape().first().map_or(0, |width| u16::try_from(*width).unwrap_or(u16::MAX)))
     }
 
-    /// Inputs of the layer `name`, by its weight.
+    /// Number of inputs of the layer `name`, from its weight.
     fn inputs(&self, name: &str) -> Result<usize, ImportError> {
         let name = format!("{name}.weight");
         let weight = self.file.tensor(&name).map_err(|_| ImportError::Missing(name))?;
         Ok(weight.shape().last().copied().unwrap_or(0))
     }
 
-    /// The entries, row by row.
+    /// The entries of a tensor in double precision, row by row.
     fn read(&self, name: &str, shape: &[usize]) -> Result<Vec<f64>, ImportError> {
         let view = self.file.tensor(name).map_err(|_| ImportError::Missing(name.to_owned()))?;
         let name = name.to_owned();
@@ -182,7 +182,7 @@ impl Tensors<'_> {
         }
     }
 
-    /// Refuses a file in which none of the names `begins`.
+    /// Refuses a file none of whose tensor names satisfies `begins`.
     fn require_any(&self, program: &'static str, begins: impl Fn(&str) -> bool) -> Result<(), ImportError> {
         let names = self.file.names();
         if names.iter().any(|name| begins(name)) {
@@ -191,7 +191,7 @@ impl Tensors<'_> {
         Err(ImportError::Unknown { program, found: names.join(", ") })
     }
 
-    /// Refuses a file with other tensors than those `known`.
+    /// Refuses a file with a tensor whose name is not `known`.
     fn refuse_others(&self, known: impl Fn(&str) -> bool) -> Result<(), ImportError> {
         match self.file.names().into_iter().find(|name| !known(name)) {
             Some(name) => Err(ImportError::Unexpected { name: name.to_owned(), option: self.option }),
@@ -200,7 +200,7 @@ impl Tensors<'_> {
     }
 }
 
-/// The entries in double precision.
+/// The entries in double precision; `None` if the element type is not read.
 fn numbers(view: &TensorView) -> Option<Vec<f64>> {
     match view.dtype() {
         Dtype::F32 => {

@@ -1,4 +1,4 @@
-//! Networks of the ModLaNet authors' program.
+//! Import of networks from the ModLaNet authors' program.
 
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
 use leastaction_core::energy::List;
@@ -10,12 +10,12 @@ use leastaction_ground_truth::ManyBody;
 use leastaction_models::{ModularArchitecture, NamedTree, NamedType, Number};
 use safetensors::SafeTensors;
 
-/// The mass of every element, \[1, 1\].
+/// Tensor with the mass of every element, \[1, 1\].
 const MASS: &str = "mass.weight";
-/// c₁ and c₂, \[1\] each.
+/// Tensors with c₁ and c₂, \[1\] each.
 const COEFFICIENTS: [&str; 2] = ["co1", "co2"];
 
-/// A network of the program: two hidden layers, no bias in the last.
+/// A network of the program: two hidden layers, no bias in the output layer.
 struct Network {
     name: &'static str,
     inputs: u8,
@@ -31,7 +31,7 @@ impl Network {
     const TENSORS: [&str; 5] =
         ["linear1.weight", "linear1.bias", "linear2.weight", "linear2.bias", "linear3.weight"];
 
-    /// Appends the weights, and gives the shape with the widths that the biases have.
+    /// Appends the weights and returns the shape; the biases give the widths.
     fn read(&self, tensors: &Tensors, weights: &mut Vec<f64>) -> Result<NetworkShape, ImportError> {
         let layer = |k: usize| format!("{}.mlp.linear{k}", self.name);
         let width = |k| {
@@ -48,7 +48,7 @@ impl Network {
     }
 }
 
-/// Position, velocity, U₁, U₂: "hidden" layers of the potentials are linear.
+/// Networks of pendulums: position, velocity, U₁, U₂. The "hidden" layers of the potentials are linear.
 const OF_PENDULUMS: [Network; 4] = [
     Network::new("Global4x", 1, 2, Activation::Tanh),
     Network::new("Global4v", 1, 2, Activation::Tanh),
@@ -56,18 +56,17 @@ const OF_PENDULUMS: [Network; 4] = [
     Network::new("Potential2", 4, 1, Activation::Identity),
 ];
 
-/// U₁, U₂.
+/// Networks of free bodies: U₁, U₂.
 const OF_BODIES: [Network; 2] =
     [Network::new("Potential1", 2, 1, Activation::Tanh), Network::new("Potential2", 4, 1, Activation::Tanh)];
 
 /// Reads a network of the ModLaNet authors' program as a tree of `system`'s size with one element type.
+/// Their Lagrangian is L = ½m Σ|ẋ|² − m c₁ Σ U₁(x) − m c₂ Σ_{a<b} ½\[U₂(x_a, x_b) + U₂(x_b, x_a)\]. Their pair potential is multiplied by
+/// the mass once, ours by m_a m_b; thus our c₂ is their c₂ divided by m. For pendulums, tanh networks of the angle, wrapped to \[0, 2π),
+/// give x and ẋ, and the potentials have no activation; for bodies, x = q and the potentials are tanh networks (the transforms in the files
+/// of bodies are not used).
 ///
-/// Theirs is L = ½m Σ|ẋ|² − m c₁ Σ U₁(x) − m c₂ Σ_{a<b} ½\[U₂(x_a, x_b) + U₂(x_b, x_a)\]: the pair potential is multiplied by
-/// the mass once, ours by m_a m_b, so our c₂ is theirs divided by m. Pendulums have x and ẋ from tanh networks of the angle
-/// wrapped to \[0, 2π) and potentials without activation; bodies have x = q and tanh potentials (the transforms that their
-/// files carry along are not used).
-///
-/// `mass` (kg, above 0) replaces that of the file, which multiplies all of L: accelerations stay, energies are scaled.
+/// `mass` (kg, above 0) replaces the mass in the file. As a factor of all of L it scales energies and leaves accelerations unchanged.
 ///
 /// # Errors
 /// [`ImportError`] names the tensor.
@@ -102,7 +101,7 @@ fn networks_of(system: ManyBody) -> &'static [Network] {
     }
 }
 
-/// Whether the program has a tensor of this name, for whatever system.
+/// Whether the authors' program has a tensor of this name, for either kind of system.
 fn is_known(name: &str) -> bool {
     let of_network = |network: &Network| {
         let part = name.strip_prefix(network.name).and_then(|rest| rest.strip_prefix(".mlp."));

@@ -1,4 +1,4 @@
-//! Networks of the SyMo authors' program.
+//! Import of networks from the SyMo authors' program.
 
 use super::{ImportError, Imported, Layer, Tensors};
 use leastaction_core::energy::inertia_network::Coordinate;
@@ -6,13 +6,13 @@ use leastaction_core::network::Activation;
 use leastaction_models::{Family, InertiaNetworkArchitecture};
 use safetensors::SafeTensors;
 
-/// Prefixes of the authors' modules: SyMo and E2E-SyMo, then L-NODE.
+/// Tensor-name prefixes of the authors' modules: SyMo and E2E-SyMo, then L-NODE.
 const PREFIXES: [&str; 2] = ["nn.", "Rigid_Body."];
 
 /// Reads a network of the SyMo authors' program: SyMo, E2E-SyMo or L-NODE.
 ///
-/// Features, layers, heads and inertia are theirs: (translations, cosines, sines) → tanh layers `MLP.MLP.0`, `.2`, … →
-/// `fc_ld` (diagonal, softplus), `fc_lo` (below it), `fc_g` (V); H = softplus for one coordinate, LLᵀ + 1e-9 I for more.
+/// Features, layers, heads and inertia follow the authors: (translations, cosines, sines) → tanh layers `MLP.MLP.0`, `.2`, … → `fc_ld`
+/// (diagonal, softplus), `fc_lo` (below the diagonal), `fc_g` (V); H = softplus for one coordinate, LLᵀ + 1e-9 I for more.
 ///
 /// # Errors
 /// [`ImportError`] names the tensor.
@@ -47,7 +47,7 @@ impl Source<'_> {
         if n == 1 { &["fc_ld", "fc_g"] } else { &["fc_ld", "fc_lo", "fc_g"] }
     }
 
-    /// The widths are those of the biases.
+    /// The architecture; the biases give its widths.
     fn architecture(&self, coordinates: &[Coordinate]) -> Result<InertiaNetworkArchitecture, ImportError> {
         let mut architecture = InertiaNetworkArchitecture::new(coordinates, 0);
         architecture.activation = Activation::Tanh;

@@ -21,7 +21,7 @@ fn bytes(file: &File) -> Vec<u8> {
     safetensors::serialize(views, None).unwrap()
 }
 
-/// Entries that differ from one another.
+/// Adds a tensor with distinct entries.
 fn put(file: &mut File, name: &str, shape: &[usize]) {
     let seed = file.len() as f64;
     let values = (0..shape.iter().product()).map(|k| (1.7 * seed + 0.9 * k as f64).sin()).collect();
@@ -55,7 +55,7 @@ fn small(transform_inputs: usize) -> File {
     file
 }
 
-/// A network of the file, written out.
+/// Output of a network in the file, written out.
 fn network(file: &File, name: &str, activation: fn(f64) -> f64, x: &[f64]) -> Vec<f64> {
     let tensor = |part: &str| file.get(&format!("{name}.mlp.{part}")).map(|(_, values)| values.as_slice());
     (1..=3).fold(x.to_vec(), |x, k| {
@@ -263,7 +263,7 @@ fn lgnn_network(file: &File, name: &str, x: &[f64]) -> Vec<f64> {
     })
 }
 
-/// The authors' T and V of a chain, whose edges go both ways.
+/// The authors' T and V of a chain; its edges go both ways.
 fn lgnn_theirs(file: &File, x: &[[f64; 2]], v: &[[f64; 2]]) -> Energies<f64> {
     let net = |name: &str, x: &[&[f64]]| lgnn_network(file, name, &x.concat());
     let number = |name: &str, x: &[&[f64]]| net(name, x)[0];

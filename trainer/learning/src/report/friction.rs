@@ -1,4 +1,4 @@
-//! Pictures of friction: the force against the motion of every coordinate, as the model computes it.
+//! Friction plots: the model's friction force against the velocity of every coordinate.
 
 use super::page::number;
 use super::pictures::MOST;
@@ -10,26 +10,26 @@ use leastaction_core::model::ModelError;
 use leastaction_models::forces::Driven;
 use leastaction_plot::{NotDrawn, Series, Stroke, Vertical, curves_svg};
 
-/// Points of a curve.
+/// Number of points per curve.
 const POINTS: usize = 201;
-/// Where, among the positions of a coordinate, friction is drawn that depends on them.
+/// Quantiles of a coordinate's positions at which position-dependent friction is drawn.
 const PLACES: [f64; 3] = [0.5, 0.1, 0.9];
-/// Curves that differ by less than this part of the largest force are one.
+/// Curves that differ by less than this fraction of the largest force are drawn as one.
 const APART: f64 = 0.01;
 
-/// What the curves of a coordinate are drawn over.
+/// Ranges over which the curves of a coordinate are drawn.
 struct Ranges {
-    /// The middle of the positions of all coordinates, m or rad.
+    /// Median position of every coordinate, m or rad.
     middle: Vec<f64>,
-    /// Positions of this one at [`PLACES`].
+    /// Positions of this coordinate at the quantiles [`PLACES`].
     places: [f64; 3],
-    /// Its largest velocity, m/s or rad/s.
+    /// Largest velocity of this coordinate, m/s or rad/s.
     fastest: f64,
-    /// The force that its drive mostly stays below, N or N m.
+    /// Drive force that is rarely exceeded, N or N m.
     load: f64,
 }
 
-/// A curve that some position or load gives.
+/// A curve for one position and load.
 struct Curve {
     label: String,
     place: f64,
@@ -37,7 +37,7 @@ struct Curve {
     stroke: Stroke,
 }
 
-/// One picture a coordinate on which a force beside the control acts, so far as there is room.
+/// One plot for each of the first coordinates on which a force besides the control acts.
 pub(super) fn pictures(
     predictor: &Predictor,
     predictions: &Predictions,
@@ -72,7 +72,7 @@ impl Ranges {
             let largest = values.iter().chain(curves.iter().flat_map(|(_, values)| values));
             let apart = APART * largest.fold(0.0, |most, x| x.abs().max(most));
             let is_like = |other: &[f64]| other.iter().zip(&values).all(|(a, b)| (a - b).abs() <= apart);
-            // The first curve, which others may be like, is drawn wherever anything acts.
+            // The first curve, the reference of `is_like`, is drawn if any force acts.
             if !curves.iter().any(|(_, other)| is_like(other)) && values.iter().any(|x| *x != 0.0) {
                 curves.push((curve, values));
             }
@@ -104,7 +104,7 @@ impl Ranges {
         self.fastest * (2.0 * k as f64 / (POINTS - 1) as f64 - 1.0)
     }
 
-    /// −Q_i, which stands against positive velocities above 0, the other coordinates being at rest.
+    /// Friction −Q_i: positive if it opposes a positive velocity. The other coordinates are at rest.
     fn forces(&self, i: usize, predictor: &Predictor, curve: &Curve) -> Result<Vec<f64>, ModelError> {
         let n = self.middle.len();
         let only = |x: f64| (0..n).map(|j| if j == i { x } else { 0.0 }).collect::<Vec<f64>>();

@@ -1,5 +1,5 @@
-//! What a fit is worth, as one HTML page: errors over horizons, predictions, friction, inertia and potential, residuals, and the
-//! learned numbers with their standard errors.
+//! The report on a fit, as one HTML page: errors over horizons, predictions, friction, inertia and potential, residuals, and the learned
+//! numbers with their standard errors.
 
 mod friction;
 mod numbers;
@@ -17,10 +17,10 @@ use leastaction_plot::{NotDrawn, Stroke};
 use page::{cell, escaped, folded, list, number, paragraph, picture, section, table};
 use thiserror::Error;
 
-/// A page that cannot be made.
+/// A report that cannot be made.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// The shape does not fit in itself or the weights.
+    /// The shape is inconsistent or does not fit the weights.
     #[error("{0}")]
     Model(#[from] ModelError),
     /// A picture cannot be drawn.
@@ -31,31 +31,31 @@ pub enum ReportError {
     Write(#[from] std::io::Error),
 }
 
-/// Windows whose residuals are drawn, at most.
+/// Largest number of windows whose residuals are drawn.
 const WINDOWS: usize = 4096;
-/// Times that start states and the scales of residuals are found for each other.
+/// Number of alternations between fitting start states and estimating the scales of residuals.
 const ROUNDS: usize = 3;
-/// Where among all windows, by their errors, those are that are drawn.
+/// Quantiles of the window errors for which a window is drawn, with their captions.
 const DRAWN: [(f64, &str); 2] =
     [(0.5, "a window of the median error"), (0.9, "a window of the 90th percentile")];
-/// A coordinate that moves less than so many times its noise says little.
+/// A coordinate whose range is below this multiple of its noise says little.
 const MOVES: f64 = 20.0;
 
-/// Residuals of windows with their best start states, and how well the learned numbers are known.
+/// Residuals of windows with their best start states, and the standard errors of the learned numbers.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// (q̂ + z − q̃) of every coordinate, m or rad.
+    /// Residuals q̂ + z − q̃ of every coordinate, m or rad.
     residuals: Vec<Vec<f64>>,
-    /// Their robust standard deviations.
+    /// Robust standard deviations of the residuals.
     deviations: Vec<f64>,
-    /// Of a window, s.
+    /// Length of a window, s.
     seconds: f64,
     certainty: Option<(Certainty, CalibrationLayout)>,
 }
 
 impl Fit {
-    /// Of a model over the windows of a loss; `shared`: the weight block, and the calibration's numbers behind it. The numbers of
-    /// `learned` are known as well as these windows show them; without it nothing is said of them.
+    /// Evaluates a model over the windows of a loss. `shared` is the weight block followed by the calibration numbers. The standard errors
+    /// of the numbers of `learned` are those that these windows give; without `learned` none are given.
     pub fn new(loss: &WindowLoss, shared: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
         let mut weights = loss.enter(shared.to_vec());
         for _ in 0..ROUNDS {
@@ -72,29 +72,29 @@ impl Fit {
     }
 }
 
-/// All that a page is made of.
+/// Contents of a report page.
 pub struct Page<'a> {
     /// The title.
     pub title: String,
-    /// What was done, by what and with what: names and plain text.
+    /// Facts about the run, as pairs of name and plain text.
     pub facts: Vec<(&'static str, String)>,
-    /// The model, and the logs that it is judged by.
+    /// The model, with the logs that judge it.
     pub predictor: Predictor<'a>,
-    /// A simpler model by the same logs, and what it is called.
+    /// Name of a simpler model, and that model with the same logs.
     pub beside: Option<(String, Predictor<'a>)>,
-    /// Of what was learned from; none where that cannot be said.
+    /// Residuals of the data learned from; `None` if unknown.
     pub fit: Option<Fit>,
-    /// What the logs say of an arm by its torques, in place of what windows say of it.
+    /// Numbers of an arm as its torques show them, in place of the windows' numbers.
     pub torques: Option<&'a TorqueNumbers>,
 }
 
-/// The unit of a coordinate.
+/// The unit of coordinate i: m for a translation, else rad.
 pub(crate) fn unit_of(letters: &str, i: usize) -> &'static str {
     if letters.as_bytes().get(i) == Some(&b't') { "m" } else { "rad" }
 }
 
 impl Page<'_> {
-    /// The page.
+    /// Renders the page.
     ///
     /// # Errors
     /// [`ReportError::Model`], [`ReportError::Picture`].
@@ -126,7 +126,7 @@ impl Page<'_> {
         self.logs().noise(0..self.logs().count(), i)
     }
 
-    /// Of all coordinates: the root of their mean square.
+    /// Noise over all coordinates: the root mean square.
     fn whole_noise(&self) -> f64 {
         let squares: f64 = (0..self.logs().n).map(|i| self.noise(i).powi(2)).sum();
         (squares / self.logs().n.max(1) as f64).sqrt()
@@ -259,7 +259,7 @@ impl Page<'_> {
         numbers::sections(certainty, &names).concat()
     }
 
-    /// Coordinates that say little of their part of the model.
+    /// A sentence for each coordinate that hardly moved and thus says little of its part of the model.
     fn still(&self) -> Vec<String> {
         let moves = |i: usize| {
             let (range, noise) = (self.predictor.range(i), self.noise(i));
@@ -271,7 +271,7 @@ impl Page<'_> {
     }
 }
 
-/// Errors of one column over all horizons, beside those of another model that has the same horizons.
+/// Table of the errors of one column over all horizons, beside those of another model with the same horizons.
 fn error_table(
     errors: &[HorizonErrors],
     others: Option<(&str, &[HorizonErrors])>,

@@ -1,24 +1,24 @@
-//! The learned numbers with what the logs say of them.
+//! The learned numbers with their standard errors.
 
 use super::page::{escaped, folded, list, number, paragraph, section, table};
 use crate::torque_numbers::TorqueNumbers;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
 use leastaction_models::{Architecture, NumberName};
 
-/// A number whose standard error is more than this part of it is hardly shown.
+/// Relative standard error above which a number counts as hardly shown.
 const HARDLY: f64 = 0.5;
 
-/// Names of all numbers by their positions, with what a model has for them where that is another.
+/// Names of all numbers by position, with the model's values where these differ from the estimates.
 pub(super) struct Names {
-    /// None of a weight of a network.
+    /// Names; `None` for a network weight.
     names: Vec<Option<NumberName>>,
     model: Option<Vec<f64>>,
-    /// Where the zero offsets of encoders begin.
+    /// Position of the first encoder zero offset.
     zeros: usize,
 }
 
 impl Names {
-    /// Of the numbers that windows share.
+    /// Names of the numbers that all windows share.
     pub fn of_windows(architecture: &Architecture, layout: &CalibrationLayout) -> Self {
         let (mut names, letters) = (architecture.number_names(), architecture.coordinates());
         let of_calibration = |position: usize| {
@@ -29,13 +29,13 @@ impl Names {
         Self { names, model: None, zeros: layout.zero(0, 0) }
     }
 
-    /// Of the numbers that torques depend on.
+    /// Names of the numbers that torques depend on.
     pub fn of_torques(numbers: &TorqueNumbers) -> Self {
         let names: Vec<_> = numbers.full_names().map(Some).collect();
         Self { zeros: names.len(), names, model: Some(numbers.model.clone()) }
     }
 
-    /// Name and unit; none of a weight of a network.
+    /// Name and unit; `None` for a network weight.
     fn of(&self, position: usize) -> Option<(String, &'static str)> {
         let name = self.names.get(position)?.as_ref()?;
         Some((name.name.clone(), name.unit))
@@ -46,7 +46,7 @@ impl Names {
     }
 }
 
-/// The sections on what a log of torques says alone.
+/// The sections on the numbers that a log of torques alone shows.
 pub(super) fn of_torques(numbers: &TorqueNumbers) -> String {
     let about = "Base parameters, the combinations of masses, centres and inertias that torques depend on at all, and friction: by this log \
                  alone, without the prior and without the bounds of bodies, beside what the model has. Intervals cover what a log \
@@ -61,7 +61,7 @@ pub(super) fn of_torques(numbers: &TorqueNumbers) -> String {
         .concat()
 }
 
-/// The sections on numbers, and on what was not shown.
+/// The sections on shown numbers and on numbers that were not shown.
 pub(super) fn sections(certainty: &Certainty, names: &Names) -> [String; 2] {
     let named = |of: &&LearnedNumber| names.of(of.position).is_some();
     let (zeros, others): (Vec<_>, Vec<_>) =

@@ -1,8 +1,8 @@
-//! Pages that need nothing else: text, tables and pictures in one HTML file.
+//! Self-contained pages: text, tables and pictures in one HTML file.
 
 use std::fmt::Display;
 
-/// The look of all pages.
+/// Style sheet of all pages.
 pub const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b}\
 h1{font-size:1.5rem;overflow-wrap:anywhere}h2{font-size:1.15rem;margin-top:2.5rem}\
 div.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}\
@@ -11,7 +11,7 @@ td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{
 td.worse b{color:#a33c00}code{font-size:.8rem;background:#f3f3f3;padding:.05rem .3rem}\
 details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}ul.notes{font-size:.8rem;color:#444}";
 
-/// A page of this title; `body` is HTML.
+/// A page with this title; `body` is HTML.
 pub fn page(title: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -21,12 +21,12 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// As HTML has text.
+/// Escapes text for HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A section of these parts, HTML each; nothing where all of them are empty.
+/// A section of HTML parts; empty if all parts are empty.
 pub(super) fn section(title: &str, parts: &[String]) -> String {
     let parts = parts.concat();
     if parts.is_empty() { parts } else { format!("<h2>{}</h2>\n{parts}", escaped(title)) }
@@ -37,13 +37,13 @@ pub(super) fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escaped(text))
 }
 
-/// A list of plain texts; nothing of none.
+/// A list of plain texts; empty if there are none.
 pub(super) fn list(items: &[String]) -> String {
     let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escaped(item))).collect();
     if items.is_empty() { items } else { format!("<ul>\n{items}</ul>\n") }
 }
 
-/// A table whose cells are HTML; the columns of these numbers are text.
+/// A table of HTML cells; `text` lists the columns that hold text.
 pub(super) fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> String {
     let class = |k: usize| if text.contains(&k) { " class=\"text\"" } else { "" };
     let head: String =
@@ -55,19 +55,19 @@ pub(super) fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> Stri
     format!("<div class=\"wide\"><table>\n<tr>{head}</tr>\n{rows}</table></div>\n")
 }
 
-/// What is shown on demand alone.
+/// A part that is folded until the reader opens it.
 pub(super) fn folded(summary: &str, body: &str) -> String {
     format!("<details><summary>{}</summary>\n{body}</details>\n", escaped(summary))
 }
 
-/// A picture, which a narrow screen scrolls rather than shrinks to what cannot be read.
+/// A picture that scrolls on a narrow screen rather than shrinking until it cannot be read.
 pub(super) fn picture(svg: &str) -> String {
     let start = svg.find("<svg").unwrap_or(0);
     let svg = svg[start..].replacen("<svg", "<svg style=\"min-width:34rem\"", 1);
     format!("<div class=\"wide\">{svg}</div>\n")
 }
 
-/// A number in three digits.
+/// Formats a number with three significant digits.
 pub(super) fn number(x: f64) -> String {
     let size = x.abs();
     if x.is_nan() {
@@ -84,7 +84,7 @@ pub(super) fn number(x: f64) -> String {
     }
 }
 
-/// A number, large, with what belongs to it below.
+/// A table cell: a number, with a smaller text below.
 pub(super) fn cell(of: impl Display, below: &str) -> String {
     let below = if below.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(below)) };
     format!("<b>{of}</b>{below}")

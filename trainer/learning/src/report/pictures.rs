@@ -1,20 +1,20 @@
-//! Pictures of predictions and residuals.
+//! Plots of predictions and residuals.
 
 use super::unit_of;
 use crate::evaluate::horizons::{Prediction, Predictions};
 use crate::windows::WindowLogs;
 use leastaction_plot::{NotDrawn, Panel, Series, Stroke, Vertical, curves_svg, stacked_svg};
 
-/// Coordinates that are drawn, at most.
+/// Largest number of coordinates that are drawn.
 pub(super) const MOST: usize = 6;
-/// Points of a curve.
+/// Number of points per curve.
 const POINTS: usize = 201;
-/// Bars of a histogram.
+/// Number of bars in a histogram.
 const BARS: usize = 60;
-/// Standard deviations on each side of it.
+/// Half-width of the histogram, in standard deviations.
 const SIDES: f64 = 5.0;
 
-/// A prediction beside what was measured, coordinate below coordinate.
+/// Plots a prediction over the measurements, one panel per coordinate.
 pub(super) fn motion(
     title: &str,
     of: &Prediction,
@@ -36,7 +36,7 @@ pub(super) fn motion(
     stacked_svg(title, "time in the log (s)", &panels)
 }
 
-/// The median error over time, beside another model where there is one, a constant velocity and the noise.
+/// Plots the median error over time, beside a constant velocity, the noise and, if given, another model.
 pub(super) fn growth(
     predictions: &Predictions,
     beside: Option<(&str, &Predictions)>,
@@ -58,7 +58,7 @@ pub(super) fn growth(
     curves_svg("Error over the horizon", ("time ahead (s)", &label), Vertical::Logarithmic, &series)
 }
 
-/// Residuals of a coordinate, and the normal distribution of this deviation.
+/// Histogram of a coordinate's residuals, with the normal distribution of standard deviation `deviation`.
 pub(super) fn histogram(
     i: usize,
     residuals: &[f64],

@@ -1,4 +1,4 @@
-//! Pictures of inertia and potential over what the logs covered.
+//! Plots of inertia and potential over the range of the logs.
 
 use super::unit_of;
 use crate::evaluate::median;
@@ -9,21 +9,21 @@ use leastaction_models::rest::AtRest;
 use leastaction_plot::{NotDrawn, Series, Vertical, curves_svg};
 use std::f64::consts::PI;
 
-/// Coordinates whose inertia is drawn, at most.
+/// Largest number of coordinates for which inertia is drawn.
 const MOST: usize = 2;
-/// Points of a curve.
+/// Number of points per curve.
 const POINTS: usize = 121;
-/// Positions that the range is taken from, about.
+/// Approximate number of positions that determine the range.
 const SAMPLES: usize = 4000;
 
-/// Positions along a coordinate, the others being where they mostly are.
+/// Positions along one coordinate, with the other coordinates at their median.
 struct Slice {
     along: usize,
     q: Vec<f64>,
     at_rest: Vec<AtRest>,
 }
 
-/// Inertia and potential along every coordinate; nothing for more than two coordinates.
+/// Plots of inertia and potential along every coordinate; empty if there are more than two coordinates.
 pub(super) fn pictures(
     model: &Model,
     logs: &WindowLogs,
@@ -53,7 +53,7 @@ pub(super) fn pictures(
     Ok(slices.iter().flat_map(of).collect())
 }
 
-/// Some positions of a coordinate from all over the logs, m or rad.
+/// Positions of a coordinate sampled throughout the logs, m or rad.
 pub(super) fn column(logs: &WindowLogs, i: usize) -> Vec<f64> {
     let all: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
     let stride = all.div_ceil(SAMPLES).max(1);
@@ -61,7 +61,7 @@ pub(super) fn column(logs: &WindowLogs, i: usize) -> Vec<f64> {
     (0..logs.count()).flat_map(of).collect()
 }
 
-/// From the least to the largest position; of angles a turn at most.
+/// Positions from the least to the largest; for an angle at most one turn.
 fn range(column: &[f64], is_angle: bool) -> Vec<f64> {
     let (least, most) =
         column.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
@@ -94,7 +94,7 @@ impl Slice {
         curves_svg(&title, (&self.axis(letters), &label), Vertical::Linear, &series)
     }
 
-    /// V = ∫ ∂V/∂q dq by trapezoids, 0 where it is least.
+    /// Potential V = ∫ ∂V/∂q dq by the trapezoidal rule, shifted so that its minimum is 0.
     fn potential(&self, letters: &str) -> Result<String, NotDrawn> {
         let slopes = self.at_rest.iter().map(|at| at.slope[self.along]).collect::<Vec<_>>();
         let mut values = vec![0.0];

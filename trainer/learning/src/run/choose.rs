@@ -1,4 +1,4 @@
-//! Which of several configurations predicts logs best that it has not seen.
+//! Choice among several configurations of the one that predicts held-back logs best.
 
 use super::held_back::{Learned, Trial};
 use super::lengths::{self, Lengths};
@@ -10,32 +10,32 @@ use leastaction_models::config::{ModelConfig, Source};
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// A configuration with its data, the one of several that predicts held-back logs best.
+/// The configuration, of several, that predicts held-back logs best, with its data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
-    /// With one choice of columns.
+    /// The configuration, with one choice of columns.
     pub config: Config,
-    /// What it reads.
+    /// Data that the configuration reads.
     pub data: Dataset,
-    /// What was decided on reading, with the file.
+    /// Decisions made on reading, each with its file.
     pub notes: Vec<(PathBuf, Note)>,
-    /// What else was decided, by held-back logs.
+    /// Further decisions, made by held-back logs.
     pub choices: Choices,
 }
 
-/// How far off positions of held-back logs were, by which something was decided.
+/// Decisions with their grounds: position errors of held-back logs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choices {
-    /// Where there were several: the columns of u of each, m or rad.
+    /// Names of the u columns of each alternative with their error, m or rad; empty if there was no choice.
     pub columns: Vec<(Vec<String>, f64)>,
-    /// Lengths of windows, where the configuration names none.
+    /// Window lengths, if the configuration names none.
     pub lengths: Option<Lengths>,
-    /// What networks that correct the model were worth, where they were tried.
+    /// Effect of networks that correct the model, if they were tried.
     pub networks: Option<Tried>,
 }
 
 impl Choices {
-    /// What there is to say, a sentence each.
+    /// The decisions as sentences.
     pub fn sentences(&self) -> Vec<String> {
         let of_columns = |(columns, error): &(Vec<String>, f64)| {
             format!(
@@ -49,7 +49,7 @@ impl Choices {
     }
 }
 
-/// Why nothing could be chosen.
+/// The reason why nothing could be chosen.
 #[derive(Debug, Error)]
 pub enum ChoiceError {
     /// A log cannot be read.
@@ -60,12 +60,12 @@ pub enum ChoiceError {
     Plan(#[from] PlanError),
 }
 
-/// Reads the log of a configuration. Where several columns may be u, windows may be of several lengths, or networks are tried, what is learned with
-/// each from parts of the logs predicts the others: the best is taken. Columns and lengths are those of simple physics, without the networks
-/// that correct it.
+/// Reads the log of a configuration and settles what it leaves open: the columns of u, the length of windows, and whether to keep networks.
+/// Each alternative learns from some parts of the logs and predicts the other parts; the best is taken. Columns and lengths are chosen with
+/// simple physics, without the networks that correct it.
 ///
 /// # Errors
-/// [`ChoiceError`]: a log cannot be read, or a run with it cannot begin.
+/// [`ChoiceError`] if a log cannot be read, or a run with it cannot begin.
 pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
     let (mut chosen, learned) = choose_columns(config)?;
     let Chosen { config, data, choices, .. } = &mut chosen;
@@ -95,18 +95,19 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
     Ok(chosen)
 }
 
-/// The model without networks that correct it, unless they were trained before.
+/// The configuration with a model without correcting networks, unless its weights were trained before.
 fn simple(config: &Config) -> Config {
     let alone = config.model.with_networks(false, false).filter(|_| config.model.source() != Source::Weights);
     Config { model: alone.unwrap_or_else(|| config.model.clone()), ..config.clone() }
 }
 
-/// Whether training is over windows. An arm's begins at a fit of torques, which would take longer than all else.
+/// Whether training is over windows and their length can be tried. An arm is excluded: its training begins with a fit of torques, which
+/// would take longer than everything else.
 fn takes_lengths(config: &Config, data: &Dataset) -> Result<bool, PlanError> {
     Ok(Plan::loss(config, data)? == TrainingLoss::Windows && !matches!(config.model, ModelConfig::Arm(_)))
 }
 
-/// With the columns of u that are best, and what was learned by them, where there were several.
+/// The choice with the best columns of u and, if there were several, the result learned with them.
 fn choose_columns(config: Config) -> Result<(Chosen, Option<Learned>), ChoiceError> {
     config.data.check_left_out()?;
     let candidates = config.data.alternatives();

@@ -1,28 +1,28 @@
-//! How a run ends, and what is said and written then.
+//! The end of a run, with its messages and its report.
 
 use super::{Monitor, Run, report, within};
 use crate::report::ReportError;
 use crate::training::Objective;
 
-/// How a run ended.
+/// The reason why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// All iterations are done.
+    /// The iteration limit is reached.
     Iterations,
     /// No step lowers the loss any more.
     Converged,
-    /// The training loss is at its target.
+    /// The training loss has reached its target.
     Target,
-    /// The validation loss has not fallen for long.
+    /// The validation loss has not fallen for too many iterations.
     Patience,
-    /// The time is over.
+    /// The time limit is reached.
     Time,
     /// Stopped from outside.
     Interrupted,
 }
 
 impl Ending {
-    /// In a word.
+    /// One-word name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Iterations => "iterations",
@@ -36,7 +36,7 @@ impl Ending {
 }
 
 impl Run {
-    /// What the best numbers are worth, where they were learned over windows.
+    /// Writes the report page, if the run learned over windows.
     pub(super) fn write_report(&self) -> Result<(), ReportError> {
         match within(self.pool.as_ref(), || report::html(&self.plan, &self.state))? {
             Some(page) => Ok(crate::atomic::write(&self.folder.report(), page.as_bytes())?),
@@ -44,8 +44,8 @@ impl Run {
         }
     }
 
-    /// In the last stage: how many training samples count as predicted by a constant velocity with the best weights, and how many
-    /// there are.
+    /// Number of training samples that count as predicted by a constant velocity with the best weights, and the number of all training
+    /// samples; `None` before the last stage.
     pub(super) fn unsolved(&self) -> Option<(usize, usize)> {
         let stage = self.stage().filter(|_| self.is_in_last_stage())?;
         Some((self.unsolved_of(&*stage.objective), stage.objective.samples()))
@@ -56,12 +56,12 @@ impl Run {
     }
 
     fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        // Samples of another stage, or held back, have numbers of their own.
+        // Samples of another stage, and held-back samples, have numbers of their own.
         let weights = || objective.enter(self.state.best.weights.clone());
         within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
     }
 
-    /// What went wrong without an error.
+    /// Warns of failures that raised no error.
     pub(super) fn say_what_was_not_learned(&self, unsolved: usize, monitor: &mut dyn Monitor) {
         if self.state.iteration > 0 && self.state.best.iteration == 0 {
             monitor.warning("nothing was learned: no iteration was better than the initial weights");

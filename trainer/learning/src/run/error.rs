@@ -1,4 +1,4 @@
-//! Why a run cannot begin or go on.
+//! Errors that keep a run from beginning or going on.
 
 use super::notice;
 use super::plan::Plan;
@@ -11,13 +11,13 @@ use thiserror::Error;
 /// A run that cannot begin or go on.
 #[derive(Debug, Error)]
 pub enum RunError {
-    /// There is already something in the folder.
+    /// The folder is already in use.
     #[error("{} already exists; go on with --resume, start anew with --force, or choose another folder", folder.display())]
     Exists {
         /// The folder.
         folder: PathBuf,
     },
-    /// What is in the folder is no run, but files that a run would overwrite.
+    /// The folder holds no run, but a file that a run would overwrite.
     #[error("{}: there is no run to replace, but a file {name} that training would overwrite; choose another folder", folder.display())]
     NoRun {
         /// The folder.
@@ -25,7 +25,7 @@ pub enum RunError {
         /// The file.
         name: &'static str,
     },
-    /// The checkpoint does not allow to go on.
+    /// The checkpoint does not allow the run to go on.
     #[error("cannot resume: {0}")]
     Resume(#[from] ResumeError),
     /// The folder cannot be written to.
@@ -33,7 +33,7 @@ pub enum RunError {
     Folder {
         /// The folder.
         folder: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The last state could not be saved.
@@ -44,11 +44,11 @@ pub enum RunError {
     Save {
         /// The folder.
         folder: PathBuf,
-        /// That could not be saved.
+        /// Iteration that could not be saved.
         iteration: u64,
-        /// That was saved last.
+        /// Iteration that was saved last.
         saved: u64,
-        /// What the operating system said.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The loss cannot be evaluated.
@@ -58,9 +58,9 @@ pub enum RunError {
     Stuck {
         /// Name of the stage.
         stage: &'static str,
-        /// Where.
+        /// Iteration at whose weights the loss failed.
         iteration: u64,
-        /// What to look at.
+        /// Advice on what to check.
         advice: String,
     },
     /// The threads could not be started.
@@ -68,7 +68,7 @@ pub enum RunError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// The loss of a stage cannot be evaluated.
+/// The error for a stage whose loss cannot be evaluated.
 pub(super) fn stuck(plan: &Plan, stage: &'static str, iteration: u64) -> RunError {
     RunError::Stuck { stage, iteration, advice: notice::advice(plan.notices()) }
 }

@@ -1,13 +1,13 @@
-//! Fingerprints that tell one input from another by accident, not by malice.
+//! Fingerprints that tell inputs apart; they guard against accidents, not against malice.
 
 use crate::checksummed::Fingerprint;
 use crate::config::TrainingLoss;
 use crate::data::{Dataset, Rows, Trajectory, control_name};
 use leastaction_core::forces::ControlKind;
 
-/// CRC-64/XZ over every number of a data set that the loss reads: the same for the same motion in another file or format,
-/// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are. A control that
-/// changes and is held is another than one that is linear between samples.
+/// CRC-64/XZ over all numbers of a data set that the loss reads. It is equal for the same motion in another file or format and, if the loss
+/// needs only positions and controls, whatever the logged velocities and accelerations are. A changing control that is held differs from
+/// one that is linear between samples.
 pub(super) fn of_data(data: &Dataset, loss: TrainingLoss) -> u64 {
     let (state, acceleration) = (loss.reads_velocities(), loss == TrainingLoss::Acceleration);
     let mut fingerprint = Fingerprint::default();

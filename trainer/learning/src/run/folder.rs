@@ -10,18 +10,18 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// One line an iteration.
+/// History file, one line per iteration.
 const HISTORY: &str = "history.csv";
 /// The configuration as it was read, every key written out.
 const CONFIG: &str = "config.toml";
-/// The history as a picture.
+/// Plot of the history.
 const LOSS_CURVE: &str = "loss.svg";
-/// What a run over windows is worth.
+/// Report on a run over windows.
 const REPORT: &str = "report.html";
 
 const HEAD: &str = "iteration,stage,seconds,train,validation\n";
 
-/// Where the files of a run lie.
+/// The folder that holds the files of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     pub path: PathBuf,
@@ -40,41 +40,41 @@ impl Folder {
         self.path.join(REPORT)
     }
 
-    /// Whether there is something in it beside a lock.
+    /// Whether the folder holds anything besides a lock.
     pub fn is_used(&self) -> bool {
         match fs::read_dir(&self.path) {
             Ok(entries) => entries.flatten().any(|entry| entry.file_name() != lock::FILE),
-            // A file of that name, or a folder that may not be read.
+            // A file has this name, or the folder may not be read.
             Err(_) => self.path.symlink_metadata().is_ok(),
         }
     }
 
-    /// Whether a run was in it, or is.
+    /// Whether a run has used the folder, or is using it.
     pub fn has_lock(&self) -> bool {
         lock::file(&self.path).exists()
     }
 
-    /// Whether there is a run.
+    /// Whether the folder holds a run.
     pub fn has_run(&self) -> bool {
         self.checkpoint().exists()
     }
 
-    /// A file in it that a run would overwrite beside a checkpoint.
+    /// A file in the folder, other than a checkpoint, that a run would overwrite.
     pub fn foreign(&self) -> Option<&'static str> {
         [CONFIG, HISTORY, LOSS_CURVE, REPORT].into_iter().find(|name| self.path.join(name).exists())
     }
 
-    /// Makes it and keeps other runs out of it.
+    /// Creates the folder and locks it against other runs.
     pub fn lock(&self) -> Result<Lock, RunError> {
         Lock::new(&self.path).map_err(|error| self.failed(error))
     }
 
-    /// What the operating system said of it.
+    /// The error for a failed operation on the folder.
     pub fn failed(&self, error: io::Error) -> RunError {
         RunError::Folder { folder: self.path.clone(), error }
     }
 
-    /// Removes picture and page of an earlier run, which are not true of this one.
+    /// Removes picture and page of an earlier run, which do not describe this run.
     pub fn remove_pictures(&self) -> io::Result<()> {
         [self.loss_curve(), self.report()].iter().try_for_each(|file| match fs::remove_file(file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -82,7 +82,8 @@ impl Folder {
         })
     }
 
-    /// Writes the configuration with full paths, so that it can be used from here; one that says the same stays as it is written.
+    /// Writes the configuration with full paths, so that it can be used from the folder; an equal configuration there is left as it is
+    /// written.
     pub fn write_config(&self, config: &Config) -> io::Result<()> {
         let mut config = config.clone();
         config.model.files().into_iter().for_each(|file| *file = full(file));
@@ -94,7 +95,7 @@ impl Folder {
         crate::atomic::write(&path, config.to_toml().as_bytes())
     }
 
-    /// Draws losses over iterations.
+    /// Plots the losses over iterations.
     pub fn draw(&self, rows: &[Row]) -> Result<(), PlotError> {
         let curve = |stage: &str, loss: fn(&Row) -> Option<f64>| -> Vec<(f64, f64)> {
             let of_stage = rows.iter().filter(|row| row.stage == stage);
@@ -116,29 +117,29 @@ impl Folder {
     }
 }
 
-/// The full path of a file, or of a pattern of names.
+/// The full path of a file, or of a file name pattern.
 fn full(path: &Path) -> PathBuf {
     fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
 }
 
-/// The history on its way to the disk. Rows that could not be written are kept and written with the next.
+/// The history and its file. Rows that could not be written are kept and written with the next row.
 pub(super) struct History {
-    /// `None`: nothing is written yet.
+    /// File to append to; `None` until the history is written for the first time.
     file: Option<File>,
-    /// Bytes of whole rows.
+    /// Length of the complete rows in the file, bytes.
     length: u64,
     pending: String,
-    /// All of them.
+    /// All rows.
     pub rows: Vec<Row>,
 }
 
 impl History {
-    /// Of a run that has no rows yet, and no file.
+    /// An empty history without a file.
     pub fn new() -> Self {
         Self { file: None, length: 0, pending: String::new(), rows: Vec::new() }
     }
 
-    /// The history in a folder up to an iteration.
+    /// The history in a folder, up to iteration `until`.
     pub fn open(folder: &Folder, until: u64) -> io::Result<Self> {
         let mut rows = read_rows(&folder.path.join(HISTORY))?;
         rows.retain(|row| row.iteration <= until);
@@ -147,7 +148,7 @@ impl History {
         Ok(history)
     }
 
-    /// Writes all rows to a new file, to which others are appended.
+    /// Writes all rows to a new file; later rows are appended to it.
     pub fn write(&mut self, folder: &Folder) -> io::Result<()> {
         let path = folder.path.join(HISTORY);
         let text: String = std::iter::once(HEAD.to_owned()).chain(self.rows.iter().map(line)).collect();
@@ -158,7 +159,7 @@ impl History {
         Ok(())
     }
 
-    /// Appends a row; on error it stays pending, and no half row stays in the file.
+    /// Appends a row. On error the row stays pending, and no partial row stays in the file.
     pub fn push(&mut self, row: Row) -> io::Result<()> {
         self.pending.push_str(&line(&row));
         self.rows.push(row);
@@ -183,7 +184,7 @@ fn line(row: &Row) -> String {
     format!("{iteration},{stage},{seconds:.3},{train:e},{validation}\n")
 }
 
-/// The rows of a history, none where there is no file; what is not a row is left out.
+/// The rows of a history file, none if there is no file; lines that are not rows are skipped.
 fn read_rows(path: &Path) -> io::Result<Vec<Row>> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(text.lines().skip(1).filter_map(parse).collect()),

@@ -1,4 +1,4 @@
-//! Whose run is in a folder.
+//! Tests of which run owns a folder.
 
 use super::tests::{Warned, config, data, scaled};
 use super::*;
@@ -12,7 +12,7 @@ fn plan() -> Plan {
     Plan::new(config(), &data(3, true)).unwrap()
 }
 
-/// Positions that no step can reach.
+/// A plan for positions that no step can reach.
 fn hopeless() -> Plan {
     Plan::new(config(), &scaled(1e11)).unwrap()
 }
@@ -24,7 +24,7 @@ fn trained() -> tempfile::TempDir {
     folder
 }
 
-/// All its files but the lock.
+/// All files of a folder but the lock.
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> = paths.filter(|path| !path.ends_with(crate::lock::FILE)).collect();

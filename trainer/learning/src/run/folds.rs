@@ -1,26 +1,26 @@
-//! Logs divided into parts, each of which is held back once.
+//! Division of logs into folds, for cross-validation.
 
 use crate::data::{Dataset, Trajectory};
 
-/// Parts at most.
+/// Largest number of folds.
 const FOLDS: usize = 4;
-/// Windows of the longest length that tell which configuration is better: longer logs are not tried whole.
+/// Number of longest windows that suffices to compare configurations; more data is not tried whole.
 const ENOUGH: usize = 120;
-/// Windows of the longest length in a piece of a log, at most, and pieces that fewer logs are cut into, at least.
+/// Largest number of longest windows in a piece of a log; below, the least number of pieces that a few logs are cut into.
 const PIECE: usize = 8;
 const PIECES: usize = 2 * FOLDS;
 
-/// Trajectories to learn from, and behind them those that are held back.
+/// Trajectories to learn from, followed by held-back ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fold {
-    /// All of them.
+    /// All trajectories, training trajectories first.
     pub data: Dataset,
-    /// How many are learned from.
+    /// Number of training trajectories.
     pub training: usize,
 }
 
-/// Trajectories divided into four parts, or as many as there are; in the k-th fold every fourth trajectory is held back, from the k-th on, so
-/// that each is held back once. None of a single trajectory.
+/// Divides trajectories into four folds, or fewer if there are fewer trajectories. Fold k holds back every fourth trajectory from the k-th
+/// on; each is held back exactly once. A single trajectory gives no folds.
 pub fn folds(data: &Dataset) -> Vec<Fold> {
     let count = data.trajectories.len();
     let parts = if count < 2 { 0 } else { FOLDS.min(count) };
@@ -33,8 +33,9 @@ pub fn folds(data: &Dataset) -> Vec<Fold> {
     (0..parts).map(fold).collect()
 }
 
-/// As much of the data as tells which of several configurations is better, in at least as many trajectories as there are folds: pieces of
-/// trajectories that are few or long, from all over them; `longest` is how many samples a window has at most.
+/// An excerpt of the data that suffices to compare configurations, with at least as many trajectories as there are folds. A few
+/// trajectories, or long ones, are cut into pieces, and pieces from all over them are taken. `longest` is the largest number of samples in
+/// a window.
 pub(super) fn excerpt(data: &Dataset, longest: usize) -> Dataset {
     let samples: usize = data.trajectories.iter().map(Trajectory::samples).sum();
     if data.trajectories.len() >= FOLDS && samples <= ENOUGH * longest {
@@ -49,7 +50,7 @@ pub(super) fn excerpt(data: &Dataset, longest: usize) -> Dataset {
     Dataset { trajectories, ..*data }
 }
 
-/// Pieces of a trajectory, each of about so many samples.
+/// Cuts a trajectory into pieces of about `piece` samples.
 fn cut(trajectory: &Trajectory, piece: usize, h: f64) -> Vec<Trajectory> {
     let samples = trajectory.samples();
     let count = (samples / piece).max(1);

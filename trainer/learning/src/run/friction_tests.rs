@@ -2,7 +2,7 @@ use super::tests::{Warned, config, data};
 use super::*;
 use crate::config::Config;
 
-/// The pendulum with friction of these keys.
+/// A configuration of the pendulum with these friction keys.
 fn rubbing(friction: &str) -> Config {
     let mut config = config();
     let text = format!("[data]\nfile = \"a\"\n[model]\ncoordinates = \"a\"\nhidden = [5]\n{friction}");
@@ -20,7 +20,7 @@ fn a_known_friction_shows_the_scale_and_a_learned_one_does_not() {
     }
 }
 
-/// Stops after so many rows.
+/// Stops after `rows` rows.
 struct StopsAfter<'s> {
     rows: usize,
     stop: &'s AtomicBool,
@@ -35,7 +35,7 @@ impl Monitor for StopsAfter<'_> {
     fn warning(&mut self, _: &str) {}
 }
 
-/// With numbers that have a range the optimisers' steps are of others, but a checkpoint holds all there is to know.
+/// Numbers with ranges are optimised in other variables; a checkpoint nevertheless holds all that is needed.
 #[test]
 fn a_run_with_ranges_goes_on_bit_for_bit() {
     for optimiser in [crate::config::OptimiserKind::LevenbergMarquardt, crate::config::OptimiserKind::Adam] {

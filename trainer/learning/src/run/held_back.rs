@@ -1,4 +1,4 @@
-//! What configurations that learned from a part of the logs say of the others.
+//! Comparison of configurations by logs that they did not learn from.
 
 use super::folds::{Fold, excerpt, folds};
 use super::lengths;
@@ -6,35 +6,36 @@ use super::plan::{Plan, PlanError};
 use crate::config::Config;
 use crate::data::Dataset;
 
-/// The logs by which configurations are compared.
+/// The logs that configurations are compared by.
 pub(super) struct Trial {
     folds: Vec<Fold>,
-    /// Lengths of windows over which held-back positions are compared, s, the shortest first.
+    /// Window lengths over which held-back positions are compared, s, in ascending order.
     pub lengths: Vec<f64>,
 }
 
-/// What a configuration learned in each fold.
+/// Results of a configuration in every fold.
 pub(super) struct Learned {
     pub fits: Vec<Fit>,
     pub held_back: HeldBack,
 }
 
-/// What was learned in a fold: the numbers that windows share, or all there are.
+/// The numbers learned in a fold: those that windows share, or all.
 pub(super) struct Fit {
     pub plan: Plan,
     pub weights: Vec<f64>,
 }
 
-/// Errors of held-back positions: of every log the sum of the logarithms of mean squares, (m, rad)², over its windows, each as often as it is
-/// long, and the sum of their lengths; where the loss is over single steps, of every fold the logarithm of the held-back loss.
+/// Errors of held-back positions. For windows, one entry per log: the sum over its windows of ln(mean square, (m, rad)²) weighted by window
+/// length, and the sum of the lengths. For a loss over single steps, one entry per fold: the logarithm of the held-back loss, with weight
+/// 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct HeldBack(Vec<[f64; 2]>);
 
-/// How far off positions of a part of the logs are, m or rad, that a model predicts before any iteration: rigid bodies as the linear fit to the
-/// torques of the others leaves them, other models as they begin. `None` where nothing finite is predicted, or no log can be held back.
+/// Position error on a held-back part of the logs, m or rad, before any iteration: rigid bodies have the linear fit to the torques of the
+/// other logs, other models their initial weights. `None` if no prediction is finite or no log can be held back.
 ///
 /// # Errors
-/// As [`Plan::new`].
+/// See [`Plan::new`].
 pub fn error_at_start(config: &Config, data: &Dataset) -> Result<Option<f64>, PlanError> {
     let mut own = config.clone();
     (own.training.iterations, own.training.warm_up) = (0, 0);
@@ -46,7 +47,7 @@ pub fn error_at_start(config: &Config, data: &Dataset) -> Result<Option<f64>, Pl
 }
 
 impl Trial {
-    /// All of these logs, or, where these are few or long, pieces of them.
+    /// Takes all of these logs or, if they are few or long, pieces of them.
     pub fn new(config: &Config, data: &Dataset) -> Self {
         let lengths = |data: &Dataset| match config.training.window {
             Some(window) => vec![window],
@@ -57,11 +58,11 @@ impl Trial {
         Self { folds: folds(&data), lengths: lengths(&data) }
     }
 
-    /// A few iterations in every fold, from the initial weights or from what was learned before; `None` where nothing is learned in
-    /// some fold, or no log is as long as a window.
+    /// Trains for a few iterations in every fold, from the initial weights or from an earlier result. `None` if nothing is learned in some
+    /// fold, or if no log is as long as a window.
     ///
     /// # Errors
-    /// As [`Plan::new`].
+    /// See [`Plan::new`].
     pub fn learn(&self, config: &Config, before: Option<&Learned>) -> Result<Option<Learned>, PlanError> {
         let mut own = config.clone();
         own.training.overlap = Some(0.0);
@@ -83,7 +84,7 @@ impl Trial {
         Ok((!all.fits.is_empty()).then_some(all))
     }
 
-    /// The errors of the logs that a fold holds back; `None` where they are none that is finite.
+    /// The errors on the logs that a fold holds back; `None` unless they are finite.
     fn judged(&self, fit: &Fit, fold: &Fold) -> Result<Option<Vec<[f64; 2]>>, PlanError> {
         let Fit { plan, weights } = fit;
         let mut errors = Vec::new();
@@ -111,14 +112,15 @@ impl Trial {
     }
 }
 
-/// These errors, if there are any and all are numbers.
+/// The errors, if there are any and all are finite.
 fn finite(errors: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     let is_finite = errors.iter().all(|[sum, _]| sum.is_finite());
     (is_finite && errors.iter().any(|[_, lengths]| *lengths > 0.0)).then_some(errors)
 }
 
 impl Fit {
-    /// The last numbers that training gives, not those that the held-back logs like best: more numbers would have more chances.
+    /// Takes the final weights of training rather than those best on held-back logs: the latter would favour configurations with more
+    /// numbers.
     fn new(plan: Plan) -> Option<Self> {
         let state = plan.last_state()?;
         let mut weights = state.optimiser.weights().to_vec();
@@ -130,7 +132,7 @@ impl Fit {
 }
 
 impl Plan {
-    /// The last stage alone, from what was learned before: networks that correct a model and were not there act hardly at first.
+    /// Keeps only the last stage, and starts it from an earlier result. Newly added correcting networks start with almost no effect.
     fn go_on(&mut self, before: &Fit) {
         self.stages.drain(..self.stages.len().saturating_sub(1));
         self.initial.clone_from(&before.weights);
@@ -142,19 +144,19 @@ impl Plan {
 }
 
 impl HeldBack {
-    /// The mean logarithm.
+    /// The mean logarithm of the mean square.
     fn mean(&self) -> f64 {
         let [sum, lengths] = self.0.iter().fold([0.0; 2], |[a, b], [sum, length]| [a + sum, b + length]);
         sum / lengths
     }
 
-    /// The geometric mean of errors, m or rad.
+    /// The geometric mean of the errors, m or rad.
     pub fn error(&self) -> f64 {
         (0.5 * self.mean()).exp()
     }
 
-    /// By how much the logarithm of the mean square is larger than that of another model of the same logs, and the standard error of that,
-    /// logs being independent of each other.
+    /// Difference of the mean logarithms of two models of the same logs (self minus other), and its standard error, with logs taken as
+    /// independent.
     pub fn beside(&self, other: &Self) -> [f64; 2] {
         let difference = self.mean() - other.mean();
         let count = self.0.len().min(other.0.len()) as f64;
@@ -184,7 +186,7 @@ mod tests {
         let [difference, deviation] = alike.beside(&base);
         assert!((difference + 0.1).abs() < 1e-15 && deviation < 1e-14, "{difference} {deviation}");
         assert!(alike.is_less_than(&base) && !base.is_less_than(&alike));
-        // -0.4 of one log alone, whose neighbours know nothing of it: a mean of -0.1 whose standard error is more.
+        // A difference of -0.4 in one log alone, which its neighbours do not share: a mean of -0.1 with a larger standard error.
         let one = of([-2.4, -4.2, -2.2]);
         let [difference, deviation] = one.beside(&base);
         assert!(

@@ -1,4 +1,4 @@
-//! How long windows are.
+//! Choice of the window length.
 
 use super::held_back::{HeldBack, Learned, Trial};
 use super::plan::PlanError;
@@ -6,23 +6,23 @@ use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
 use std::fmt;
 
-/// The shortest length that is tried, s and steps; the others are twice and four times as long.
+/// The shortest length that is tried, in s and in steps (the longer of both); the factors give the other lengths.
 const SHORTEST: f64 = 0.25;
 const FEWEST_STEPS: f64 = 5.0;
 const FACTORS: [f64; 3] = [1.0, 2.0, 4.0];
-/// Which of them is taken where logs do not say.
+/// Index of the length taken if the logs do not decide.
 const USUAL: usize = 1;
-/// An error that is not below this part of that with the usual length is no reason for another: logs of one machine differ by more.
+/// Ratio to the error with the usual length below which another length is worth taking: logs of one machine differ by more.
 const WORTH: f64 = 0.9;
-/// The part of the samples that must lie in logs as long as a window.
+/// Fraction of the samples that must lie in logs as long as a window.
 const MOST: f64 = 0.9;
 
-/// How far off positions of held-back logs were with windows of several lengths.
+/// Position errors of held-back logs for several window lengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lengths {
-    /// The length of windows that were learned from, s, and how far off positions of held-back logs then were, m or rad.
+    /// Window lengths, s, each with the position error of held-back logs, m or rad.
     pub errors: Vec<(f64, f64)>,
-    /// The length that is taken, s.
+    /// The chosen length, s.
     pub chosen: f64,
 }
 
@@ -37,17 +37,17 @@ impl fmt::Display for Lengths {
     }
 }
 
-/// Samples from the start of a window to its end, at least one.
+/// Number of steps in a window, at least one.
 pub(super) fn steps(window: f64, h: f64) -> usize {
     ((window / h).round() as usize).max(1)
 }
 
-/// The lengths, whatever the logs.
+/// All candidate lengths for a step `h`, s.
 fn all(h: f64) -> [f64; 3] {
     FACTORS.map(|factor| factor * SHORTEST.max(FEWEST_STEPS * h))
 }
 
-/// The lengths that nearly all logs have, s, the shortest first.
+/// Candidate lengths that nearly all logs reach, s, in ascending order.
 pub(super) fn candidates(data: &Dataset) -> Vec<f64> {
     let samples: usize = data.trajectories.iter().map(Trajectory::samples).sum();
     let in_logs_of = |steps: usize| -> usize {
@@ -58,20 +58,19 @@ pub(super) fn candidates(data: &Dataset) -> Vec<f64> {
     all(data.h).into_iter().filter(fits).collect()
 }
 
-/// The length where logs do not say which is best, s: half a second of most logs, less where they are shorter.
+/// The length taken if the logs do not decide, s: half a second for most logs, less for shorter ones.
 pub(super) fn usual(data: &Dataset) -> f64 {
     let candidates = candidates(data);
     let longest = candidates.last().copied();
     candidates.get(USUAL).copied().or(longest).unwrap_or(all(data.h)[0])
 }
 
-/// The length of windows by which held-back logs are predicted best, with what was learned by it: the usual one, unless the error of another is
-/// clearly less, and by more than the standard error of the difference. `None` where there is nothing to choose from.
-///
-/// All lengths go on from what the usual one gave.
+/// The window length that predicts held-back logs best, with the result learned with it: the usual length, unless the error of another is
+/// clearly smaller, and by more than the standard error of the difference. `None` if there is no choice.
+/// All lengths continue from the result of the usual length.
 ///
 /// # Errors
-/// As [`Trial::learn`].
+/// See [`Trial::learn`].
 pub(super) fn chosen(
     config: &Config,
     trial: &Trial,
@@ -141,7 +140,7 @@ mod tests {
         assert_eq!(one, on(3));
         let lengths: Vec<f64> = one.errors.iter().map(|(length, _)| *length).collect();
         assert_eq!(lengths, [0.25, 0.5, 1.0]);
-        // No more than a few times the noise.
+        // At most a few times the noise.
         assert!(one.errors.iter().all(|(_, error)| (5e-4..5e-3).contains(error)), "{one}");
         assert!(one.to_string().ends_with(&format!(": windows of {} s", one.chosen)), "{one}");
     }

@@ -1,14 +1,13 @@
-//! A training run in a folder of its own: it can be interrupted at any time and goes on bit for bit.
+//! A training run in a folder of its own. It can be interrupted at any time and resumes bit for bit.
 //!
-//! The folder has `checkpoint.postcard` (written atomically: an interruption or a full disk leaves the last one),
-//! `history.csv` (one line an iteration: `iteration,stage,seconds,train,validation`), `config.toml` and, at the end,
-//! `loss.svg` and, of a loss over windows, `report.html` ([`crate::report`]). While a run trains, the folder is locked. A run that replaces another leaves that one's files alone until its own loss
-//! is finite.
+//! The folder holds `checkpoint.postcard` (written atomically: an interruption or a full disk leaves the previous one intact),
+//! `history.csv` (one line per iteration: `iteration,stage,seconds,train,validation`), `config.toml` and, at the end, `loss.svg` and, for a
+//! loss over windows, `report.html` ([`crate::report`]). While a run trains, the folder is locked. A run that replaces another leaves the
+//! other's files alone until its own loss is finite.
 //!
-//! **What the data must show.** Positions and controls alone determine the motion, but not always the scale of L: a
-//! Lagrangian and any multiple of it move alike unless a known force acts. Without a forced sample the DEL residual is
-//! least for L = 0, so that loss is refused; the other losses give energies up to one common factor, which
-//! [`Notice::UnknownScale`] says.
+//! **What the data must show.** Positions and controls alone determine the motion, but not always the scale of L: a Lagrangian and any
+//! multiple of it give the same motion unless a known force acts. Without a forced sample the DEL residual is least for L = 0, so that loss
+//! is refused; the other losses give energies up to one common factor, as [`Notice::UnknownScale`] says.
 
 mod choose;
 mod ending;
@@ -65,11 +64,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// What is told while training goes on.
+/// Receives messages while training goes on.
 pub trait Monitor {
-    /// After every iteration.
+    /// Called after every iteration.
     fn row(&mut self, row: &Row);
-    /// Something went wrong that training survives.
+    /// Called on a problem that training survives.
     fn warning(&mut self, message: &str);
 }
 
@@ -80,23 +79,23 @@ pub struct Run {
     history: History,
     state: State,
     pool: Option<rayon::ThreadPool>,
-    /// Iteration of the last checkpoint; `None`: there is none yet, and the folder has another run's.
+    /// Iteration of the last checkpoint; `None` as long as this run has none and the folder may hold another run's.
     saved: Option<u64>,
-    /// When it was written last, or that failed.
+    /// Time of the last attempt to write a checkpoint.
     tried: Instant,
     _lock: Lock,
 }
 
 impl Run {
-    /// Begins in a folder, which must be empty or not exist; `force` replaces the run in it, as soon as this one has a finite loss.
+    /// Begins in a folder that is empty or does not exist. `force` replaces the run in the folder, as soon as this run has a finite loss.
     ///
     /// # Errors
-    /// [`RunError`] where the folder is in use or cannot be written.
+    /// [`RunError`] if the folder is in use or cannot be written.
     pub fn begin(plan: Plan, path: &Path, force: bool) -> Result<Self, RunError> {
         let folder = Folder { path: path.to_owned() };
         let exists = || RunError::Exists { folder: path.to_owned() };
         let refused = || folder.is_used() && !force;
-        // Where no run ever was, not even a lock is left.
+        // A folder in which there was never a run is left without a lock, too.
         if refused() && !folder.has_lock() {
             return Err(exists());
         }
@@ -119,14 +118,14 @@ impl Run {
         Ok(run)
     }
 
-    /// Goes on where the run in a folder was saved last.
+    /// Resumes the run in a folder from its last checkpoint.
     ///
     /// # Errors
-    /// [`RunError`] where there is no checkpoint, or it is of another configuration or other data.
+    /// [`RunError`] if there is no checkpoint, or if it belongs to another configuration or other data.
     pub fn resume(plan: Plan, path: &Path) -> Result<Self, RunError> {
         let folder = Folder { path: path.to_owned() };
         let read = || Checkpoint::read(&folder.checkpoint()).map_err(ResumeError::from);
-        // Where there is none, no lock is left; and nobody writes another while there is a lock.
+        // Without a checkpoint no lock is left behind; and under a lock no other run writes one.
         read()?;
         let lock = folder.lock()?;
         let checkpoint = read()?;
@@ -144,17 +143,17 @@ impl Run {
         &self.plan
     }
 
-    /// Iterations done.
+    /// Number of iterations done.
     pub fn iteration(&self) -> u64 {
         self.state.iteration
     }
 
-    /// The iteration that was saved last; `None` where the folder still has the run that this one is to replace.
+    /// The iteration that was saved last; `None` while the folder still holds the run that this one is to replace.
     pub fn saved(&self) -> Option<u64> {
         self.saved
     }
 
-    /// Seconds of training so far.
+    /// Training time so far, s.
     pub fn seconds(&self) -> f64 {
         self.state.seconds
     }
@@ -164,26 +163,26 @@ impl Run {
         &self.state.best
     }
 
-    /// How far off the torques of the best model are; `None` where they are not what is learned from.
+    /// Torque errors of the best model; `None` if the run does not learn from torques.
     pub fn torque_errors(&self) -> Option<SplitErrors> {
         let model = Trained::from(Checkpoint::new(&self.plan, &self.state)).model();
         within(self.pool.as_ref(), || self.plan.torque_errors(&model))
     }
 
-    /// The loss curve that [`Run::train`] draws.
+    /// Path of the loss curve that [`Run::train`] draws.
     pub fn loss_curve(&self) -> PathBuf {
         self.folder.loss_curve()
     }
 
-    /// The page that [`Run::train`] writes; none where there is none.
+    /// Path of the report that [`Run::train`] writes; `None` if there is none.
     pub fn report(&self) -> Option<PathBuf> {
         Some(self.folder.report()).filter(|file| file.exists())
     }
 
-    /// Trains to the end, or until `stop` is set; then saves and draws the loss curve.
+    /// Trains to the end, or until `stop` is set; then saves the run and draws the loss curve.
     ///
     /// # Errors
-    /// [`RunError::Stuck`] where the loss cannot be evaluated, [`RunError::Save`] where the last state cannot be saved.
+    /// [`RunError::Stuck`] if the loss cannot be evaluated, [`RunError::Save`] if the last state cannot be saved.
     pub fn train(&mut self, monitor: &mut dyn Monitor, stop: &AtomicBool) -> Result<Ending, RunError> {
         let started = Instant::now();
         let before = self.state.seconds;
@@ -235,7 +234,7 @@ impl Run {
         stuck(&self.plan, self.stage().map_or("", |stage| stage.name), self.state.iteration)
     }
 
-    /// Why no further iteration should be done; moves on to the next stage where this one is over.
+    /// The reason to stop, if any; moves on to the next stage if this one is over.
     fn ending(&mut self, stop: &AtomicBool) -> Option<Ending> {
         if stop.load(Ordering::Relaxed) {
             return Some(Ending::Interrupted);
@@ -294,7 +293,7 @@ impl Run {
         }
     }
 
-    /// Whether the loss that is trained for, not only that of a warm-up, is finite, and of more than constant velocities.
+    /// Whether the target loss (not just a warm-up's) is finite and the best weights solve at least one training sample.
     fn is_worth_the_earlier_run(&self) -> bool {
         self.state.best.is_a_model() && self.unsolved().is_some_and(|(unsolved, all)| unsolved < all)
     }
@@ -314,7 +313,7 @@ impl Run {
         Ok(())
     }
 
-    /// What goes with the first checkpoint, in place of that of an earlier run.
+    /// Writes the files that accompany the first checkpoint, in place of an earlier run's.
     fn write_rest(&mut self) -> io::Result<()> {
         self.folder.remove_pictures()?;
         self.folder.write_config(&self.plan.config)?;
@@ -322,12 +321,12 @@ impl Run {
     }
 }
 
-/// Threads of our own; `None` for as many as there are processors.
+/// A thread pool of this run's own; `None` stands for the default pool, one thread per processor.
 fn pool(threads: usize) -> Result<Option<rayon::ThreadPool>, rayon::ThreadPoolBuildError> {
     (threads > 0).then(|| parallel::threads(threads)).transpose()
 }
 
-/// Does something on these threads.
+/// Does `work` on the threads of the pool.
 fn within<T: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> T + Send) -> T {
     match pool {
         Some(pool) => pool.install(work),

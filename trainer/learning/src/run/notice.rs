@@ -1,4 +1,4 @@
-//! What the user should know before training begins, and the data as it is trained on.
+//! Notices for the user, and preparation of the data for training.
 
 use super::TorqueReport;
 use super::plan::PlanError;
@@ -8,37 +8,37 @@ use crate::data::{Dataset, Doubt, Note};
 use crate::windows::Noise;
 use leastaction_models::Architecture;
 
-/// Something the user should know before training begins, or when it ends.
+/// A notice for the user, given before training begins or when it ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
-    /// No sample is forced: the energies come out up to a common factor.
+    /// No sample is forced: the energies are known only up to a common factor.
     UnknownScale,
     /// The warm-up was left out because no sample is forced.
     NoWarmUp,
     /// Validation was asked for, but there is only one trajectory.
     NoValidation,
-    /// The positions are noisy, and so windows are trained on.
+    /// The positions are noisy; therefore training is over windows.
     Noisy {
-        /// Of the noisiest coordinate.
+        /// Noise of the noisiest coordinate.
         noise: Noise,
         /// Length of a window, s.
         window: f64,
     },
     /// An arm was fitted to torques.
     Torques(TorqueReport),
-    /// What was changed in the data.
+    /// The data was changed.
     Changed(Note),
-    /// What the data can hardly mean.
+    /// The data is implausible.
     Doubtful(Doubt),
-    /// The dry friction that was learned is stiff for the step.
+    /// The learned dry friction is too stiff for the step.
     Rings {
         /// The coordinate, from 0.
         coordinate: usize,
-        /// a = h c (M⁻¹)_ii/(2ε).
+        /// Stiffness a = h c (M⁻¹)_ii/(2ε).
         stiffness: f64,
-        /// That does not ring.
+        /// Largest stiffness at which the step does not ring.
         most: f64,
-        /// Of the step.
+        /// Order of the step.
         order: u8,
     },
 }
@@ -74,7 +74,8 @@ impl std::fmt::Display for Notice {
     }
 }
 
-/// The first `count` trajectories, angles going on across their seams, the control as asked for.
+/// The data as training takes it: the first `count` trajectories, with angles unwrapped and the control kind that the configuration asks
+/// for.
 pub(super) fn prepared(
     data: &Dataset,
     config: &Config,
@@ -97,7 +98,7 @@ pub(super) fn prepared(
     Ok((data, notices))
 }
 
-/// Whether a loss reads a field of the data: q, v, a or u.
+/// Whether a loss reads the field `field` of the data: q, v, a or u.
 fn reads(loss: Option<TrainingLoss>, field: &str) -> bool {
     match field {
         "v" => loss.is_some_and(TrainingLoss::reads_velocities),
@@ -106,7 +107,7 @@ fn reads(loss: Option<TrainingLoss>, field: &str) -> bool {
     }
 }
 
-/// What to do where a step cannot be solved.
+/// Advice for a step that cannot be solved.
 pub(super) fn advice(notices: &[Notice]) -> String {
     let doubts = notices.iter().filter(|notice| matches!(notice, Notice::Doubtful(_)));
     let doubts: Vec<String> = doubts.map(Notice::to_string).collect();

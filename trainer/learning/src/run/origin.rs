@@ -1,4 +1,4 @@
-//! Where a network begins that starts from another model.
+//! Initial weights of a network that starts from another model.
 
 use crate::data::Dataset;
 use crate::training::{Covered, network_start};
@@ -7,7 +7,7 @@ use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
 use leastaction_models::config::Origin;
 
-/// The energies of the model that a network starts from, over the range of the data.
+/// Weights of a network that reproduce the energies of its starting model over the range of the data.
 pub(super) fn at_origin(
     network: (&Architecture, Vec<f64>),
     data: &Dataset,

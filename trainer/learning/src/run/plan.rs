@@ -1,4 +1,4 @@
-//! What a run does, from a configuration and data: the stages, each with its losses.
+//! The plan of a run: its stages, each with its losses, from a configuration and data.
 
 mod checks;
 mod error;
@@ -24,24 +24,24 @@ use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::config::{Origin, Source};
 use leastaction_models::{Architecture, Model};
 
-/// Everything that a run is determined by.
+/// The plan of a run; it determines the run completely.
 pub struct Plan {
     pub(super) config: Config,
     pub(super) architecture: Architecture,
-    /// What training begins with.
+    /// Initial weights.
     pub(super) initial: Vec<f64>,
     pub(super) trained_step: Option<TrainedStep>,
-    /// What the data covered, training and validation.
+    /// Range of the data, training and validation.
     pub(super) range: Vec<CoordinateRange>,
-    /// Some positions of the data, for what is said of the trained model.
+    /// A sample of positions from the data, for checks of the trained model.
     pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
-    /// The model whose energies the initial weights are, where there is one.
+    /// Model whose energies the initial weights reproduce, if there is one.
     pub(super) origin: Option<Origin>,
-    /// What a loss over windows learns from.
+    /// Data of a loss over windows.
     pub(super) windows: Option<Windowed>,
     pub(super) stages: Vec<Stage>,
-    /// The logs by whose torques the model is judged, and how many it is learned from, where these are the loss.
+    /// Logs whose torques judge the model, with the number of training trajectories; `None` unless torques are the loss.
     driven: Option<(Dataset, usize)>,
     notices: Vec<Notice>,
 }
@@ -50,24 +50,24 @@ impl Plan {
     /// Splits the data and builds the losses.
     ///
     /// # Errors
-    /// [`PlanError`]: the data and the configuration do not fit each other.
+    /// [`PlanError`] if the data and the configuration do not fit each other.
     pub fn new(config: Config, data: &Dataset) -> Result<Self, PlanError> {
         Self::of(config, data, Scope::Whole)
     }
 
-    /// A few iterations on what a fold learns from, from the initial weights on or from others; nothing but the end is judged by what it
-    /// holds back.
+    /// The plan for a few iterations on the training part of a fold, from the initial weights or from others. The held-back part judges
+    /// only the result.
     ///
     /// # Errors
-    /// As [`Plan::new`].
+    /// See [`Plan::new`].
     pub(super) fn of_fold(config: Config, fold: &Fold, goes_on: bool) -> Result<Self, PlanError> {
         Self::of(config, &fold.data, Scope::Fold { training: fold.training, goes_on })
     }
 
-    /// What the stages of a configuration are over, by these data.
+    /// The loss that the stages of a configuration minimise, given these data.
     ///
     /// # Errors
-    /// As [`Plan::new`].
+    /// See [`Plan::new`].
     pub(super) fn loss(config: &Config, data: &Dataset) -> Result<TrainingLoss, PlanError> {
         let (architecture, _) = config.beginning()?;
         check_coordinates(&architecture, data)?;
@@ -86,7 +86,7 @@ impl Plan {
             Scope::Whole => split(&data, config.data.validation, &mut notices),
             Scope::Fold { training, .. } => training,
         };
-        // Bodies of an arm are found one by one, before any stage.
+        // The bodies of an arm are fitted individually, before any stage.
         let of_samples =
             loss.of_samples().filter(|kind| *kind != LossKind::Torque || architecture.family.arm().is_none());
         let (stages, windows) = match of_samples {
@@ -134,13 +134,13 @@ impl Plan {
         })
     }
 
-    /// What training ends with, in memory alone; `None` where no stage has a finite loss.
+    /// Trains in memory alone and returns the result; `None` if no stage reaches a finite loss.
     pub fn train(&self) -> Option<Trained> {
         let trained = Trained::from(Checkpoint::new(self, &self.last_state()?));
         trained.best.is_a_model().then_some(trained)
     }
 
-    /// The state that training ends in; `None` for a plan without stages.
+    /// The state at the end of training; `None` for a plan without stages.
     pub(super) fn last_state(&self) -> Option<State> {
         let mut state = State::new(self)?;
         while let Some(stage) = self.stages.get(state.stage) {
@@ -152,23 +152,23 @@ impl Plan {
         Some(state)
     }
 
-    /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
+    /// Layout of the learned sensor and actuator numbers in the parameter vector of a loss over windows.
     pub(super) fn calibration(&self) -> Option<CalibrationLayout> {
         self.windows.as_ref().map(|windows| windows.layout)
     }
 
-    /// What the user should know.
+    /// Notices for the user.
     pub fn notices(&self) -> &[Notice] {
         &self.notices
     }
 
-    /// How far off the torques of a trained model are; `None` where they are not what is learned from.
+    /// Torque errors of a trained model; `None` if torques are not the loss.
     pub(super) fn torque_errors(&self, model: &Model) -> Option<SplitErrors> {
         let (data, training) = self.driven.as_ref()?;
         SplitErrors::along(model, (data, *training), self.config.training.cut_off)
     }
 
-    /// How well an arm explains the torques that it was fitted to.
+    /// The report on an arm's fit to torques, if there was such a fit.
     pub(super) fn torques(&self) -> Option<&TorqueReport> {
         self.notices.iter().find_map(|notice| match notice {
             Notice::Torques(report) => Some(report),
@@ -176,35 +176,35 @@ impl Plan {
         })
     }
 
-    /// Samples of the last stage, and those that judge.
+    /// Number of training samples of the last stage, and of validation samples.
     pub fn samples(&self) -> (usize, usize) {
         let judges = self.stages.iter().rev().find_map(|stage| stage.validation.as_ref());
         let last = self.stages.last().map_or(0, |stage| stage.objective.samples());
         (last, judges.map_or(0, |part| part.samples()))
     }
 
-    /// Numbers in the weight block.
+    /// Size of the weight block.
     pub fn parameters(&self) -> usize {
         self.architecture.parameters().unwrap_or(0)
     }
 
-    /// Numbers in the weight block that training changes.
+    /// Number of entries in the weight block that training changes.
     pub fn learned_parameters(&self) -> usize {
         self.architecture.learned_parameters().unwrap_or(0)
     }
 
-    /// Iterations of all stages.
+    /// Number of iterations of all stages.
     pub fn iterations(&self) -> u64 {
         self.stages.iter().map(|stage| stage.iterations).fold(0, u64::saturating_add)
     }
 }
 
-/// Whether a known force acts, as a known friction does.
+/// Whether a known force acts; a known friction counts as one.
 pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
     data.is_forced() || architecture.friction.shows_scale()
 }
 
-/// How many trajectories are trained on; the others, from the end, are held back: the fraction, rounded, but at least one.
+/// Number of training trajectories. The rest, a fraction of all (rounded, but at least one), is held back from the end.
 fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
     let count = data.trajectories.len();
     if fraction == 0.0 {
@@ -217,8 +217,8 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
     count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
 }
 
-/// Where training over windows begins: an arm at a fit of torques, rigid bodies at one of smoothed states, networks that correct a model
-/// without effect.
+/// Starting weights for training over windows: an arm starts from a fit to torques, rigid bodies from a fit to smoothed states, correcting
+/// networks without effect.
 fn begin_windows(
     config: &Config,
     architecture: &Architecture,
@@ -243,7 +243,7 @@ fn begin_windows(
     Ok(initial)
 }
 
-/// What is minimised, and the length of windows, which the configuration then says.
+/// The loss to minimise. Writes the loss and the window length into the configuration.
 fn settle_loss(
     config: &mut Config,
     architecture: &Architecture,
@@ -259,7 +259,8 @@ fn settle_loss(
     loss
 }
 
-/// What is minimised: what the configuration says, or else windows where positions are noisy, as they then are, and the next position.
+/// The loss to minimise: that of the configuration, or else windows if positions are noisy (returned with their noise), or else the next
+/// position.
 fn loss_of(config: &Config, architecture: &Architecture, data: &Dataset) -> (TrainingLoss, Option<Noise>) {
     let training = &config.training;
     let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);

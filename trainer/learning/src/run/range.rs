@@ -1,14 +1,14 @@
-//! What the data of a run covered, for the model file.
+//! Range of the data, for the model file.
 
 use crate::data::{Dataset, Trajectory};
 use leastaction_core::model::{CoordinateRange, Interval};
 use leastaction_models::Architecture;
 
-/// Coordinates at most of which the range is kept: that of a large graph would be longer than its model.
+/// Largest number of coordinates for which the range is kept: for a larger graph it would be longer than the model.
 const MAX_COORDINATES: usize = 64;
 
-/// The range of every coordinate; empty for more than [`MAX_COORDINATES`]. Velocities that the log does not have are differences
-/// of positions, controls that it does not have are 0.
+/// The range of every coordinate; empty for more than [`MAX_COORDINATES`]. Missing velocities are taken as differences of positions,
+/// missing controls as 0.
 pub(super) fn of(architecture: &Architecture, data: &Dataset) -> Vec<CoordinateRange> {
     if data.n > MAX_COORDINATES {
         return Vec::new();
@@ -36,7 +36,7 @@ fn column(rows: &[f64], i: usize, n: usize) -> Vec<f64> {
     rows.iter().skip(i).step_by(n).copied().collect()
 }
 
-/// Smallest and largest value, rounded outwards to single precision; 0 … 0 of none.
+/// Smallest and largest value, rounded outwards to single precision; 0 … 0 if there are no values.
 fn interval(data: &Dataset, of: impl Fn(&Trajectory) -> Vec<f64>) -> Interval {
     let values = data.trajectories.iter().flat_map(of);
     let Some((least, most)) = values.fold(None, |range: Option<(f64, f64)>, x| {

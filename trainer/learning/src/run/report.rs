@@ -1,4 +1,4 @@
-//! The page of a run over windows.
+//! The report on a run over windows.
 
 use super::plan::Plan;
 use super::stages::Windowed;
@@ -11,7 +11,7 @@ use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
 use leastaction_models::config::Origin;
 use leastaction_models::{Facts, Model};
 
-/// The page on the best numbers of a run; nothing where nothing was learned over windows.
+/// The page on the best weights of a run; `None` if nothing was learned over windows.
 pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportError> {
     let best = &state.best;
     let Some(windows) = &plan.windows else { return Ok(None) };
@@ -45,8 +45,8 @@ struct Simple {
 }
 
 impl Simple {
-    /// The model alone, before networks corrected it, or the model that a network started from, by the sensors and drives of the same
-    /// logs; none where the run had neither.
+    /// The model alone, before networks corrected it, or the model that a network started from, with sensors and drives from the same logs;
+    /// `None` if there is neither.
     fn of(
         plan: &Plan,
         alone: Option<&[f64]>,
@@ -109,14 +109,14 @@ fn facts(plan: &Plan, windows: &Windowed, (state, model): (&State, &Model)) -> V
     facts
 }
 
-/// How it was trained on torques.
+/// Facts about training on torques.
 fn of_torques(plan: &Plan, state: &State, errors: &SplitErrors) -> [(&'static str, String); 2] {
     let TrainingConfig { cut_off, seed, .. } = plan.config.training;
     let training = format!("on torques, filtered at {cut_off} Hz, seed {seed}; {:.1} s", state.seconds);
     [("training", training), ("torques", errors.to_string())]
 }
 
-/// How it was trained over windows of so many seconds.
+/// Facts about training over windows of `length` seconds.
 fn of_windows(plan: &Plan, state: &State, length: f64) -> [(&'static str, String); 2] {
     let State { best, seconds, .. } = state;
     let training = format!(
@@ -158,7 +158,7 @@ mod tests {
         run
     }
 
-    /// What DEL steps from sample to sample were fitted to is said in the model file; what was fitted in continuous time has no step.
+    /// A model fitted to DEL steps from sample to sample says so in its file; a model fitted in continuous time has no step.
     #[test]
     fn a_model_of_windows_by_del_steps_has_its_step() {
         let step = |integrator| {
@@ -196,10 +196,10 @@ mod tests {
             assert!(text.contains(part), "{part}");
         }
         assert_eq!(text.matches("<svg").count(), text.matches("</svg>").count());
-        // It needs nothing from elsewhere.
+        // The page loads nothing from elsewhere.
         let links = ["<script", "<img", "<link", "src=", "url(", "@import"];
         assert!(links.iter().all(|link| !text.contains(link)));
-        // What replaces the run is not described by its page.
+        // A run that replaces this one removes its page.
         assert_eq!(train(config(), folder.path()).report(), None);
         assert!(!page.exists());
     }

@@ -1,11 +1,11 @@
-//! Whether a run can go on from a checkpoint.
+//! Resuming a run from a checkpoint.
 
 use super::plan::Plan;
 use crate::checkpoint::{Checkpoint, CheckpointError, State};
 use crate::config::LogFiles;
 use thiserror::Error;
 
-/// A checkpoint that a run cannot go on from.
+/// A checkpoint from which a run cannot resume.
 #[derive(Debug, Error)]
 pub enum ResumeError {
     /// The file cannot be read.
@@ -30,7 +30,7 @@ pub enum ResumeError {
 }
 
 impl Checkpoint {
-    /// Where a run of this plan is.
+    /// The checkpoint of a run of this plan in this state.
     pub fn new(plan: &Plan, state: &State) -> Self {
         Self {
             identity: plan.config.identity().to_toml(),
@@ -43,7 +43,7 @@ impl Checkpoint {
         }
     }
 
-    /// Refuses to go on with another configuration or other data.
+    /// Refuses a plan with another configuration or other data.
     pub fn check(&self, plan: &Plan) -> Result<(), ResumeError> {
         let now = plan.config.identity().to_toml();
         if self.identity != now {
@@ -60,7 +60,7 @@ impl Checkpoint {
     }
 }
 
-/// Every line of the old TOML that the new one does not have, with the new value.
+/// Lists every line of the old TOML that the new TOML lacks, with the new value.
 fn differences(then: &str, now: &str) -> String {
     let then = then.lines().filter(|line| !now.lines().any(|other| other == *line));
     let key = |line: &str| line.split(" = ").next().unwrap_or_default().to_owned();

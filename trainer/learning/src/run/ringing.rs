@@ -1,4 +1,4 @@
-//! Whether steps of the trained size ring under the dry friction that was learned.
+//! Check whether steps of the trained size ring under the learned dry friction.
 
 use super::notice::Notice;
 use super::plan::Plan;
@@ -9,17 +9,17 @@ use leastaction_core::discrete::Order;
 use leastaction_core::model::TrainedStep;
 use leastaction_models::{CoordinateFriction, Model};
 
-/// Positions of the data that are looked at.
+/// Number of positions that are checked.
 const POSITIONS: usize = 64;
 
-/// So many positions from all over the data.
+/// A sample of about `POSITIONS` positions from throughout the data.
 pub(super) fn positions(data: &Dataset) -> Vec<Vec<f64>> {
     let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples()).sum();
     let positions = data.trajectories.iter().flat_map(|trajectory| trajectory.q.iter());
     positions.step_by(all.div_ceil(POSITIONS).max(1)).map(<[f64]>::to_vec).collect()
 }
 
-/// a = h c (M⁻¹)_ii/(2ε) beyond which a step rings, at most ([`leastaction_core::forces::Coulomb`]).
+/// Largest stiffness a = h c (M⁻¹)_ii/(2ε) at which a step does not ring ([`leastaction_core::forces::Coulomb`]).
 fn limit(order: Order) -> f64 {
     match order {
         Order::Two => 1.0,
@@ -27,7 +27,7 @@ fn limit(order: Order) -> f64 {
     }
 }
 
-/// What to say of these weights; nothing where no friction is too stiff, or the model was trained for no step.
+/// A notice if the friction of these weights is too stiff; `None` otherwise, or if the model was not trained for a step.
 pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
     let TrainedStep { order, h, .. } = plan.trained_step?;
     let friction = plan.architecture.friction_of_coordinates(weights);
@@ -42,7 +42,7 @@ pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
     (stiffness > most).then_some(Notice::Rings { coordinate, stiffness, most, order: order.number() })
 }
 
-/// a of every coordinate without a load; none where M is not positive definite.
+/// Stiffness a of every coordinate without load; empty if M is not positive definite.
 fn stiffness(h: f64, mass: &[f64], friction: &[CoordinateFriction]) -> Vec<f64> {
     let n = friction.len();
     let Ok(factor) = Mat::from_fn(n, n, |i, j| mass[i * n + j]).llt(Side::Lower) else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! Logs of simulated robots, for tests.
+//! Logs of simulated robots for tests.
 
 use crate::data::Dataset;
 use leastaction_ground_truth::robot::{
@@ -6,7 +6,7 @@ use leastaction_ground_truth::robot::{
     robot_logs,
 };
 
-/// Of a pendulum with dry friction, so many logs of 1.5 s.
+/// The given number of logs of a pendulum with dry friction, 1.5 s each.
 pub fn pendulums(logs: usize) -> Dataset {
     let joint = Joint { mass: 0.5, length: 0.2, centre: 0.2, inertia: 0.01, rotor: 0.0, gear: 1.0 };
     robot_logs(&RobotSettings {

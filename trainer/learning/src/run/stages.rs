@@ -19,22 +19,22 @@ use leastaction_models::{Architecture, GraphArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What stages are of.
+/// Purpose of a plan, which its stages depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
-    /// A run, whose held-back trajectories judge every iteration and are learned from in the end.
+    /// A run. Its held-back trajectories judge every iteration; in the end they are learned from, too.
     Whole,
-    /// What tells which of several configurations is better.
+    /// A fold: a short training that suffices to compare configurations.
     Fold {
-        /// How many trajectories are learned from; the others judge the end.
+        /// Number of training trajectories; the rest judges the result.
         training: usize,
-        /// Whether it goes on from other numbers than the initial ones, which need not be good then.
+        /// Whether it starts from an earlier result, so that the initial weights do not matter.
         goes_on: bool,
     },
 }
 
 impl Scope {
-    /// So many iterations, or what is enough to tell which is better.
+    /// The number of iterations: as given for a run, limited for a fold.
     fn iterations(self, iterations: u64) -> u64 {
         match self {
             Self::Whole => iterations,
@@ -43,32 +43,32 @@ impl Scope {
     }
 }
 
-/// Iterations of a stage of a fold at most.
+/// Largest number of iterations in a stage of a fold.
 const FOLD_ITERATIONS: u64 = 12;
 
-/// One part of a run.
+/// A stage of a run.
 pub(super) struct Stage {
-    /// In the history.
+    /// Name in the history.
     pub name: &'static str,
-    /// Numbers that it begins with in place of those of the stage before, from a position on.
+    /// Position and values of parameters that replace those of the previous stage.
     pub begins_with: Option<(usize, Vec<f64>)>,
-    /// How it is minimised.
+    /// Optimiser.
     pub optimiser: OptimiserKind,
-    /// Iterations at most.
+    /// Iteration limit.
     pub iterations: u64,
-    /// Over the training trajectories.
+    /// Loss over the training trajectories.
     pub objective: Box<dyn Objective>,
-    /// Over those held back.
+    /// Loss over the held-back trajectories.
     pub validation: Option<Box<dyn Objective>>,
-    /// What decides between weights, where it is another loss: of the DEL residual the error of the next position. Noise lowers the
-    /// residual of a Lagrangian that is too small, by which nothing moves as logged, or no step can be solved.
+    /// Loss that decides between weights, if other than the minimised one: for the DEL residual, the error of the next position. Noise
+    /// favours Lagrangians that are too small: their residual is low, but they do not move as logged, or no step can be solved.
     pub judge: Option<Box<dyn Objective>>,
 }
 
 /// The stages of a loss over single samples.
 ///
 /// # Errors
-/// Where the data does not show what the loss needs, or the calibration is to be learned.
+/// [`PlanError`] if the data lacks what the loss needs, or if calibration is to be learned.
 pub(super) fn of_samples(
     (config, scope): (&Config, Scope),
     kind: LossKind,
@@ -88,7 +88,7 @@ pub(super) fn of_samples(
     let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
     let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
     if config.model.source() != Source::Nothing {
-        // A warm-up would leave trained weights for ones that are better on another loss.
+        // A warm-up would replace trained weights by ones that are better for another loss.
         kinds.retain(|(name, _)| *name != WARM_UP);
     }
     let shape = |name| if name == WARM_UP { &first } else { architecture };
@@ -101,40 +101,41 @@ pub(super) fn of_samples(
         .collect()
 }
 
-/// Whether energies are known, not only up to one common factor.
+/// Whether energies are determined absolutely, not only up to a common factor.
 fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
     is_forced(architecture, data) || architecture.family.shows_scale()
 }
 
-/// The part of a window that is learned from first: whatever the initial weights, motion over it is hardly chaotic.
+/// Fraction of a window that the warm-up takes: whatever the initial weights, motion over it is hardly chaotic.
 const SHORT: f64 = 0.2;
-/// Steps of such a part, at least.
+/// Least number of steps in this part.
 const FEWEST_STEPS: usize = 5;
-/// A step of a model with dry friction at most, s: friction turns fast where a velocity changes its sign.
+/// Largest integration step of a model with dry friction, s: friction changes quickly where a velocity changes its sign.
 const STIFF_STEP: f64 = 0.005;
-/// A step of another model, s: of samples that are closer than the first, as many as fit; samples further apart than the second are divided.
+/// Integration steps of other models, s: samples closer than the first value are skipped, as many as fit; samples further apart than the
+/// second are subdivided.
 const SMOOTH_STEP: [f64; 2] = [0.01, 0.025];
 
-/// So many windows need not overlap: they say all that a log does, and overlapping ones take twice the time.
+/// Number of windows above which they need not overlap: they hold all the information of a log, and overlap would double the time.
 const MANY_WINDOWS: usize = 2000;
-/// The part of a window that the next one has as well, of fewer.
+/// Overlap of consecutive windows if there are fewer windows.
 const OVERLAP: f64 = 0.5;
 
-/// The part of a window of so many steps that the next one has as well, where no configuration says it.
+/// The default overlap of windows of `steps` steps.
 fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
     let windows: usize = data.trajectories.iter().map(|trajectory| trajectory.samples() / steps).sum();
     if windows < MANY_WINDOWS { OVERLAP } else { 0.0 }
 }
 
-/// The name of the stage in which networks that correct a model are learned with it, after the model alone.
+/// Name of the stage that learns correcting networks together with the model, after the model alone.
 pub(super) const NETWORKS: &str = "networks";
-/// The name of the last stage of a loss over windows, where logs are held back before.
+/// Name of the last stage of a loss over windows, which adds the logs held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
-/// The stages of a loss over windows of the first so many trajectories, the others being held back.
+/// The stages of a loss over windows of the first `training` trajectories; the rest is held back.
 ///
 /// # Errors
-/// Where no trajectory is as long as a window, or the optimiser does not know windows.
+/// [`PlanError`] if no trajectory is as long as a window, or if the optimiser does not support windows.
 pub(super) fn of_windows(
     (config, scope): (&Config, Scope),
     architecture: &Architecture,
@@ -154,7 +155,7 @@ pub(super) fn of_windows(
     let logs = Arc::new(WindowLogs::new(data));
     let all = lengths::steps(window, data.h);
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
-    // What is learned from torques is learned before.
+    // Numbers learned from torques are fitted beforehand.
     let of_torques = config.training.loss == Some(TrainingLoss::Torque);
     let iterations = if of_torques { 0 } else { learned };
     let mut spans = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
@@ -189,7 +190,7 @@ pub(super) fn of_windows(
         Scope::Fold { .. } => count..count,
     };
     let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
-        // Simple physics first.
+        // Networks join only after the simple physics is learned.
         let with_networks = corrections.is_none() || name == NETWORKS || name == ALL_LOGS;
         let validation = (!judges.is_empty()).then(|| loss(all, judges, with_networks)).transpose()?;
         let first = corrections.filter(|_| name == NETWORKS);
@@ -214,24 +215,24 @@ pub(super) fn of_windows(
         });
     }
     if !held_back.is_empty() && !of_torques {
-        // What the held-back logs had to say of the model they have said; now they are learned from as well.
+        // The held-back logs have served to judge; now they are learned from, too.
         stages.push(stage((ALL_LOGS, all, iterations), 0..count, 0..0)?);
     }
     Ok((stages, Windowed { logs: logs.clone(), settings: settings(all), layout }))
 }
 
-/// Residual components a weight that a warm-up on the next position takes.
+/// Residual components per weight in a warm-up on the next position.
 const WARM_UP_ROWS: usize = 4;
 
-/// How many triples are enough to begin with: an iteration costs as many times less. `None` where there are hardly more.
+/// Number of triples that suffices for a warm-up, whose iterations are cheaper in proportion; `None` if there are hardly more.
 fn enough_triples(data: &Dataset, weights: usize) -> Option<usize> {
     let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples().saturating_sub(2)).sum();
     let count = (WARM_UP_ROWS * weights).div_ceil(data.n.max(1));
     (all > 2 * count).then_some(count)
 }
 
-/// The stages and their losses. `laws`: whether simple laws are learned before the networks beside them; `scale`: whether that of
-/// L is known, by a force or otherwise; `fewer`: whether a part of the samples is enough to begin with.
+/// The stages with their losses. `laws`: simple laws are learned before the networks beside them; `scale`: the scale of L is known, by a
+/// force or otherwise; `fewer`: a part of the samples suffices for a warm-up.
 fn kinds(
     (training, loss): (&TrainingConfig, LossKind),
     laws: bool,
@@ -263,10 +264,10 @@ fn kinds(
     Ok(kinds)
 }
 
-/// The name of the first stage of two.
+/// Name of the first of two stages.
 pub(super) const WARM_UP: &str = "warm-up";
 
-/// All samples that a loss is over.
+/// All samples of a loss.
 fn samples(data: &Dataset, kind: LossKind, training: &TrainingConfig) -> Result<Samples, PlanError> {
     Ok(match kind {
         LossKind::Acceleration => Samples::accelerations(data)?,
@@ -276,7 +277,7 @@ fn samples(data: &Dataset, kind: LossKind, training: &TrainingConfig) -> Result<
     })
 }
 
-/// At logged states, or at free ones near them.
+/// Builds the loss, at logged states or, with state noise, at free states near them.
 fn build_objective(
     architecture: &Architecture,
     samples: Samples,
@@ -290,7 +291,7 @@ fn build_objective(
     })
 }
 
-/// `enough`: triples of a warm-up on the next position.
+/// Builds a stage; `enough` is the number of triples in a warm-up on the next position.
 fn stage(
     (name, kind): (&'static str, LossKind),
     training: &TrainingConfig,
@@ -298,7 +299,7 @@ fn stage(
     (data, validation): (&Dataset, Option<&Dataset>),
 ) -> Result<Stage, PlanError> {
     let warm_up = name == WARM_UP;
-    // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
+    // The DEL residual of order 2 is explicit, and thus finite whatever the initial weights.
     let order = if warm_up && kind != LossKind::NextPosition { 2 } else { training.order };
     let mut own = samples(data, kind, training)?;
     if let Some(count) = enough.filter(|_| warm_up && kind == LossKind::NextPosition) {
@@ -307,7 +308,7 @@ fn stage(
     let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
         build_objective(architecture, samples(data, kind, training)?, (kind, order), training)
     };
-    // The loss that follows a warm-up must be finite on the training trajectories.
+    // The loss after a warm-up must be finite on the training trajectories.
     let judges = validation.filter(|_| !warm_up).unwrap_or(data);
     let judge =
         (kind == LossKind::DelResidual).then(|| build(judges, LossKind::NextPosition, training.order));

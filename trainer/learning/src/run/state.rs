@@ -1,4 +1,4 @@
-//! How the state of a run changes: by an iteration, and from stage to stage.
+//! Changes of the state of a run: by an iteration, and between stages.
 
 use super::plan::Plan;
 use super::stages::{NETWORKS, Stage};
@@ -24,7 +24,7 @@ impl Optimiser {
         }
     }
 
-    /// The weights it is at.
+    /// The current weights.
     pub fn weights(&self) -> &[f64] {
         match self {
             Self::Levenberg(levenberg) => &levenberg.weights,
@@ -32,7 +32,7 @@ impl Optimiser {
         }
     }
 
-    /// The training loss; of Adam the mean over the batches of the last iteration.
+    /// The training loss; for Adam the mean over the batches of the last iteration.
     pub fn loss(&self) -> f64 {
         match self {
             Self::Levenberg(levenberg) => levenberg.loss,
@@ -48,7 +48,7 @@ fn adam_settings(training: &TrainingConfig) -> AdamSettings {
 }
 
 impl Best {
-    /// These weights with their losses; a stage that learns from all logs keeps the held-back loss of the one before.
+    /// The current weights with their losses; a stage that learns from all logs keeps the held-back loss of the previous stage.
     fn new(stage: &Stage, optimiser: &Optimiser, (iteration, before): (u64, Option<f64>)) -> Self {
         let weights = optimiser.weights();
         let loss = |objective: &Option<Box<dyn Objective>>| {
@@ -64,8 +64,8 @@ impl Best {
         }
     }
 
-    /// What decides between weights: the error of the next position; where that is the loss, the validation loss, without one the
-    /// training loss.
+    /// The criterion that decides between weights: the error of the next position if it is judged separately, else the validation loss,
+    /// else the training loss.
     fn score(&self, stage: &Stage) -> f64 {
         let validation = self.validation.filter(|_| stage.validation.is_some());
         self.next_position.or(validation).unwrap_or(self.train)
@@ -79,16 +79,16 @@ pub struct Row {
     pub iteration: u64,
     /// Name of the stage.
     pub stage: String,
-    /// Seconds of training so far.
+    /// Training time so far, s.
     pub seconds: f64,
-    /// Loss on the training trajectories.
+    /// Training loss.
     pub train: f64,
-    /// Loss on those held back.
+    /// Validation loss: the loss on held-back trajectories.
     pub validation: Option<f64>,
 }
 
 impl State {
-    /// Before the first iteration; `None` for a plan without stages.
+    /// The state before the first iteration; `None` for a plan without stages.
     pub fn new(plan: &Plan) -> Option<Self> {
         let (optimiser, best) = Self::enter(plan, plan.stages.first()?, plan.initial.clone(), (0, None));
         Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best, alone: None })
@@ -109,7 +109,7 @@ impl State {
         (optimiser, best)
     }
 
-    /// Goes on to the next stage with the best weights of this one; false where this is the last.
+    /// Goes on to the next stage with the best weights of this one; returns false if this is the last.
     pub fn next_stage(&mut self, plan: &Plan) -> bool {
         let Some(stage) = plan.stages.get(self.stage + 1) else { return false };
         let weights = std::mem::take(&mut self.best.weights);
@@ -122,7 +122,7 @@ impl State {
         true
     }
 
-    /// One iteration; the losses after it where it was one.
+    /// Does one iteration; returns the new losses if it succeeded.
     pub(super) fn iterate(&mut self, stage: &Stage) -> (Progress, Option<Best>) {
         let progress = self.optimiser.iterate(&*stage.objective);
         if progress != Progress::Lower {
@@ -131,8 +131,8 @@ impl State {
         self.iteration += 1;
         self.in_stage += 1;
         let now = Best::new(stage, &self.optimiser, (self.iteration, self.best.validation));
-        // The first losses of a stage may be infinite; so that any finite one is better, and none replaces a finite one. Where none
-        // is finite, a warm-up ends with its last weights.
+        // The first losses of a stage may be infinite; any finite loss is then better, and an infinite one never replaces a finite one. If
+        // none is finite, a warm-up ends with its last weights.
         let (score, best) = (now.score(stage), self.best.score(stage));
         if score < best || (stage.judge.is_some() && score == best) {
             self.best = now.clone();

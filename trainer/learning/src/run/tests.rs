@@ -24,7 +24,7 @@ impl Monitor for Silent {
     }
 }
 
-/// What is said of a run that is not well.
+/// Collects the warnings of a run.
 #[derive(Default)]
 pub(super) struct Warned {
     rows: Vec<Row>,
@@ -94,7 +94,7 @@ fn without_force_there_is_no_warm_up_and_no_scale() {
     assert_eq!(Plan::new(residual, &free).err(), Some(PlanError::Unforced));
 }
 
-/// A free chain of pendulums, and the beginning of a configuration for it.
+/// A free chain of pendulums, and a configuration for it.
 fn chain(count: usize, trajectories: usize) -> (Dataset, Config) {
     let system = ManyBody::Pendulum(count);
     let settings = ModlanetSettings { trajectories, h: 0.01, ..ModlanetSettings::published(system, 0) };
@@ -122,7 +122,7 @@ fn initial_weights_move_a_chain_of_many_joints_about_as_a_constant_velocity_does
     }
 }
 
-/// Mean square of q₊ − q − (q − q₋).
+/// Mean square of the error of a constant velocity, q₊ − q − (q − q₋).
 fn of_constant_velocity(data: &Dataset) -> f64 {
     let [before, now, next] = crate::training::Samples::triples(data).states;
     let error = |k: usize| next[k] - 2.0 * now[k] + before[k];
@@ -169,7 +169,8 @@ fn the_best_on_validation_is_kept() {
     assert_eq!(&trained.best, run.best());
 }
 
-/// The mean squared error of the next position that only repeats the last increment; one that knows the motion has 6σ² and less.
+/// Mean squared error of the next position if the last increment is repeated (20σ² for noise σ); a model that knows the motion has 6σ² or
+/// less.
 fn of_repetition(data: &Dataset) -> f64 {
     let curve = |q: &crate::data::Rows, k: usize| (q[k][0] - 2.0 * q[k + 1][0] + q[k + 2][0]).powi(2);
     let all = data.trajectories.iter().flat_map(|motion| (0..7).map(|k| curve(&motion.q, k)));
@@ -209,7 +210,7 @@ fn of_the_residual_the_weights_that_predict_best_are_kept() {
         let nothing = "nothing was learned: no iteration was better than the initial weights";
         assert!(monitor.warnings.iter().any(|warning| warning == nothing), "{:?}", monitor.warnings);
     }
-    // The least residual is that of a Lagrangian far too small.
+    // The Lagrangian with the least residual is far too small.
     let (best, last) = (run.best(), monitor.rows.last().unwrap());
     assert!(best.iteration < last.iteration && best.train > last.train, "{best:?} {last:?}");
     let judge = run.plan.stages[0].judge.as_ref().unwrap();
@@ -227,7 +228,7 @@ fn a_stop_before_the_first_iteration_saves_the_initial_weights() {
     assert_eq!(Trained::read(folder.path()).unwrap().best.weights, initial);
 }
 
-/// Positions so many times as large.
+/// The data with positions multiplied by `factor`.
 pub(super) fn scaled(factor: f64) -> Dataset {
     let mut data = data(3, true);
     for trajectory in &mut data.trajectories {
@@ -251,7 +252,7 @@ fn a_step_that_cannot_be_solved_is_an_error_that_says_so() {
     );
 }
 
-/// One step that no model could make leaves the rest to be learned from, and is said.
+/// A step that no model could make is reported, and the rest is learned from.
 #[test]
 fn what_cannot_be_solved_is_counted_and_said() {
     let (mut log, folder) = (data(8, true), tempfile::tempdir().unwrap());
@@ -290,7 +291,7 @@ fn numbers_that_the_loss_does_not_read_are_only_told_of() {
     assert!(matches!(Plan::new(next_state, &data).err(), Some(PlanError::Data(_))));
 }
 
-/// The same motion, angles in [−π, π).
+/// The motion with angles wrapped to [−π, π).
 fn wrapped(data: &Dataset) -> Dataset {
     use std::f64::consts::{PI, TAU};
     let mut data = data.clone();
@@ -304,7 +305,7 @@ fn wrapped(data: &Dataset) -> Dataset {
 fn wrapped_angles_are_learned_from_as_straight_ones() {
     let mut straight = data(8, true);
     for trajectory in &mut straight.trajectories {
-        // About the upper rest, where the seam is.
+        // The motion goes about the upper rest, where the seam is.
         trajectory.q = trajectory.q.map(|q| q + std::f64::consts::PI);
     }
     let loss = |data: &Dataset| {
@@ -357,7 +358,7 @@ fn noisy_states_are_learned_beside_the_weights_and_not_kept() {
     }
 }
 
-/// Networks that correct a model begin after the model alone is learned, and do not act before.
+/// Correcting networks start after the model alone is learned, without effect at first.
 #[test]
 fn networks_that_correct_come_after_the_model_alone() {
     let mut config = config();

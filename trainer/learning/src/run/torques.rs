@@ -1,4 +1,4 @@
-//! Where training of an arm begins: bodies, rotors and friction that need the logged torques.
+//! Start of training for an arm: a fit of bodies, rotors and friction to the logged torques.
 
 use crate::config::Config;
 use crate::data::Dataset;
@@ -15,7 +15,7 @@ use leastaction_models::{
 use std::fmt;
 use thiserror::Error;
 
-/// A log that does not become samples of torques.
+/// A log that cannot be made into torque samples.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TorqueError {
     /// No trajectory can be filtered.
@@ -23,36 +23,36 @@ pub enum TorqueError {
     Samples(#[from] SampleError),
 }
 
-/// Range of a learned smoothing of a load, N m or N.
+/// Range of a learned load smoothing, N m or N.
 const SMOOTHINGS: [f64; 2] = [1e-3, 1e2];
-/// Of samples that are held back together, s.
+/// Length of a block of samples that is held back together, s.
 const BLOCK: f64 = 0.75;
-/// Parts of the samples that are held back in turn.
+/// Number of folds of the samples.
 const FOLDS: usize = 5;
-/// Strengths of the prior that are tried.
+/// Candidate strengths of the prior.
 const STRENGTHS: [f64; 9] = [1000.0, 300.0, 100.0, 30.0, 10.0, 3.0, 1.0, 0.1, 0.01];
 
-/// An arm that needs the logged torques.
+/// An arm fitted to the logged torques.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueFit {
-    /// Its weight block.
+    /// Weight block.
     pub weights: Vec<f64>,
-    /// Its drives, with their offsets where these are learned.
+    /// Drives, with their offsets if these are learned.
     pub actuator: Actuator,
-    /// How good it is.
+    /// Quality of the fit.
     pub report: TorqueReport,
 }
 
-/// How well an arm explains torques.
+/// Quality of an arm's fit to torques.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueReport {
-    /// Numbers that were learned, and of them what the samples alone determine.
+    /// Number of learned parameters, and how many of these the samples alone determine.
     pub learned: (usize, usize),
     /// Strength of the prior.
     pub prior: f64,
-    /// How far off its torques are.
+    /// Torque errors.
     pub errors: SplitErrors,
-    /// What the log that was learned from says alone of what was learned.
+    /// Estimates of the learned numbers from the training log alone.
     pub numbers: TorqueNumbers,
 }
 
@@ -68,10 +68,10 @@ impl fmt::Display for TorqueReport {
     }
 }
 
-/// Fits an arm to the torques of the first so many trajectories; the others judge.
+/// Fits an arm to the torques of the first `training` trajectories; the rest judges the fit.
 ///
 /// # Errors
-/// Where the logs do not become samples, or bodies cannot be fitted.
+/// [`PlanError`](super::PlanError) if the logs cannot be made into samples, or the bodies cannot be fitted.
 pub(super) fn fitted(
     (architecture, arm): (&Architecture, &ArmArchitecture),
     initial: &[f64],
@@ -106,7 +106,7 @@ pub(super) fn fitted(
     Ok(TorqueFit { weights, actuator, report })
 }
 
-/// The fit whose prior is as strong as parts of the samples ask for that are held back in turn.
+/// The fit with the strength of prior that cross-validation over folds of the samples chooses.
 fn best(tree: &Tree, samples: &Samples, learned: &Learned) -> Result<Fitted, FitError> {
     if learned.bodies == Bodies::Consistent {
         let folds = folds(samples);
@@ -118,12 +118,12 @@ fn best(tree: &Tree, samples: &Samples, learned: &Learned) -> Result<Fitted, Fit
     fit(tree, samples, learned, 1.0)
 }
 
-/// Which part each sample belongs to, in blocks of time.
+/// Fold of each sample, in blocks of time.
 fn folds(samples: &Samples) -> Vec<usize> {
     samples.t.iter().map(|t| (t / BLOCK) as usize % FOLDS).collect()
 }
 
-/// What the shape learns; what it knows of friction is held.
+/// The numbers of the shape that are learned; known friction numbers are held.
 fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) -> Learned {
     let friction = &architecture.friction;
     let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());
@@ -147,7 +147,7 @@ fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) ->
     }
 }
 
-/// The known numbers of friction, by the coordinate.
+/// The known friction numbers, each with its coordinate.
 fn held(friction: &FrictionArchitecture) -> Vec<(usize, JointNumber, f64)> {
     const DRY: [JointNumber; 4] =
         [JointNumber::Coulomb, JointNumber::Load, JointNumber::Smoothing, JointNumber::Width];
@@ -158,7 +158,7 @@ fn held(friction: &FrictionArchitecture) -> Vec<(usize, JointNumber, f64)> {
     known.map(|(i, number, own)| (i, number, own.value)).collect()
 }
 
-/// b, then c, c_load, τ_s and ε of every joint, where the shape has them.
+/// Writes b, then c, c_load, τ_s and ε of every joint into the weights, as far as the shape has them.
 fn put_friction(architecture: &Architecture, joints: &[JointNumbers], weights: &mut [f64]) {
     let friction = &architecture.friction;
     let viscous = joints.iter().filter(|_| !friction.viscous.is_empty()).map(|joint| joint.viscous);

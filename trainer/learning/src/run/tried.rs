@@ -1,4 +1,4 @@
-//! Whether networks that correct a model predict logs better that they have not seen.
+//! Check whether correcting networks improve the prediction of held-back logs.
 
 use super::held_back::{HeldBack, Learned, Trial};
 use super::plan::PlanError;
@@ -6,24 +6,24 @@ use crate::config::Config;
 use leastaction_models::config::ModelConfig;
 use std::fmt;
 
-/// Networks whose error is not below this part of that of the model alone are not worth their numbers.
+/// Ratio of errors, with networks to without, below which networks are worth their parameters.
 const WORTH: f64 = 0.98;
 
-/// What is tried: its name, whether with a dissipation, and whether with a potential.
+/// Candidates: name, whether with a dissipation network, whether with a potential network.
 const CANDIDATES: [(&str, bool, bool); 3] = [
     ("a dissipation network", true, false),
     ("a potential network", false, true),
     ("both networks", true, true),
 ];
 
-/// How far off positions of held-back logs were with networks beside a model and without.
+/// Position errors on held-back logs, with and without correcting networks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
-    /// Of the model alone, m or rad; none where no log could be held back.
+    /// Error of the model alone, m or rad; `None` if no log could be held back.
     pub alone: Option<f64>,
-    /// With what, and how far off.
+    /// Candidates with their errors.
     pub errors: Vec<(&'static str, f64)>,
-    /// What was kept.
+    /// Candidate that was kept.
     pub kept: Option<&'static str>,
 }
 
@@ -41,10 +41,11 @@ impl fmt::Display for Tried {
     }
 }
 
-/// The model with what is worth it, and the figures. Every candidate goes on from what the model alone learned, in every fold.
+/// The model with the best candidate if that is worth it, and the errors. In every fold each candidate continues from the result of the
+/// model alone.
 ///
 /// # Errors
-/// As [`Trial::learn`]; [`PlanError::Networks`] where there are no windows, or the coordinates can have no networks.
+/// See [`Trial::learn`]; [`PlanError::Networks`] if there are no windows, or if the coordinates cannot have networks.
 pub(super) fn networks(
     config: &Config,
     trial: &Trial,
@@ -64,7 +65,7 @@ pub(super) fn networks(
         let own = of((dissipation, potential))?;
         match trial.learn(&own, Some(&alone)) {
             Ok(learned) => found.extend(learned.map(|learned| (name, own.model, learned.held_back))),
-            // As where no coordinate has a position that a potential could see.
+            // For instance, no coordinate has a position that a potential could depend on.
             Err(PlanError::Shape(_)) => {}
             Err(error) => return Err(error),
         }
@@ -79,7 +80,7 @@ pub(super) fn networks(
 }
 
 impl Tried {
-    /// Where no log can be held back.
+    /// The result if no log can be held back.
     fn nothing() -> Self {
         Self { alone: None, errors: Vec::new(), kept: None }
     }

@@ -1,10 +1,10 @@
-//! Motions that show the numbers of an arm: Fourier series within its limits, along which base parameters and friction are well told apart.
+//! Excitation motions for the identification of an arm: Fourier series within its limits that separate base parameters and friction well.
 //!
 //! q_i(t) = centre_i + Σ_k a_ik cos 2πkft + b_ik sin 2πkft with Σ k b_ik = 0 and Σ k² a_ik = 0: velocity and acceleration are 0 at t = 0,
-//! so the motion starts and ends every period at rest. What is minimised is the condition number of the regressor of base parameters and friction
-//! (viscous, Coulomb, offset) over one period, its columns scaled to norm 1. Every coordinate is scaled to its limits, so that all
-//! that is searched keeps them; torques of the tree itself beyond its limits are punished. The search does not know what the arm
-//! might hit.
+//! so every period starts and ends at rest. The objective is the condition number of the regressor of base parameters and friction
+//! (viscous, Coulomb, offset) over one period, its columns scaled to norm 1. Every coordinate is scaled to its limits of position and
+//! velocity, so all candidates keep these; torques of the tree itself beyond their limits are penalised. The search does not know of
+//! obstacles.
 //!
 //! Source: Swevers et al., "Optimal robot excitation and identification", 1997; Gautier and Khalil, "Exciting trajectories for the
 //! identification of base inertial parameters of robots", 1992.
@@ -22,28 +22,28 @@ use thiserror::Error;
 /// A periodic motion of all coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// f, of the first harmonic (Hz).
+    /// Frequency f of the first harmonic (Hz).
     pub frequency: f64,
-    /// centre (rad, m).
+    /// Centre of every coordinate (rad, m).
     pub centre: Vec<f64>,
-    /// a and b of every harmonic, \[coordinates\]\[harmonics\] (rad, m).
+    /// Coefficients a and b of every harmonic, \[coordinates\]\[harmonics\] (rad, m).
     pub waves: Vec<Vec<[f64; 2]>>,
 }
 
-/// What motion is searched, and how long.
+/// Settings of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Of the motion (s).
+    /// Period of the motion (s).
     pub period: f64,
-    /// Harmonics of every coordinate, 3 or more: two numbers of them are taken by the start at rest.
+    /// Number of harmonics per coordinate, 3 or more: the start at rest takes two of their coefficients.
     pub harmonics: usize,
-    /// Of every limit the part that may be used, in (0, 1].
+    /// Fraction of every limit that may be used, in (0, 1].
     pub share: f64,
-    /// Searches from starts of their own.
+    /// Number of searches, each from its own start.
     pub starts: usize,
-    /// Motions that each of them tries.
+    /// Number of motions that each search tries.
     pub trials: usize,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -54,10 +54,10 @@ impl Default for Search {
     }
 }
 
-/// How near to the limits of a coordinate a motion comes.
+/// Extent to which a motion uses the limits of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Use {
-    /// Positions, from and to (rad, m).
+    /// Least and largest position (rad, m).
     pub position: [f64; 2],
     /// Largest |v| (rad/s, m/s).
     pub velocity: f64,
@@ -70,71 +70,71 @@ pub struct Use {
 pub struct Excitation {
     /// The motion.
     pub series: Series,
-    /// Condition numbers: of the first motion that was tried, and of this one.
+    /// Condition numbers of the first motion tried and of this motion.
     pub condition: [f64; 2],
-    /// Of every coordinate.
+    /// Use of the limits by every coordinate.
     pub uses: Vec<Use>,
 }
 
-/// No motion can be found.
+/// The reason why no motion is found.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ExcitationError {
-    /// A limit that is needed.
+    /// A required limit is missing.
     #[error("joint {joint}: the description has no limit of {what} for it")]
     NoLimit {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
-        /// Position or velocity.
+        /// "position" or "velocity".
         what: &'static str,
     },
-    /// Limits that leave nothing.
+    /// The limits leave no room for a motion.
     #[error("joint {joint}: no motion is within limits of {from} to {to} and a velocity of {velocity}")]
     NoRoom {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
-        /// Of positions.
+        /// Lower position limit.
         from: f64,
-        /// Of positions.
+        /// Upper position limit.
         to: f64,
-        /// Of velocities.
+        /// Velocity limit.
         velocity: f64,
     },
-    /// A search that cannot be.
+    /// The search settings are invalid.
     #[error("{0}")]
     Search(&'static str),
-    /// Torques are beyond their limits all the same.
+    /// Torques exceed their limits even for the best motion.
     #[error(
         "joint {joint}: its own weight and motion take {found:.3} (N m, N) of at most {most:.3}; give a longer period, a smaller share of the \
          limits, or more trials"
     )]
     Effort {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
-        /// Largest |τ|.
+        /// Largest |τ| of the motion.
         found: f64,
-        /// That may be used.
+        /// Largest |τ| that may be used.
         most: f64,
     },
-    /// No motion that was tried tells all numbers apart.
+    /// No motion tried separates all numbers.
     #[error("none of the motions that were tried tells all base parameters and friction apart")]
     NotSeen,
 }
 
-/// Samples of a period that a trial looks at.
+/// Samples per period in the cost of a trial.
 const LOOKS: usize = 100;
-/// Samples of a period that limits are checked on.
+/// Samples per period for the check of limits.
 const CHECKS: usize = 2000;
 /// Width of Coulomb friction in the regressor (rad/s, m/s).
 const WIDTH: f64 = 0.05;
-/// How much more a torque beyond its limit by its size counts than a factor e of the condition number.
+/// Penalty weight: a torque at twice its usable limit costs as much as e^PENALTY times the condition number.
 const PENALTY: f64 = 20.0;
-/// Numbers of a coordinate beside its waves: how much of the room is used, and where the centre is.
+/// Search variables of a coordinate besides its waves: the used part of the room, and the place of the centre.
 const PLACE: usize = 2;
-/// First size of a random step.
+/// Initial size of a random step.
 const STEP: f64 = 0.3;
 
 impl Series {
-    /// Positions, velocities and accelerations at a time t (s).
+    /// Positions, velocities and accelerations at time t (s).
     #[must_use]
     pub fn at(&self, t: f64) -> [Vec<f64>; 3] {
         let n = self.centre.len();
@@ -151,7 +151,7 @@ impl Series {
         state
     }
 
-    /// So many states at a step (s) from t = 0 on, without torques.
+    /// States at `count` times from t = 0 on, `step` seconds apart, without torques.
     #[must_use]
     pub fn samples(&self, count: usize, step: f64) -> Samples {
         let t: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
@@ -166,7 +166,7 @@ impl Series {
     }
 }
 
-/// Finds a motion of a tree within these limits of its coordinates. It depends on the seed alone, not on the number of threads.
+/// Finds a motion of a tree within the limits of its coordinates. It depends on the seed alone, not on the number of threads.
 ///
 /// # Errors
 /// [`ExcitationError`].
@@ -188,7 +188,7 @@ pub fn excite(tree: &Tree, limits: &[Limits], search: &Search) -> Result<Excitat
     Ok(Excitation { series, condition, uses })
 }
 
-/// How near to its limits a motion brings every coordinate.
+/// The use that a motion makes of the limits of every coordinate.
 #[must_use]
 pub fn uses(tree: &Tree, series: &Series) -> Vec<Use> {
     let samples = series.samples(CHECKS, (series.frequency * CHECKS as f64).recip());
@@ -206,11 +206,11 @@ pub fn uses(tree: &Tree, series: &Series) -> Vec<Use> {
     uses
 }
 
-/// All motions that keep the limits of position and velocity, as vectors of numbers without bounds.
+/// The space of motions within the limits of position and velocity, parametrised by unbounded numbers.
 struct Space<'a> {
     tree: &'a Tree,
     limits: &'a [Limits],
-    /// Of the regressor, bodies' and rotors' base parameters and friction.
+    /// Columns of the regressor: base parameters of bodies and rotors, and friction.
     columns: Vec<usize>,
     frequency: f64,
     harmonics: usize,
@@ -245,17 +245,17 @@ impl<'a> Space<'a> {
         Ok(Self { tree, limits, columns, frequency: period.recip(), harmonics, share })
     }
 
-    /// Numbers of a coordinate.
+    /// Number of search variables per coordinate.
     fn width(&self) -> usize {
         2 * self.harmonics + PLACE
     }
 
-    /// The random numbers of a start, and where it begins.
+    /// The random generator of a start, and its initial variables.
     fn begin(&self, start: usize, search: &Search) -> (Pcg64, Vec<f64>) {
         let mut random = Pcg64::new(u128::from(search.seed), start as u128);
         let mut coordinate = || -> Vec<f64> {
             let waves = (0..2 * self.harmonics).map(|_| normal(&mut random)).collect::<Vec<_>>();
-            // Nearly all of the room is used at first.
+            // The first motion uses nearly all of the room.
             let place = [3.0, normal(&mut random)];
             waves.into_iter().chain(place).collect()
         };
@@ -263,7 +263,7 @@ impl<'a> Space<'a> {
         (random, numbers)
     }
 
-    /// The best of a start's motions with what is minimised: steps of a random direction whose size follows their success.
+    /// The best motion from a start, with its cost: steps in random directions, with a size that adapts to success.
     ///
     /// Source: Rechenberg's (1 + 1) evolution strategy with the rule of one fifth.
     fn search(&self, start: usize, search: &Search) -> (Vec<f64>, f64) {
@@ -271,7 +271,7 @@ impl<'a> Space<'a> {
         let mut cost = self.cost(&numbers);
         let mut size = STEP;
         for _ in 1..search.trials {
-            // Of some coordinates alone: a few numbers are improved more easily than all.
+            // Only some coordinates move: a few numbers are improved more easily than all.
             let width = self.width();
             let moved: Vec<bool> = self.limits.iter().map(|_| random.random_range(0.0..1.0) < 0.4).collect();
             let step =
@@ -294,7 +294,7 @@ impl<'a> Space<'a> {
         self.condition(&series).ln() + PENALTY * torques
     }
 
-    /// By how much of its size the worst torque is beyond what may be used of its limit.
+    /// Largest relative excess of a torque over the usable part of its limit.
     fn over_effort(&self, series: &Series) -> f64 {
         let samples = series.samples(LOOKS, self.step());
         let over = |(q, (v, a)): (&[f64], (&[f64], &[f64]))| -> f64 {
@@ -314,7 +314,7 @@ impl<'a> Space<'a> {
         Design::new(self.tree, &series.samples(LOOKS, self.step()), &terms).condition_of(&self.columns)
     }
 
-    /// The motion of a vector of numbers.
+    /// The motion for a vector of search variables.
     fn motion(&self, numbers: &[f64]) -> Series {
         let (mut centre, mut waves) = (Vec::new(), Vec::new());
         for (numbers, limits) in numbers.chunks(self.width()).zip(self.limits) {
@@ -342,7 +342,7 @@ impl<'a> Space<'a> {
     }
 }
 
-/// The nearest waves whose velocity and acceleration are 0 at t = 0.
+/// Projects waves onto those whose velocity and acceleration are 0 at t = 0.
 fn from_rest(waves: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let k = |i: usize| (i + 1) as f64;
     let of = |part: usize, power: i32| {

@@ -1,4 +1,4 @@
-//! Linear least squares: what a log determines of the numbers that a torque is linear in.
+//! Linear least squares for the numbers in which a torque is linear, as far as a log determines them.
 
 use crate::torque::Samples;
 use faer::{Mat, Side};
@@ -6,10 +6,10 @@ use leastaction_models::tree::Tree;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Which numbers are learned beside those of the bodies.
+/// Numbers that are learned besides those of the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
-    /// A rotor inertia J of every coordinate, J a.
+    /// Rotor inertia J of every coordinate, with the torque J a.
     pub rotors: bool,
     /// Viscous friction b v.
     pub viscous: bool,
@@ -22,30 +22,31 @@ pub struct Terms {
 /// Rows of a least-squares problem: row k n + i is torque i of sample k.
 #[derive(Clone, Debug)]
 pub struct Design {
-    /// \[rows\]\[columns\]: the bodies', then n each of rotors, viscous, Coulomb and offsets, as far as they are learned.
+    /// \[rows\]\[columns\]: the bodies' columns, then n columns each for rotors, viscous friction, Coulomb friction and offsets, as far as
+    /// they are learned.
     pub matrix: Mat<f64>,
     /// The logged torques.
     pub target: Vec<f64>,
-    /// Coordinates n.
+    /// Number of coordinates n.
     pub coordinates: usize,
 }
 
-/// The least-squares solution of least norm, columns being measured by their own norm.
+/// The minimum-norm least-squares solution, with every number scaled by the norm of its column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// One for each column.
+    /// One number per column.
     pub numbers: Vec<f64>,
-    /// Singular values that count: above [`TOLERANCE`] of the largest one, columns scaled to norm 1.
+    /// Number of singular values above [`TOLERANCE`] times the largest, columns scaled to norm 1.
     pub rank: usize,
-    /// The largest singular value over the least one that counts.
+    /// Ratio of the largest singular value to the smallest that counts.
     pub condition: f64,
 }
 
-/// Of the largest singular value what does not count.
+/// Relative threshold at or below which singular values count as 0.
 pub const TOLERANCE: f64 = 1e-9;
 
 impl Design {
-    /// Of a tree and samples.
+    /// The problem of a tree and samples.
     #[must_use]
     pub fn new(tree: &Tree, samples: &Samples, terms: &Terms) -> Self {
         let n = tree.coordinates();
@@ -73,7 +74,7 @@ impl Design {
         Self { matrix, target: samples.tau.as_flat().to_vec(), coordinates: n }
     }
 
-    /// Every row over the scale of its coordinate.
+    /// Divides every row by the scale of its coordinate.
     #[must_use]
     pub fn over(mut self, scales: &[f64]) -> Self {
         let n = self.coordinates;
@@ -84,7 +85,7 @@ impl Design {
         self
     }
 
-    /// What these numbers predict, row by row.
+    /// Torques predicted by these numbers, row by row.
     #[must_use]
     pub fn predict(&self, numbers: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.matrix.nrows()];
@@ -94,7 +95,7 @@ impl Design {
         sums
     }
 
-    /// The condition number of some columns, each scaled to norm 1; infinite where they are not independent.
+    /// The condition number of some columns, each scaled to norm 1; infinite if they are linearly dependent.
     #[must_use]
     pub fn condition_of(&self, columns: &[usize]) -> f64 {
         let chosen = Mat::from_fn(self.matrix.nrows(), columns.len(), |i, j| self.matrix[(i, columns[j])]);
@@ -108,7 +109,7 @@ impl Design {
         if least > TOLERANCE * TOLERANCE * largest { (largest / least).sqrt() } else { f64::INFINITY }
     }
 
-    /// The solution; `None` where a number is not finite.
+    /// The solution; `None` if a number is not finite.
     #[must_use]
     pub fn solve(&self) -> Option<Solution> {
         let scales = norms(&self.matrix);
@@ -129,34 +130,35 @@ impl Design {
     }
 }
 
-/// The norm of every column, 1 for one that is 0.
+/// Norms of the columns; 1 for a zero column.
 fn norms(matrix: &Mat<f64>) -> Vec<f64> {
     let norm = |column: usize| matrix.col_as_slice(column).iter().map(|x| x * x).sum::<f64>().sqrt();
     (0..matrix.ncols()).map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
 }
 
-/// The combinations of a tree's parameters that its torques can depend on: K π, every row one independent parameter and what belongs to it.
+/// The base parameters K π of a tree: the combinations of its parameters that its torques depend on. Every row of K has one independent
+/// parameter and the dependent ones that add to it.
 ///
 /// Source: Gautier, "Numerical calculation of the base inertial parameters of robots", 1991.
 #[derive(Clone, Debug)]
 pub struct BaseParameters {
-    /// The independent parameters, in rising order.
+    /// Indices of the independent parameters, in ascending order.
     pub independent: Vec<usize>,
-    /// K, \[independent\]\[parameters\], 1 and 0 in the columns of the independent ones.
+    /// K, \[independent\]\[parameters\]; the columns of independent parameters hold 1 and 0.
     pub combination: Mat<f64>,
 }
 
-/// Of the seed of the states; any would do.
+/// Seed of the random states; any would do.
 const SEED: u64 = 1991;
 
 impl BaseParameters {
-    /// Of a tree, found at random states.
+    /// The base parameters of a tree, found at random states.
     #[must_use]
     pub fn of(tree: &Tree) -> Self {
         Self::among(tree, &(0..tree.parameter_count()).collect::<Vec<_>>())
     }
 
-    /// Of these parameters of a tree, the others being known; K is 0 in the columns of the known ones.
+    /// The base parameters of the parameters `learned`, with the other parameters known; K is 0 in the columns of known parameters.
     #[must_use]
     pub fn among(tree: &Tree, learned: &[usize]) -> Self {
         let mut random = Pcg64::seed_from_u64(SEED);
@@ -205,13 +207,13 @@ impl BaseParameters {
         Self { independent: rows.iter().map(|k| order[*k]).collect(), combination }
     }
 
-    /// How many there are.
+    /// Number of base parameters.
     #[must_use]
     pub fn count(&self) -> usize {
         self.independent.len()
     }
 
-    /// K π.
+    /// The values K π.
     #[must_use]
     pub fn values(&self, parameters: &[f64]) -> Vec<f64> {
         let row = |i: usize| parameters.iter().enumerate().map(|(j, x)| self.combination[(i, j)] * x).sum();

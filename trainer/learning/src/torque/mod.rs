@@ -1,7 +1,8 @@
-//! What logged torques say of an arm.
+//! Identification of an arm from logged torques.
 //!
-//! [`Samples`] are a log, resampled, filtered and differentiated; [`linear`] fits the numbers that a log determines, [`fit`] finds bodies that are
-//! physically consistent, rotors and friction near a prior, and says what samples show alone; [`excitation`] finds motions that show much.
+//! [`Samples`] are a log, resampled, filtered and differentiated. [`linear`] fits the numbers in which torques are linear. [`fit`] finds
+//! physically consistent bodies, rotors and friction near a prior, and estimates what samples show alone. [`excitation`] finds motions that
+//! are informative.
 
 pub mod excitation;
 pub mod fit;

@@ -1,24 +1,25 @@
-//! A log as a fit of torques sees it.
+//! Samples for a fit of torques, prepared from a log.
 
 use super::signal::{Butterworth, derivative};
 use leastaction_data::{Measured, Rows};
 use thiserror::Error;
 
-/// How a log becomes samples: it is brought onto one step along straight lines, filtered, differentiated, and thinned.
+/// Preparation of samples from a log: linear resampling onto a uniform grid, filtering, differentiation and thinning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preparation {
-    /// Step of the grid, from the first stamp on (s).
+    /// Step of the uniform grid, which starts at the first stamp (s).
     pub step: f64,
-    /// Of the Butterworth filter of order 4, run forward and backward over positions, velocities and torques alike (Hz).
+    /// Cut-off frequency of the fourth-order Butterworth filter, run forward and backward over positions, velocities and torques alike
+    /// (Hz).
     pub cut_off: f64,
-    /// Of the grid every so many samples are kept.
+    /// Thinning: one of `every` grid points is kept.
     pub every: usize,
-    /// What is left out at each end (s): there the filter knows one side alone.
+    /// Margin left out at each end (s): there the filter has data on one side only.
     pub margin: f64,
 }
 
 impl Default for Preparation {
-    /// 1 ms, 20 Hz, every 20 ms, without the first and the last 0.2 s.
+    /// 1 ms, 20 Hz, one sample per 20 ms, without the first and the last 0.2 s.
     fn default() -> Self {
         Self { step: 1e-3, cut_off: 20.0, every: 20, margin: 0.2 }
     }
@@ -35,53 +36,53 @@ pub struct Samples {
     pub v: Rows,
     /// Accelerations (rad/s², m/s²).
     pub a: Rows,
-    /// Torques and forces of the drives (N m, N).
+    /// Drive torques and forces (N m, N).
     pub tau: Rows,
 }
 
-/// A log that does not become samples.
+/// The reason why a log cannot be made into samples.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SampleError {
-    /// A filter that cannot be.
+    /// The cut-off is impossible.
     #[error("a cut-off of {cut_off} Hz at a step of {step} s: it must be between 0 and half the sampling rate, {} Hz", 0.5 / step)]
     CutOff {
-        /// As given.
+        /// Cut-off frequency (Hz).
         cut_off: f64,
-        /// As given.
+        /// Step (s).
         step: f64,
     },
-    /// Nothing is left.
+    /// The log is too short for its margins.
     #[error("{duration:.3} s of log: nothing is left without {margin} s at each end")]
     Short {
-        /// Of the log (s).
+        /// Duration of the log (s).
         duration: f64,
-        /// As given (s).
+        /// Margin (s).
         margin: f64,
     },
-    /// Too much would come.
+    /// The log has too many grid points.
     #[error("{duration:.3e} s of log at a step of {step} s are more than {MOST} samples")]
     Long {
-        /// Of the log (s).
+        /// Duration of the log (s).
         duration: f64,
-        /// As given (s).
+        /// Step (s).
         step: f64,
     },
-    /// Torques of another number than positions.
+    /// The number of torques differs from the number of positions.
     #[error(
         "{torques} columns of torques and {positions} of positions: there must be one for each coordinate"
     )]
     Torques {
-        /// Columns.
+        /// Torque columns.
         torques: usize,
-        /// Columns.
+        /// Position columns.
         positions: usize,
     },
 }
 
-/// A list of numbers for each coordinate.
+/// Columns of numbers, one per coordinate.
 type Columns = Vec<Vec<f64>>;
 
-/// Samples of the grid at most.
+/// Largest number of grid points.
 const MOST: usize = 1 << 24;
 /// Order of the filter.
 const ORDER: usize = 4;
@@ -94,7 +95,7 @@ impl Preparation {
 }
 
 impl Samples {
-    /// Samples of a log. Where it has no velocities they are differences of the filtered positions.
+    /// Prepares the samples of a log. If the log has no velocities, they are derivatives of the filtered positions.
     ///
     /// # Errors
     /// [`SampleError`].
@@ -113,8 +114,7 @@ impl Samples {
         Self::filtered((&even(&log.q), v.as_ref(), torques.as_ref()), &filter, how)
     }
 
-    /// Samples of positions, velocities (differences of positions where there are none) and torques that stand on the step of `how`
-    /// already.
+    /// Prepares samples from positions, velocities (derivatives of positions if missing) and torques that are on the grid of `how` already.
     ///
     /// # Errors
     /// [`SampleError`].
@@ -125,7 +125,7 @@ impl Samples {
         Self::filtered(states, &how.filter()?, how)
     }
 
-    /// Filtered, differentiated, thinned.
+    /// Filters, differentiates and thins.
     fn filtered(
         (q, v, torques): (&Rows, Option<&Rows>, Option<&Rows>),
         filter: &Butterworth,
@@ -156,10 +156,10 @@ impl Samples {
         Ok(Self { t, q: rows(&q), v: rows(&v), a: rows(&a), tau: rows(&tau) })
     }
 
-    /// Adds those of another log of as many coordinates; its times go on from the last.
+    /// Appends the samples of another log; its times continue from the last.
     ///
     /// # Panics
-    /// For another number of coordinates.
+    /// If `other` has another number of coordinates.
     pub fn append(&mut self, other: &Self) {
         let end = self.t.last().copied().unwrap_or_default();
         self.t.extend(other.t.iter().map(|t| end + t));
@@ -174,19 +174,19 @@ impl Samples {
         }
     }
 
-    /// How many there are.
+    /// Number of samples.
     #[must_use]
     pub fn count(&self) -> usize {
         self.t.len()
     }
 
-    /// Those at the times that are wanted.
+    /// The samples whose time satisfies `is_wanted`.
     #[must_use]
     pub fn at(&self, is_wanted: impl Fn(f64) -> bool) -> Self {
         self.selected(|k| is_wanted(self.t[k]))
     }
 
-    /// Those of the numbers that are wanted.
+    /// The samples whose index satisfies `is_wanted`.
     #[must_use]
     pub fn selected(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.count()).filter(|k| is_wanted(*k)).collect();

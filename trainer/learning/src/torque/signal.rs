@@ -5,14 +5,15 @@ use std::f64::consts::{PI, TAU};
 /// A digital Butterworth low-pass filter of even order, by the bilinear transform with prewarping, run forward and backward: no phase,
 /// and twice the attenuation (−6 dB at the cut-off).
 ///
-/// At each end the signal is continued by its odd reflection, 3 (order + 1) samples of it, and the filter starts in the steady state of the
-/// first of them, as in `scipy.signal.filtfilt`. So near the ends, for about a period of the cut-off, the result is less certain.
+/// At each end the signal is extended by its odd reflection, 3 (order + 1) samples long, and the filter starts in the steady state of the
+/// first extended sample, as in `scipy.signal.filtfilt`. Near the ends, for about one period of the cut-off, the result is therefore less
+/// certain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Butterworth {
     sections: Vec<Section>,
 }
 
-/// (b₀ + b₁z⁻¹ + b₂z⁻²)/(1 + a₁z⁻¹ + a₂z⁻²), as every section of a low-pass filter with b₁ = 2b₀ and b₂ = b₀.
+/// A second-order section (b₀ + b₁z⁻¹ + b₂z⁻²)/(1 + a₁z⁻¹ + a₂z⁻²); in a low-pass filter b₁ = 2b₀ and b₂ = b₀.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Section {
     gain: f64,
@@ -21,8 +22,8 @@ struct Section {
 }
 
 impl Butterworth {
-    /// Of this order, even, with this cut-off (Hz) at a step (s); `None` where the order is odd or 0, or the cut-off is not between 0 and
-    /// half the sampling rate.
+    /// A filter of this even order with this cut-off (Hz) at this step (s). `None` if the order is odd or 0, or if the cut-off is not
+    /// between 0 and half the sampling rate.
     #[must_use]
     pub fn new(order: usize, cut_off: f64, step: f64) -> Option<Self> {
         let normalized = cut_off * step;
@@ -43,7 +44,7 @@ impl Butterworth {
         Some(Self { sections: (0..order / 2).map(section).collect() })
     }
 
-    /// The signal without what is faster than the cut-off.
+    /// Filters a signal.
     #[must_use]
     pub fn filter(&self, signal: &[f64]) -> Vec<f64> {
         let padding = (3 * (2 * self.sections.len() + 1)).min(signal.len().saturating_sub(1));
@@ -55,7 +56,7 @@ impl Butterworth {
         padded[padding..padded.len() - padding].to_vec()
     }
 
-    /// |H|² at a frequency (Hz), which is the gain of [`Butterworth::filter`].
+    /// Power gain |H|² at a frequency (Hz), which is the amplitude gain of [`Butterworth::filter`].
     #[must_use]
     pub fn gain(&self, frequency: f64, step: f64) -> f64 {
         let (cos, cos2) = ((TAU * frequency * step).cos(), (2.0 * TAU * frequency * step).cos());
@@ -68,11 +69,11 @@ impl Butterworth {
 }
 
 impl Section {
-    /// Over a signal in place, in transposed direct form II, from the steady state of its first sample.
+    /// Filters a signal in place, in transposed direct form II, starting from the steady state of its first sample.
     fn run(&self, signal: &mut [f64]) {
         let Some(first) = signal.first().copied() else { return };
         let Self { gain, a1, a2 } = *self;
-        // A section of a low-pass filter gives a constant as it is.
+        // A low-pass section passes a constant unchanged.
         let mut second = (gain - a2) * first;
         let mut next = (2.0 * gain - a1) * first + second;
         for x in signal {
@@ -84,7 +85,7 @@ impl Section {
     }
 }
 
-/// So many samples more at each end, reflected through the last one.
+/// Extends a signal by `padding` samples at each end, point-reflected about its last sample there.
 fn odd_extension(signal: &[f64], padding: usize) -> Vec<f64> {
     let (Some(first), Some(last)) = (signal.first(), signal.last()) else { return Vec::new() };
     let before = signal.iter().skip(1).take(padding).rev().map(|x| 2.0 * first - x);
@@ -92,7 +93,7 @@ fn odd_extension(signal: &[f64], padding: usize) -> Vec<f64> {
     before.chain(signal.iter().copied()).chain(after).collect()
 }
 
-/// dx/dt by central differences, at the ends by one-sided ones.
+/// dx/dt by central differences, one-sided at the ends.
 pub(crate) fn derivative(signal: &[f64], step: f64) -> Vec<f64> {
     let last = signal.len().saturating_sub(1);
     let slope = |k: usize| {

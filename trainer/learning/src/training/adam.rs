@@ -1,4 +1,4 @@
-//! Adam with a learning rate that falls, as the papers train; kept for comparison and for very large networks.
+//! Adam with a falling learning rate, as in the papers; kept for comparison and for very large networks.
 //!
 //! Source: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015; the schedules are PyTorch's
 //! `ReduceLROnPlateau` and `MultiStepLR`, the decay its `weight_decay`.
@@ -16,36 +16,36 @@ const EPSILON: f64 = 1e-8;
 /// A loss this much below the best counts as better (PyTorch's relative threshold).
 const THRESHOLD: f64 = 1e-4;
 
-/// How Adam goes.
+/// Settings of Adam.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AdamSettings {
-    /// Initial step size.
+    /// Initial learning rate.
     pub learning_rate: f64,
-    /// Samples a step; 0: all.
+    /// Batch size, in samples; 0: all samples.
     pub batch: usize,
-    /// How the step size falls.
+    /// Schedule of the learning rate.
     pub schedule: Schedule,
-    /// λ: λθ is added to the gradient of the loss.
+    /// Weight decay λ: λθ is added to the gradient of the loss.
     pub decay: f64,
-    /// Of the order of the batches.
+    /// Seed of the order of the batches.
     pub seed: u64,
 }
 
-/// How the step size falls.
+/// Schedule of the learning rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Schedule {
-    /// It does not.
+    /// A constant learning rate.
     Constant,
-    /// On a plateau.
+    /// A decrease on every plateau.
     Plateau {
-        /// What it is multiplied by, below 1.
+        /// Factor of the learning rate, below 1.
         factor: f64,
-        /// Epochs without improvement before that.
+        /// Epochs without improvement before a decrease.
         patience: u32,
     },
-    /// After given epochs.
+    /// A decrease after each of the given epochs.
     Steps {
-        /// What it is multiplied by, below 1.
+        /// Factor of the learning rate, below 1.
         factor: f64,
         /// The epochs.
         epochs: [u64; 3],
@@ -53,14 +53,14 @@ pub enum Schedule {
 }
 
 impl AdamSettings {
-    /// SyMo's: 1e-3, batches of 4 samples a trajectory, ×0.7 after 50 epochs.
+    /// SyMo's settings: learning rate 1e-3, batches of 4 samples per trajectory, ×0.7 after 50 epochs without improvement.
     pub fn symo(trajectories: usize, seed: u64) -> Self {
         let schedule = Schedule::Plateau { factor: 0.7, patience: 50 };
         Self { learning_rate: 1e-3, batch: 4 * trajectories, schedule, decay: 0.0, seed }
     }
 }
 
-/// The state of an optimisation: enough to continue it bit for bit.
+/// The state of an optimisation, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Adam {
     /// The weights after the last epoch.
@@ -78,7 +78,7 @@ pub struct Adam {
 }
 
 impl Adam {
-    /// Starts at these weights, those out of their range or at its end a little inside.
+    /// Starts at these weights; weights outside their range or at its end are moved a little inside.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>, settings: AdamSettings) -> Self {
         let weights = objective.bounds().within(weights);
         let zeros = vec![0.0; weights.len()];
@@ -97,12 +97,12 @@ impl Adam {
         }
     }
 
-    /// The step size now.
+    /// The current learning rate.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Epochs done.
+    /// Number of epochs done.
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
@@ -132,7 +132,7 @@ impl Adam {
         batches
     }
 
-    /// One step of θ along the gradient of the mean square.
+    /// One step of θ along the gradient of the mean squared residual.
     fn step(&mut self, bounds: &Bounds, mut equations: NormalEquations) {
         let scale = 2.0 / equations.rows as f64;
         let mut theta = bounds.free(&self.weights);
@@ -181,7 +181,7 @@ mod tests {
     use super::*;
     use faer::Mat;
 
-    /// Nothing depends on the weights.
+    /// A loss that does not depend on the weights.
     struct Flat;
 
     impl Objective for Flat {
@@ -212,7 +212,7 @@ mod tests {
     fn decay_pulls_weights_to_zero_and_none_leaves_them() {
         let mut adam_with = adam(Schedule::Constant, 1e-2);
         adam_with.iterate(&Flat);
-        // A first step of Adam has the length of the rate, whatever the gradient.
+        // The first step of Adam has the length of the learning rate, whatever the gradient.
         assert!((adam_with.weights[0] - 0.9).abs() < 1e-6 && (adam_with.weights[1] + 2.9).abs() < 1e-6);
         let mut without = adam(Schedule::Constant, 0.0);
         without.iterate(&Flat);

@@ -1,4 +1,4 @@
-//! The sum of a loss over samples that are evaluated side by side.
+//! Sum of a loss over samples evaluated side by side.
 
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{Bounds, NormalEquations, Samples};
@@ -7,10 +7,10 @@ use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 
-/// Brings weights that have a range back into it.
+/// Moves weights that have a range back into it.
 type Projection = Box<dyn Fn(&mut [f64]) + Sync>;
 
-/// A loss with its workspace, one for every thread that asks.
+/// Losses with their workspaces, one for every thread that asks.
 type Losses = Pool<Box<dyn Loss>>;
 
 /// Σ r² of a loss over samples.
@@ -18,14 +18,14 @@ pub(super) struct Blocks {
     losses: Losses,
     parameters: usize,
     components: usize,
-    /// What the loss is not to be varied in.
+    /// Positions of the weights whose derivatives are 0.
     fixed: Vec<usize>,
     samples: Samples,
     project: Projection,
     bounds: Bounds,
 }
 
-/// Residuals and rows of the derivatives, of a block.
+/// Residuals and derivatives of a block.
 struct Rows {
     residual: Vec<Row>,
     derivatives: Vec<Vec<Row>>,
@@ -38,15 +38,15 @@ impl Rows {
     }
 }
 
-/// Σ r² of the first `count` samples, sample by sample.
+/// Σ r² of the first `count` samples, added sample by sample.
 fn squares(residual: &[Row], count: usize) -> f64 {
     (0..count).flat_map(|k| residual.iter().map(move |r| r.0[k] * r.0[k])).sum()
 }
 
-/// Where a block is: its first sample, and the samples of which the last fills it up.
+/// Place of a block: its first sample, and the range of samples, whose last sample pads the block.
 pub(super) type Place<'s> = (usize, &'s Range<usize>);
 
-/// Σ r² of samples, block by block; `evaluate` writes the residuals of one.
+/// Σ r² of samples, block by block; `evaluate` writes the residuals of a block.
 pub(super) fn sum_of_squares(
     components: usize,
     samples: &Range<usize>,
@@ -60,8 +60,8 @@ pub(super) fn sum_of_squares(
     Ok(sum)
 }
 
-/// Residuals of samples and their derivatives, block by block, those in `fixed` weights 0; `evaluate` writes the residuals of one and adds
-/// its derivatives.
+/// Writes residuals of samples and their derivatives, block by block; derivatives with respect to `fixed` weights are 0. `evaluate` writes
+/// the residuals of a block and adds its derivatives.
 pub(super) fn linearise_blocks(
     (components, parameters, fixed): (usize, usize, &[usize]),
     samples: &Range<usize>,
@@ -84,7 +84,7 @@ pub(super) fn linearise_blocks(
 }
 
 impl Blocks {
-    /// Over these samples; `fixed` are the positions of the weights that are known.
+    /// The sum over these samples; `fixed` are the positions of known weights.
     pub fn new(
         make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
         (parameters, fixed): (usize, Vec<usize>),
@@ -96,13 +96,13 @@ impl Blocks {
         Self { losses: Pool::new(make), parameters, components, fixed, samples, project, bounds }
     }
 
-    /// The same with ranges of weights.
+    /// Adds ranges of weights.
     pub fn with_bounds(self, bounds: Bounds) -> Self {
         Self { bounds, ..self }
     }
 
-    /// Evaluates the block from `start` on, which the last of `samples` fills up. What cannot be computed counts as predicted by
-    /// a constant velocity, whatever the weights.
+    /// Evaluates the block from `start` on, padded with the last of `samples`. A sample that cannot be computed counts as predicted by a
+    /// constant velocity, whatever the weights.
     fn evaluate(
         &self,
         loss: &mut dyn Loss,
@@ -185,7 +185,7 @@ impl Residuals for Blocks {
                 let count = (samples.end - start).min(WIDTH);
                 let [row] = &mut own.derivatives[..] else { return Err(Failed) };
                 if count < WIDTH {
-                    // What fills the block up must not be added: on its own, and its lanes left out.
+                    // Padding lanes must not be added: a padded block is summed separately, over its own lanes only.
                     sum.add_row(row, WIDTH);
                     row.fill(Row::default());
                 }
@@ -205,7 +205,7 @@ impl Residuals for Blocks {
         })
     }
 
-    /// What other losses have behind these numbers is theirs alone.
+    /// Numbers behind the weight block belong to other losses.
     fn enter(&self, mut weights: Vec<f64>) -> Vec<f64> {
         weights.truncate(self.parameters);
         weights
@@ -221,7 +221,7 @@ impl Residuals for Blocks {
 }
 
 impl Samples {
-    /// Samples side by side from `start` on; the last of `samples` fills the block up.
+    /// A block of samples side by side from `start` on, padded with the last of `samples`.
     pub(super) fn block(&self, start: usize, samples: &Range<usize>) -> Block {
         let rows = |x: &Vec<f64>| -> Vec<Row> {
             let at = |k: usize, i: usize| x[(start + k).min(samples.end - 1) * self.n + i];

@@ -37,7 +37,7 @@ fn bounds_themselves_and_beyond_are_finite_and_can_be_left() {
     assert_eq!(Range::Any.free(f64::MAX), f64::MAX);
 }
 
-/// r = w − w*, number by number.
+/// Residuals r = w − w*, one per number.
 struct Away {
     bounds: Bounds,
     aim: Vec<f64>,

@@ -1,12 +1,13 @@
-//! The acceleration at states that are logged with noise, no two of which follow each other: the states are free.
+//! The acceleration loss for states that are logged with noise and do not follow each other in time: the states are free variables.
 //!
-//! min over θ, q̂, v̂ of Σ |q̃ − q̂|²/σ_q² + |ṽ − v̂|²/σ_v² + |ã − v̇(q̂, v̂; θ)|²/σ_a², row by row. The acceleration at a logged state
-//! is off by noise times ∂v̇/∂(q, v): what a loss at logged states takes for forces, and weighs most where motion is wildest.
+//! It is min over θ, q̂, v̂ of Σ |q̃ − q̂|²/σ_q² + |ṽ − v̂|²/σ_v² + |ã − v̇(q̂, v̂; θ)|²/σ_a², row by row. The acceleration at a logged
+//! state is off by the noise times ∂v̇/∂(q, v), which a loss at logged states mistakes for forces, and weights most where motion is
+//! wildest.
 //!
-//! Before every iteration the states are solved anew by Gauss and Newton's method: with J = ∂v̇/∂(q, v) there, C = JΣJᵀ + σ_a² and
-//! r = v̇(q̂, v̂) + c − ã, c = J(x̃ − x̂), they are x̂ = x̃ − ΣJᵀC⁻¹r. What is left of a row is rᵀC⁻¹r: an iteration of the weights is one on
-//! W(v̇(q̂, v̂; θ) + c − ã), WᵀW = C⁻¹, with x̂, c and W held. Source: Boggs, Byrd and Schnabel, "A stable and efficient algorithm for
-//! nonlinear orthogonal distance regression", 1987.
+//! Before every iteration the states are re-estimated by Gauss–Newton: with J = ∂v̇/∂(q, v) at the states, C = JΣJᵀ + σ_a², c = J(x̃ − x̂)
+//! and r = v̇(q̂, v̂) + c − ã, they are x̂ = x̃ − ΣJᵀC⁻¹r. The remaining term of a row is rᵀC⁻¹r: an iteration of the weights minimises the
+//! squares of W(v̇(q̂, v̂; θ) + c − ã), WᵀW = C⁻¹, with x̂, c and W held. Source: Boggs, Byrd and Schnabel, "A stable and efficient
+//! algorithm for nonlinear orthogonal distance regression", 1987.
 
 mod whitening;
 
@@ -23,42 +24,42 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use whitening::{numbers_below, solve, whiten, whitening};
 
-/// Steps of Gauss and Newton's method from one iteration's states to those of the next.
+/// Gauss–Newton steps of the states in each iteration.
 const STEPS: usize = 3;
-/// And from logged states.
+/// Gauss–Newton steps from the logged states.
 const FIRST_STEPS: usize = 8;
-/// Standard deviations that a state is from where it was logged, at most.
+/// Largest distance of a state from its logged value, in standard deviations.
 const FURTHEST: f64 = 6.0;
-/// Degrees of freedom of the distribution that held-back rows are thought to be of: single bad ones say little.
+/// Degrees of freedom of the Student distribution assumed for held-back rows: single outliers count little.
 const FREEDOM: f64 = 4.0;
 
-/// Standard deviations of what is logged of a state; what no number is given for is exact.
+/// Standard deviations of logged states; quantities without a number count as exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StateNoise {
-    /// Of positions, m or rad.
+    /// Standard deviation of positions, m or rad.
     pub q: f64,
-    /// Of velocities, m/s or rad/s.
+    /// Standard deviation of velocities, m/s or rad/s.
     pub v: f64,
-    /// Of accelerations, m/s² or rad/s².
+    /// Standard deviation of accelerations, m/s² or rad/s².
     pub a: f64,
 }
 
 impl StateNoise {
-    /// Whether every number is finite and not negative, and a state is not exact.
+    /// Whether all numbers are finite and not negative, and positions or velocities are noisy.
     pub fn is_noise(&self) -> bool {
         let numbers = [self.q, self.v, self.a];
         numbers.iter().all(|x| x.is_finite() && *x >= 0.0) && self.q + self.v > 0.0
     }
 }
 
-/// What evaluates samples side by side.
+/// Evaluates samples side by side.
 struct Evaluator {
     loss: AccelerationLoss,
     slopes: AccelerationSlopes,
 }
 
-/// The loss. Its numbers: the weight block, and then of every row q̂, v̂, c and W, the last row by row up to its diagonal.
+/// The loss. Its parameters: the weight block, then for every row q̂, v̂, c and W; W is stored row by row up to its diagonal.
 struct FreeStates {
     evaluators: Pool<Evaluator>,
     parameters: usize,
@@ -69,7 +70,7 @@ struct FreeStates {
     bounds: Bounds,
 }
 
-/// Rows side by side, linearised at their states.
+/// Rows side by side, linearised at their estimated states.
 struct Linearised {
     /// v̇(q̂, v̂) + c − ã.
     residual: Vec<Row>,
@@ -79,10 +80,10 @@ struct Linearised {
     scaled: Vec<Row>,
 }
 
-/// The objective of the acceleration at noisy states, of these standard deviations.
+/// The objective of the acceleration at noisy states with these standard deviations.
 ///
 /// # Errors
-/// Where the shape does not fit in itself, or has rods.
+/// [`ModelError`] if the shape is inconsistent or has rods.
 pub fn free_states_objective(
     architecture: &Architecture,
     samples: Samples,
@@ -108,20 +109,20 @@ impl FreeStates {
         self.samples.n
     }
 
-    /// Where the numbers of a row are.
+    /// Positions of the numbers of a row.
     fn numbers(&self, row: usize) -> Range<usize> {
         let size = 3 * self.n() + numbers_below(self.n());
         let first = self.parameters + size * row;
         first..first + size
     }
 
-    /// The numbers of rows side by side from `start` on; the last of `samples` fills them up.
+    /// The numbers of rows side by side from `start` on, padded with the last of `samples`.
     fn gathered(&self, weights: &[f64], (start, samples): Place) -> Vec<Row> {
         let at = |k: usize, i: usize| weights[self.numbers((start + k).min(samples.end - 1)).start + i];
         (0..self.numbers(0).len()).map(|i| Row(std::array::from_fn(|k| at(k, i)))).collect()
     }
 
-    /// The rows from `start` on at their states, with ã − c in place of ã.
+    /// The rows from `start` on at their estimated states, with ã − c in place of ã.
     fn block(&self, numbers: &[Row], place: Place) -> Block {
         let n = self.n();
         let mut block = self.samples.block(place.0, place.1);
@@ -132,7 +133,7 @@ impl FreeStates {
         block
     }
 
-    /// Writes W(v̇ + c − ã) of the rows from `start` on, and its derivatives in place of zeros.
+    /// Writes W(v̇ + c − ã) of the rows from `start` on and, into zeros, its derivatives.
     fn evaluate(
         &self,
         evaluator: &mut Evaluator,
@@ -164,7 +165,7 @@ impl FreeStates {
         if finite && !failures.any(count) { Ok(()) } else { Err(Failed) }
     }
 
-    /// What the rows of a block are at these states (q, v).
+    /// Linearises the rows of a block at these states (q, v).
     fn linearised(
         &self,
         evaluator: &mut Evaluator,
@@ -174,7 +175,7 @@ impl FreeStates {
         let n = self.n();
         let (mut residual, mut scaled) = (vec![Row::default(); n], vec![Row::default(); 2 * n * n]);
         let at = [&states[..n], &states[n..], &logged.controls[0]];
-        // What fails is no number from here on.
+        // Lanes that fail are NaN from here on.
         evaluator.slopes.evaluate(&weights[..self.parameters], at, &mut residual, &mut scaled);
         let mut shift = vec![Row::default(); n];
         let from = logged.states[0].iter().chain(&logged.states[1]).zip(states);
@@ -193,12 +194,12 @@ impl FreeStates {
         Linearised { residual, shift, scaled }
     }
 
-    /// σ of a coordinate of (q, v).
+    /// Standard deviation σ of entry i of (q, v).
     fn deviation(&self, i: usize) -> f64 {
         if i < self.n() { self.noise.q } else { self.noise.v }
     }
 
-    /// The states that rows are most likely at: x̃ − ΣJᵀC⁻¹r, not too far from x̃. Where that is no number, x̃.
+    /// The most likely states of rows, x̃ − ΣJᵀC⁻¹r, limited in their distance from x̃; x̃ if that is NaN.
     fn likely(&self, logged: &Block, at: &Linearised) -> Vec<Row> {
         let n = self.n();
         let w = whitening(&at.scaled, n, self.noise.a);
@@ -220,7 +221,7 @@ impl FreeStates {
             .collect()
     }
 
-    /// So many steps of the states of all rows, and what the rows are then; how likely each is, −2 ln p a component but for a constant.
+    /// Takes `steps` steps of the states of all rows and stores the result. Returns for each row −2 ln p per component, up to a constant.
     fn solve_states(&self, weights: &mut [f64], steps: usize) -> Vec<f64> {
         let (n, all) = (self.n(), 0..self.samples.len());
         let of_block = |block: usize| {
@@ -251,7 +252,7 @@ impl FreeStates {
         all.map(|row| blocks[row / WIDTH].1.0[row % WIDTH]).collect()
     }
 
-    /// The weights alone with the rows as they were logged.
+    /// The weights, followed by the rows as they were logged.
     fn as_logged(&self, mut weights: Vec<f64>) -> Vec<f64> {
         weights.truncate(self.parameters);
         let n = self.n();
@@ -266,7 +267,7 @@ impl FreeStates {
     }
 }
 
-/// −2 ln p a component of rows of these whitened residuals, by Student's distribution, but for a constant.
+/// −2 ln p per component of rows with these whitened residuals, under Student's distribution, up to a constant.
 fn unlikelihoods(w: &[Row], whitened: &[Row]) -> Row {
     let n = whitened.len();
     let of = |lane: usize| {
@@ -322,8 +323,8 @@ impl Residuals for FreeStates {
         true
     }
 
-    /// e to the mean −2 ln p a component of the logged accelerations: were every C the same and nothing learned wrong, in proportion to the
-    /// variance of their errors, (m/s²)² or (rad/s²)².
+    /// The exponential of the mean of −2 ln p per component of the logged accelerations. With equal C in all rows and a correct model it is
+    /// proportional to the variance of the acceleration errors, (m/s²)² or (rad/s²)².
     fn held_back_loss(&self, weights: &[f64]) -> Option<f64> {
         let mut weights = self.as_logged(weights.to_vec());
         let unlikely = self.solve_states(&mut weights, FIRST_STEPS);

@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt: damped Gauss–Newton on the normal equations.
 //!
-//! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
-//! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
+//! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in Marquardt's
+//! method", 1999. Steps are taken in the unbounded numbers θ of [`Bounds`](super::Bounds).
 
 use super::limits::{Limited, fall};
 use super::{NormalEquations, Objective};
@@ -10,60 +10,61 @@ use faer::{Mat, Side};
 use leastaction_models::parallel;
 use serde::{Deserialize, Serialize};
 
-/// The damping grows beyond any use: no direction lowers the loss in double precision.
+/// Limit of the damping: beyond it no direction lowers the loss in double precision.
 const MU_LIMIT: f64 = 1e12;
-/// Of a diagonal of numbers of different kinds, the smallest part of the largest that counts.
+/// Lower bound of a diagonal entry, relative to the largest, for numbers of different units.
 const TINY: f64 = 1e-12;
 /// Smallest damping, relative to the mean diagonal of JᵀJ.
 const MU_FLOOR: f64 = 1e-15;
 
-/// The state of an optimisation: enough to continue it bit for bit.
+/// The state of an optimisation, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Levenberg {
     /// The best weights so far.
     pub weights: Vec<f64>,
-    /// Their loss.
+    /// Loss of these weights.
     pub loss: f64,
     /// Damping μ, relative to the mean diagonal of JᵀJ.
     mu: f64,
-    /// The factor by which the next refused step raises μ.
+    /// Factor by which the next refused step raises μ.
     raise: f64,
-    /// λ of the penalty λ|θ|² that is added to the loss.
+    /// Strength λ of the penalty λ|θ|² that is added to the loss.
     decay: f64,
 }
 
-/// How an iteration ended.
+/// Result of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// The loss fell.
     Lower,
-    /// No step lowers it any more.
+    /// No step lowers the loss any more.
     Converged,
     /// The loss cannot be evaluated at the current weights.
     Stuck,
 }
 
 impl Levenberg {
-    /// Starts at these weights, those out of their range or at its end a little inside.
+    /// Starts at these weights; weights outside their range or at its end are moved a little inside.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>) -> Self {
         let weights = objective.enter(objective.bounds().within(weights));
         let loss = objective.loss(&weights);
         Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
     }
 
-    /// The same with another damping to begin with, relative to the diagonal of JᵀJ, than 10⁻²: a smaller one where the first step is near its end.
+    /// Sets the initial damping relative to the diagonal of JᵀJ, 10⁻² by default; a smaller value suits a nearly linear problem.
     #[must_use]
     pub fn with_damping(self, mu: f64) -> Self {
         Self { mu, ..self }
     }
 
-    /// The same with a penalty λ|θ|² on the weights, in the units of the loss: for noisy or few data.
+    /// Adds a penalty λ|θ|² on the weights, in the units of the loss: for noisy or few data.
     #[must_use]
     pub fn with_decay(self, decay: f64) -> Self {
         Self { decay, ..self }
     }
 
-    /// So many iterations, or until one does not lower the loss; `watch` is called after each with its number, from 1.
+    /// Does `iterations` iterations, or stops at the first that does not lower the loss; `watch` is called after each with its number, from
+    /// 1.
     #[must_use]
     pub fn run(
         mut self,
@@ -80,8 +81,8 @@ impl Levenberg {
         self
     }
 
-    /// [`Levenberg::run`]; of all iterations, the start included, the weights with the lowest held-back loss by `judge`; of those with
-    /// the same, as where `judge` can evaluate none, the last.
+    /// Runs as [`Levenberg::run`] and returns the weights, of all iterations and the start, with the lowest held-back loss by `judge`. Of
+    /// equal losses the last counts, also if `judge` can evaluate none.
     #[must_use]
     pub fn best(
         self,
@@ -101,7 +102,7 @@ impl Levenberg {
         best.1
     }
 
-    /// What is minimised: the loss and the penalty.
+    /// The objective: the loss plus the penalty.
     fn cost(&self, objective: &dyn Objective, loss: f64, weights: &[f64]) -> f64 {
         loss + self.decay * weights.iter().take(objective.weights()).map(|w| w * w).sum::<f64>()
     }
@@ -129,8 +130,8 @@ impl Levenberg {
         Progress::Converged
     }
 
-    /// What μ is relative to, of every number: the mean diagonal of JᵀJ; of numbers of different kinds each its own
-    /// (Marquardt), but for those that hardly matter.
+    /// Scale of the damping μ for every number: the mean diagonal of JᵀJ or, for numbers of different units, each number's own diagonal
+    /// entry (Marquardt), bounded from below.
     fn damping(&self, objective: &dyn Objective, equations: &NormalEquations) -> Vec<f64> {
         let diagonal = (0..equations.gradient.len()).map(|i| equations.gram[(i, i)]);
         if objective.is_of_many_units() {
@@ -159,7 +160,7 @@ impl Levenberg {
         objective.project(&mut trial);
         let loss = objective.completed_loss(&mut trial);
         let decrease = self.cost(objective, self.loss, &self.weights) - self.cost(objective, loss, &trial);
-        // Not a number where the trial cannot be evaluated.
+        // NaN if the trial cannot be evaluated.
         if decrease.is_nan() || decrease <= 0.0 {
             return false;
         }
@@ -180,21 +181,21 @@ fn mean_diagonal(equations: &NormalEquations) -> f64 {
     (0..p).map(|i| equations.gram[(i, i)]).sum::<f64>() / p as f64
 }
 
-/// −(JᵀJ + D)⁻¹Jᵀr, D diagonal; `None` where the matrix is not positive definite in double precision.
+/// The step −(JᵀJ + D)⁻¹Jᵀr, D diagonal; `None` if the matrix is not positive definite in double precision.
 fn damped_step(equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
     let p = equations.gradient.len();
     let mut matrix = equations.gram.clone();
     for (i, damping) in damping.iter().enumerate() {
         matrix[(i, i)] += damping;
     }
-    // Elsewhere it would start threads of its own.
+    // Outside this pool faer would start threads of its own.
     let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
     let right = Mat::from_fn(p, 1, |i, _| -equations.gradient[i]);
     let step = factor.solve(&right);
     Some(step.col_as_slice(0).to_vec())
 }
 
-/// How much the linear model says the mean square falls: ½δ·(Dδ − Jᵀr)·2/rows.
+/// Decrease of the mean square that the linear model predicts: ½δ·(Dδ − Jᵀr)·2/rows.
 fn predicted_decrease(equations: &NormalEquations, step: &[f64], damping: &[f64]) -> f64 {
     let of = step.iter().zip(&equations.gradient).zip(damping);
     let sum: f64 = of.map(|((s, g), d)| s * (d * s - g)).sum();

@@ -1,4 +1,4 @@
-//! Steps of numbers that may end at an end of their range.
+//! Steps of numbers with closed ranges, which may end at an end of their range.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", section 16.7 (projected steps over the numbers that are free).
 
@@ -6,7 +6,7 @@ use super::NormalEquations;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-/// Where numbers are, and where each of them may be.
+/// Current numbers and their ranges.
 #[derive(Clone, Copy)]
 pub(super) struct Limited<'a> {
     pub numbers: &'a [f64],
@@ -14,12 +14,12 @@ pub(super) struct Limited<'a> {
 }
 
 impl Limited<'_> {
-    /// A damped step of the numbers that are not held at an end, cut off at the ends; `None` where the matrix is not positive definite in
+    /// A damped step of the numbers that are not held at an end, clipped to the ranges; `None` if the matrix is not positive definite in
     /// double precision.
     pub fn step(&self, equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
         let is_free = |k: &usize| !self.is_held(*k, equations.gradient[*k]);
         let mut free: Vec<usize> = (0..self.numbers.len()).filter(is_free).collect();
-        // What a step carries beyond its end is held there, and the others step again.
+        // A number at an end that the step would leave is held there, and the step is computed again for the rest.
         loop {
             let mut step = vec![0.0; self.numbers.len()];
             let found = solved(equations, damping, &free)?;
@@ -37,7 +37,7 @@ impl Limited<'_> {
         least == most || x <= least && gradient > 0.0 || x >= most && gradient < 0.0
     }
 
-    /// Whether a number moves on with the others: it is not at an end that the step would carry it beyond.
+    /// Whether a number stays free: it is not at an end that the step would carry it beyond.
     fn stays(&self, k: usize, step: f64) -> bool {
         let (x, [least, most]) = (self.numbers[k], self.limits[k]);
         (least..=most).contains(&(x + step)) || x > least && x < most
@@ -49,7 +49,7 @@ impl Limited<'_> {
     }
 }
 
-/// −(JᵀJ + D)⁻¹Jᵀr over some numbers.
+/// The step −(JᵀJ + D)⁻¹Jᵀr over the free numbers.
 fn solved(equations: &NormalEquations, damping: &[f64], free: &[usize]) -> Option<Vec<f64>> {
     let matrix = Mat::from_fn(free.len(), free.len(), |i, j| {
         let entry = equations.entry(free[i], free[j]);
@@ -59,11 +59,11 @@ fn solved(equations: &NormalEquations, damping: &[f64], free: &[usize]) -> Optio
     Some(matrix.llt(Side::Lower).ok()?.solve(&right).col_as_slice(0).to_vec())
 }
 
-/// How much the linear model says the mean square falls by any step: −(2 δᵀJᵀr + δᵀJᵀJδ)/rows.
+/// Decrease of the mean square that the linear model predicts for any step: −(2 δᵀJᵀr + δᵀJᵀJδ)/rows.
 pub(super) fn fall(equations: &NormalEquations, step: &[f64]) -> f64 {
     let moved = |i: usize| (0..step.len()).map(|j| equations.entry(i, j) * step[j]).sum::<f64>();
     let sum = |i: usize| step[i] * (2.0 * equations.gradient[i] + moved(i));
     let fall = -(0..step.len()).map(sum).sum::<f64>() / equations.rows as f64;
-    // Of a step that is cut off it may be a rounding error of 0.
+    // For a clipped step it may be a rounding error of 0.
     fall.max(f64::MIN_POSITIVE)
 }

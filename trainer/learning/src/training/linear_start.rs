@@ -1,4 +1,4 @@
-//! Where training of rigid bodies begins: least squares on the torques of logged motion.
+//! Starting weights for rigid bodies: least squares on the torques of logged motion.
 
 use super::blocks::Blocks;
 use super::{Levenberg, Objective, Samples};
@@ -11,26 +11,25 @@ use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use leastaction_programs::System;
 use leastaction_programs::losses::TorqueLoss;
 
-/// Ridge of the linear fit, relative to its largest diagonal entry: what the log does not show stays where it is.
+/// Ridge of the linear fit, relative to its largest diagonal entry: it keeps numbers that the log does not show.
 const RIDGE: f64 = 1e-6;
-/// Linear fits, each at the lengths that the one before has led to.
+/// Number of linear fits, each at the lengths that the previous round has reached.
 const ROUNDS: usize = 4;
-/// Iterations after a linear fit, of all that is learned.
+/// Gauss–Newton iterations on all learned numbers after each linear fit.
 const ITERATIONS: usize = 15;
-/// A linear fit leaves a number that must be positive at least this part of what it was, and a body this part of its moment of inertia
-/// about the joint as its own.
+/// Lower bound in a linear fit: a number that must be positive keeps at least this fraction of its value, and a body this fraction of its
+/// moment of inertia about the joint as moment about its own centre.
 const LEAST_PART: f64 = 0.05;
 
-/// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q = τ, nearly. Of another family the
-/// initial weights.
-///
-/// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in friction's b, c and c_load:
-/// those are fitted, lengths and the width of friction being where they are, and brought to positive masses and inertias. Then
-/// Gauss–Newton iterations on the same balance change all that is learned; and both again. Noise of v̇ makes inertias too small: this is where
-/// to begin, not where to end.
+/// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Another family keeps the initial
+/// weights.
+/// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in friction's b, c and c_load.
+/// These are fitted with lengths and the width of friction held, and then made to give positive masses and inertias. Then Gauss–Newton
+/// iterations on the same balance change all learned numbers; both steps are repeated. Noise of v̇ makes inertias too small: the result is
+/// a start, not an estimate.
 ///
 /// # Errors
-/// [`ModelError::Shape`] where a list has not n numbers of every sample; where the shape does not fit in itself.
+/// [`ModelError::Shape`] if a list does not have n numbers per sample; an error also if the shape is inconsistent.
 pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<Vec<f64>, ModelError> {
     let initial = architecture.initial_weights(0);
     let Some(bodies) = architecture.family.bodies() else { return Ok(initial) };
@@ -45,7 +44,7 @@ pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<
     Ok(state.weights)
 }
 
-/// The mean square of what is missing to the balance, N or N m.
+/// The mean squared residual of the balance, N or N m.
 fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<Blocks, ModelError> {
     let n = architecture.n();
     for x in [q, v, a, tau] {
@@ -67,23 +66,23 @@ fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<B
     Ok(blocks.with_bounds(bounds))
 }
 
-/// A number in which the balance is linear: how the weights change with it, and its size.
+/// A number in which the balance is linear: the change of the weights with it, and its size.
 struct Linear {
-    /// Positions and derivatives.
+    /// Positions of weights, with their derivatives in the number.
     slopes: Vec<(usize, f64)>,
     size: f64,
 }
 
-/// A body of the weight block with what of it is learned.
+/// A body in the weight block, with the numbers of it that are learned.
 struct Body {
     start: usize,
     numbers: BodyParameters<f64>,
     learned: BodyParameters<bool>,
-    /// J where training begins.
+    /// Initial J.
     usual_rotor: f64,
 }
 
-/// Positions of numbers of a body.
+/// Positions of the numbers of a body.
 const PLACES: BodyParameters<usize> =
     BodyParameters { place: [0, 1], angle: 2, mass: 3, centre: [4, 5], inertia: 6, rotor: 7, gear: 8 };
 
@@ -100,13 +99,13 @@ impl Body {
         each.map_while(of).collect()
     }
 
-    /// I + m|c|².
+    /// Moment of inertia about the joint, I + m|c|².
     fn about_joint(&self) -> f64 {
         let BodyParameters { mass, centre: [x, y], inertia, .. } = self.numbers;
         inertia + mass * (x * x + y * y)
     }
 
-    /// m with mc and I + m|c|² held, where c and I are learned; mc; I + m|c|²; J.
+    /// The linear numbers: m, with mc and I + m|c|² held if c and I are learned; mc; I + m|c|²; J.
     fn linear(&self) -> Vec<Linear> {
         let (Self { start, numbers, learned, usual_rotor }, mut all) = (self, Vec::new());
         let (at, about_joint) = (|place: usize| start + place, self.about_joint());
@@ -138,7 +137,7 @@ impl Body {
         all
     }
 
-    /// The body where `linear` numbers, in the order of [`Body::linear`], have changed by `steps`: positive masses and inertias.
+    /// The body after `linear` numbers, in the order of [`Body::linear`], have changed by `steps`, with masses and inertias kept positive.
     fn moved(&self, steps: &mut impl Iterator<Item = f64>) -> BodyParameters<f64> {
         let (numbers, learned) = (&self.numbers, &self.learned);
         let mut step = |is_learned: bool| if is_learned { steps.next().unwrap_or(0.0) } else { 0.0 };
@@ -147,7 +146,7 @@ impl Body {
         let about_joint = self.about_joint() + step(learned.inertia);
         let about_joint = about_joint.max(LEAST_PART * self.about_joint());
         let rotor = (numbers.rotor + step(learned.rotor)).max(LEAST_PART * numbers.rotor);
-        // The heavier, the closer is the centre to the joint, and the less has the body about it.
+        // For given moments mc, a heavier body has its centre closer to the joint, and a smaller m|c|².
         let square: f64 = (0..2).filter(|k| learned.centre[*k]).map(|k| moments[k] * moments[k]).sum();
         let least = (square / ((1.0 - LEAST_PART) * about_joint)).max(LEAST_PART * numbers.mass);
         let mass = if learned.mass { mass.max(least) } else { mass };
@@ -158,7 +157,7 @@ impl Body {
     }
 }
 
-/// Positions of learned b, c and c_load of friction, and where they begin.
+/// Positions and initial values of the learned b, c and c_load of friction.
 fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     let (laws, start) = (architecture.laws(), architecture.friction_start());
     let viscous = if laws.contains(Law::Viscous) { architecture.friction.viscous.len() } else { 0 };
@@ -171,7 +170,7 @@ fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     linear.map(|(i, number)| (start + i, number.value)).collect()
 }
 
-/// Weights after one Gauss–Newton step in the linear numbers, which is exact; `None` where it cannot be taken.
+/// Weights after one Gauss–Newton step in the linear numbers, which is exact; `None` if the step cannot be taken.
 fn linear_fit(
     architecture: &Architecture,
     bodies: &BodiesArchitecture,
@@ -194,7 +193,7 @@ fn linear_fit(
     weights.iter().all(|weight| weight.is_finite()).then(|| objective.bounds().within(weights))
 }
 
-/// The steps of linear numbers that lead to the least squares, with a ridge relative to their sizes.
+/// Least-squares steps of the linear numbers, with a ridge relative to their sizes.
 fn solved(objective: &Blocks, weights: &[f64], linear: &[Linear]) -> Option<Vec<f64>> {
     let equations = Objective::normal_equations(objective, weights)?;
     let gram = |i: usize, j: usize| equations.gram[(i.max(j), i.min(j))];
@@ -209,7 +208,7 @@ fn solved(objective: &Blocks, weights: &[f64], linear: &[Linear]) -> Option<Vec<
     let right = Mat::from_fn(k, 1, |i, _| {
         -linear[i].size * linear[i].slopes.iter().map(|(at, x)| x * equations.gradient[*at]).sum::<f64>()
     });
-    // Elsewhere it would start threads of its own.
+    // Outside this pool faer would start threads of its own.
     let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
     let step = factor.solve(&right);
     Some(step.col_as_slice(0).iter().zip(linear).map(|(step, of)| step * of.size).collect())

@@ -1,7 +1,7 @@
 //! Learning the weights of a model from motion: the losses and the optimisers.
 //!
-//! A model of another kind is trained by the same optimisers where it is an [`Objective`]: by a loss over programs
-//! ([`objective_of`]), or by its [`Residuals`].
+//! These optimisers also train a model of another kind if it is an [`Objective`]: through a loss over programs ([`objective_of`]), or
+//! through its [`Residuals`].
 
 mod adam;
 mod blocks;

@@ -1,4 +1,4 @@
-//! Where training of an inertia network begins that starts from another model: at the energies of that model, over the range of the logs.
+//! Starting weights of an inertia network that takes over the energies of another model, over the range of the logs.
 
 use super::blocks::Blocks;
 use super::{Levenberg, Progress, Samples};
@@ -9,31 +9,32 @@ use leastaction_programs::{Row, System, WIDTH};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Equations for each weight that the network is fitted to.
+/// Equations per network weight.
 const EQUATIONS: usize = 4;
-/// States at least and at most.
+/// Least and largest number of states.
 const STATES: [usize; 2] = [512, 4096];
-/// Iterations on torques, and then on accelerations.
+/// Iterations on torques, then on accelerations.
 const ITERATIONS: [usize; 2] = [40, 60];
-/// A mean square error of this part of the mean square is small enough: windows go on from there.
+/// Ratio of mean squared error to mean square that is small enough: windows continue from there.
 const GOOD: f64 = 1e-7;
 
-/// What the motion of logs covers.
+/// Range of the logged motion.
 pub struct Covered<'a> {
     /// Positions, \[samples\]\[n\], flat.
     pub q: &'a [f64],
-    /// Root mean squares of velocities and accelerations of every coordinate.
+    /// Root mean squares of velocity and acceleration of every coordinate.
     pub sizes: [Vec<f64>; 2],
 }
 
-/// Weights of an inertia network, from `initial` on, whose inertia and potential are those of a model of the same coordinates.
+/// Weights of an inertia network, starting from `initial`, whose inertia and potential match those of a model of the same coordinates.
 ///
-/// At positions of the logs, and random velocities and accelerations of the size that the logs have, both models without their forces are
-/// to take the same torque, M v̇ + L_vq v − L_q: first torques are fitted, to which any weights lead, then the accelerations that these
-/// torques give, which count light coordinates as much as heavy ones. What follows the network in the weight block stays.
+/// The states are positions of the logs with random velocities and accelerations of the logs' size. At these, both models without their
+/// forces should need the same torque, M v̇ + L_vq v − L_q. First the torques are fitted, which works from any weights; then the
+/// accelerations under these torques, which give light coordinates the same weight as heavy ones. Numbers after the network in the weight
+/// block are kept.
 ///
 /// # Errors
-/// Where a shape does not fit in itself.
+/// [`ModelError`] if a shape is inconsistent.
 pub fn network_start(
     (architecture, initial): (&Architecture, Vec<f64>),
     (model, weights): (&Architecture, &[f64]),
@@ -58,7 +59,7 @@ pub fn network_start(
     Ok(fitted(&accelerations, (weights, mean_square(&samples.states[2])), ITERATIONS[1]))
 }
 
-/// Weights after so many iterations, or where what is left is small beside the whole.
+/// Weights after at most `iterations` iterations; ends early once the residual is small relative to `whole`.
 fn fitted(objective: &Blocks, (weights, whole): (Vec<f64>, f64), iterations: usize) -> Vec<f64> {
     let mut state = Levenberg::new(objective, weights);
     for _ in 0..iterations {
@@ -73,28 +74,29 @@ fn mean_square(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64
 }
 
-/// So many states: positions in turn from all over the logs.
+/// `count` states at positions taken in turn from throughout the logs.
 fn states_like(Covered { q, sizes }: &Covered, n: usize, count: usize) -> Samples {
     let (mut stream, rows) = (Pcg64::seed_from_u64(0), q.len() / n);
-    // Multiples of the golden ratio: every part of the logs has its turn.
+    // Multiples of the golden ratio visit every part of the logs.
     let row = |k: usize| (k as f64 * 0.618_033_988_749_895).fract() * rows as f64;
     let positions = (0..count).flat_map(|k| &q[n * (row(k) as usize).min(rows - 1)..][..n]).copied();
     let mut states = [positions.collect::<Vec<_>>(), Vec::new(), Vec::new()];
     for (all, size) in states[1..].iter_mut().zip(sizes) {
-        // Uniform, of this root mean square.
+        // Uniform distribution with this root mean square.
         let most = |i: usize| 3_f64.sqrt() * if size[i] > 0.0 { size[i] } else { 1.0 };
         all.extend((0..count * n).map(|k| stream.random_range(-1.0..1.0) * most(k % n)));
     }
     Samples { n, states, controls: [vec![0.0; count * n], Vec::new(), Vec::new()], ..Samples::default() }
 }
 
-/// Passes at most until friction that grows with the torque is that of the torque itself: each leaves less than the largest c_load of the error.
+/// Largest number of passes until friction that grows with the torque is consistent with the torque: each reduces the error by at least the
+/// factor of the largest c_load.
 const PASSES: usize = 200;
-/// What is left then, beside 1 N m or N and the torque.
+/// Tolerance on the change of a torque, relative to 1 N m or N plus its size.
 const SETTLED: f64 = 1e-12;
 
-/// The torques that a model takes at states (q, v, v̇) of samples, \[samples\]\[n\], flat: τ = M v̇ + L_vq v − L_q − Q(q, v, τ). What the samples
-/// have as controls is not read.
+/// Inverse dynamics: torques of a model at states (q, v, v̇) of samples, \[samples\]\[n\], flat: τ = M v̇ + L_vq v − L_q − Q(q, v, τ). The
+/// controls of the samples are not used.
 pub fn inverse_dynamics(model: &System, weights: &[f64], samples: &Samples) -> Vec<f64> {
     let (n, count) = (model.n(), samples.len());
     let (mut loss, mut torques) = (TorqueLoss::new(model), Vec::with_capacity(count * n));

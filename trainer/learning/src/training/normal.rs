@@ -3,8 +3,8 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
 use leastaction_programs::Row;
 
-/// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (its lower triangle), Jᵀr and rᵀr.
-/// Memory is that of JᵀJ, whatever the number of samples.
+/// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (lower triangle), Jᵀr and rᵀr. Memory is that of
+/// JᵀJ, whatever the number of samples.
 #[derive(Clone, Debug)]
 pub struct NormalEquations {
     /// JᵀJ; only the lower triangle is meaningful.
@@ -13,17 +13,17 @@ pub struct NormalEquations {
     pub gradient: Vec<f64>,
     /// rᵀr.
     pub squares: f64,
-    /// Residual components.
+    /// Number of residual components.
     pub rows: usize,
 }
 
 impl NormalEquations {
-    /// Nothing yet, for p parameters.
+    /// Empty equations for p parameters.
     pub fn zero(p: usize) -> Self {
         Self { gram: Mat::zeros(p, p), gradient: vec![0.0; p], squares: 0.0, rows: 0 }
     }
 
-    /// Adds the rows of a chunk. Sequential, and so the same on any number of threads.
+    /// Adds the rows of a chunk. It runs sequentially, and is thus identical on any number of threads.
     pub fn add(&mut self, jacobian: &Mat<f64>, residual: &[f64]) {
         matmul(
             self.gram.as_mut(),
@@ -48,15 +48,15 @@ impl NormalEquations {
         self.rows += residual.len();
     }
 
-    /// Adds the first `count` samples' gradients of ½Σ r², side by side.
+    /// Adds gradients of ½Σ r² held side by side, of the first `count` samples.
     pub(super) fn add_row(&mut self, gradient: &[Row], count: usize) {
         for (sum, row) in self.gradient.iter_mut().zip(gradient) {
             *sum += row.0[..count].iter().sum::<f64>();
         }
     }
 
-    /// Adds the normal equations of the penalty λ|θ|² of the first numbers on the mean square. Numbers that no residual varies with, known ones among them,
-    /// stay where they are.
+    /// Adds the normal equations of the penalty λ|θ|² on the mean square, for the first numbers of θ. Numbers on which no residual depends,
+    /// known ones among them, stay where they are.
     pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
         let decay = decay * self.rows as f64;
         for (i, w) in weights.iter().take(self.gradient.len()).enumerate() {
@@ -68,13 +68,13 @@ impl NormalEquations {
         }
     }
 
-    /// Adds the normal equations of the penalty c(w − w₀)² on the sum of squares, w − w₀ being `difference`.
+    /// Adds the normal equations of the penalty c(w − w₀)² on the sum of squares; `difference` is w − w₀.
     pub fn add_penalty(&mut self, position: usize, c: f64, difference: f64) {
         self.gram[(position, position)] += c;
         self.gradient[position] += c * difference;
     }
 
-    /// Brings equations in the weights to the free numbers θ.
+    /// Transforms the equations from weights to the unbounded numbers θ.
     pub(super) fn bring_to_free(&mut self, bounds: &Bounds, theta: &[f64]) {
         self.scale(bounds.slopes_at(theta));
         for (position, slopes) in bounds.body_slopes(theta) {
@@ -82,11 +82,11 @@ impl NormalEquations {
         }
     }
 
-    /// Brings some weights to θ one by one, dw/dθ being these slopes by position; of all others it is 1.
+    /// Transforms single weights to θ, given dw/dθ by position; for all other weights dw/dθ is 1.
     pub(super) fn scale(&mut self, slopes: impl Iterator<Item = (usize, f64)>) {
         for (position, slope) in slopes {
             self.gradient[position] *= slope;
-            // None where the gradient alone is summed. The diagonal is in the row and in the column.
+            // `gram` is empty when only the gradient is summed. The diagonal entry is in the row and in the column.
             let columns = self.gram.ncols().min(position + 1);
             (0..columns).for_each(|j| self.gram[(position, j)] *= slope);
             if columns > 0 {
@@ -95,13 +95,13 @@ impl NormalEquations {
         }
     }
 
-    /// Brings weights to θ where those from a position on vary with as many θ, ∂w_j/∂θ_k being `slopes[k][j]`.
+    /// Transforms the M weights from `position` on to as many θ; ∂w_j/∂θ_k is `slopes[k][j]`.
     fn mix<const M: usize>(&mut self, position: usize, slopes: &[[f64; M]; M]) {
         let mixed = |own: [f64; M]| slopes.map(|row| row.iter().zip(own).map(|(slope, x)| slope * x).sum());
         let of: [f64; M] = mixed(std::array::from_fn(|j| self.gradient[position + j]));
         self.gradient[position..position + M].copy_from_slice(&of);
         let count = self.gram.ncols();
-        // None where the gradient alone is summed.
+        // `gram` is empty when only the gradient is summed.
         if count == 0 {
             return;
         }
@@ -126,9 +126,9 @@ impl NormalEquations {
         self.gram[(i.max(j), i.min(j))]
     }
 
-    /// Adds another part.
+    /// Adds another partial sum.
     pub fn merge(&mut self, other: &Self) {
-        // None where the gradient alone is summed.
+        // `gram` is empty when only the gradient is summed.
         for j in 0..self.gram.ncols() {
             let below = self.gram.col_as_slice_mut(j)[j..].iter_mut();
             below.zip(&other.gram.col_as_slice(j)[j..]).for_each(|(a, b)| *a += b);
@@ -140,7 +140,7 @@ impl NormalEquations {
         self.rows += other.rows;
     }
 
-    /// Mean square of a residual component: the loss.
+    /// The loss: mean square of the residual components.
     pub fn mean_square(&self) -> f64 {
         self.squares / self.rows as f64
     }

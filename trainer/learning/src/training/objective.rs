@@ -1,4 +1,4 @@
-//! A loss over all samples, as the optimisers see it, and those of a learned Lagrangian.
+//! A loss over all samples as the optimisers see it, and the losses of a learned Lagrangian.
 
 use super::blocks::Blocks;
 use super::{Bounds, NormalEquations, Samples};
@@ -14,42 +14,42 @@ use leastaction_programs::steps::RungeKutta;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// What is minimised. The discrete losses are those of the DEL integrator, and on rods those of RATTLE.
+/// Loss to minimise. The discrete losses use the DEL integrator, with rods RATTLE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LossKind {
     /// The residual of the three-point DEL equation at logged positions (SyMo), in units of momentum.
     DelResidual,
-    /// The next position that the implicit step gives (E2E-SyMo), by the implicit function theorem.
+    /// The error of the next position as given by the implicit step (E2E-SyMo), differentiated by the implicit function theorem.
     NextPosition,
-    /// The acceleration at logged positions and velocities.
+    /// The error of the acceleration at logged positions and velocities.
     Acceleration,
-    /// Position and velocity after an explicit Runge–Kutta step from logged ones (L-NODE); without rods.
+    /// The errors of position and velocity after an explicit Runge–Kutta step from logged values (L-NODE); without rods.
     NextState,
-    /// The torque that the motion takes, over its standard deviation in the samples (DeLaN); without rods.
+    /// The error of the torque that the motion requires, divided by the torque's standard deviation in the samples (DeLaN); without rods.
     Torque,
 }
 
-/// What a loss of torques minimises beside the plain residual.
+/// Units and offsets of a torque loss.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TorqueTerms {
-    /// Units of the coordinates' residuals, N m or N; none: 1 of each.
+    /// Units of the residuals by coordinate, N m or N; empty: 1 for each.
     pub units: Vec<f64>,
-    /// Offsets o of the drives, τ = u + o, behind the weights of the model, N m or N, where there are such.
+    /// Offsets o of the drives, τ = u + o, N m or N, after the model's weights; `None` if there are none.
     pub offsets: Option<Offsets>,
 }
 
-/// Where offsets of drives stand behind the weights of a model, and whether they are learned.
+/// Place of the drives' offsets after the weights of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offsets {
-    /// Numbers between the weights and the offsets, and behind these, that the torque does not depend on.
+    /// Counts of numbers between the weights and the offsets, and after the offsets, on which the torque does not depend.
     pub beside: [usize; 2],
-    /// Whether they are known.
+    /// Whether the offsets are known, not learned.
     pub are_known: bool,
 }
 
 impl LossKind {
-    /// Whether it is one of the DEL integrator: positions and controls suffice.
+    /// Whether the loss uses the DEL integrator: positions and controls suffice.
     pub fn is_discrete(self) -> bool {
         matches!(self, Self::DelResidual | Self::NextPosition)
     }
@@ -57,99 +57,100 @@ impl LossKind {
 
 /// A sum of squares to minimise over the weights.
 pub trait Objective: Sync {
-    /// Numbers in the weight block.
+    /// Size of the weight block.
     fn parameters(&self) -> usize;
-    /// Samples.
+    /// Number of samples.
     fn samples(&self) -> usize;
-    /// Mean squared residual component; infinite where a sample cannot be evaluated at these weights.
+    /// Mean squared residual component; infinite if a sample cannot be evaluated at these weights.
     fn loss(&self, weights: &[f64]) -> f64;
-    /// The same of those samples alone that can be computed at these weights; the others may count as predicted by a constant
-    /// velocity in the loss.
+    /// The loss over only those samples that can be computed at these weights; in the loss the rest may count as predicted by a constant
+    /// velocity.
     fn solved(&self, weights: &[f64]) -> Solved {
         let loss = self.loss(weights);
         let unsolved = if loss.is_finite() { 0 } else { self.samples() };
         Solved { mean_square: Some(loss).filter(|loss| loss.is_finite()), unsolved }
     }
-    /// The normal equations at these weights; `None` where a sample cannot be evaluated.
+    /// The normal equations at these weights; `None` if a sample cannot be evaluated.
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations>;
-    /// Jᵀr and rᵀr alone, over some samples; `None` where one cannot be evaluated.
+    /// Jᵀr and rᵀr alone, over some samples; `None` if a sample cannot be evaluated.
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
-    /// Brings weights that have a range (damping ≥ 0) back into it.
+    /// Moves weights that have a range (damping ≥ 0) back into it.
     fn project(&self, weights: &mut [f64]);
-    /// How many numbers the normal equations are of: the first. Those that follow belong to single samples, and are eliminated.
+    /// Number of parameters in the normal equations, from the first on. The parameters after these belong to single samples, and are
+    /// eliminated.
     fn shared(&self) -> usize {
         self.parameters()
     }
-    /// How many of these are weights of the model, which a penalty on weights is of: the first.
+    /// Number of model weights, from the first parameter on, that a penalty on weights applies to.
     fn weights(&self) -> usize {
         self.shared()
     }
-    /// All numbers, from those of an earlier objective or of the model alone.
+    /// All parameters, from those of an earlier objective or of the model alone.
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
         weights
     }
-    /// Prepares an iteration from these numbers; whether the loss at them is another one since.
+    /// Prepares an iteration from these parameters; returns whether this changes the loss.
     fn settle(&self, _weights: &mut [f64]) -> bool {
         false
     }
-    /// The loss, once the numbers of single samples are solved anew after the shared ones have moved.
+    /// The loss after the parameters of single samples are solved anew to follow a change of the shared ones.
     fn completed_loss(&self, weights: &mut [f64]) -> f64 {
         self.loss(weights)
     }
-    /// What decides between weights, over samples that they were not learned from.
+    /// The criterion that decides between weights, over samples that they were not learned from.
     fn held_back_loss(&self, weights: &[f64]) -> f64 {
         self.loss(weights)
     }
-    /// Whether its numbers are of different kinds and units: steps then do not depend on these units.
+    /// Whether the parameters have different units; the steps are then independent of the units.
     fn is_of_many_units(&self) -> bool {
         false
     }
-    /// An iteration that lowers the loss by less than this part of it is the last.
+    /// Relative decrease of the loss below which an iteration is the last.
     fn tolerance(&self) -> f64 {
         0.0
     }
-    /// Where every number may be, of a loss whose numbers may end at an end of their range: steps are cut off there. Of all others nothing.
+    /// Closed ranges of the parameters, at which steps are clipped; empty unless parameters may end at an end of their range.
     fn limits(&self) -> &[[f64; 2]] {
         &[]
     }
-    /// The ranges of weights that the optimisers see as free numbers θ; everything else sees the weights.
+    /// The ranges of weights, which the optimisers see as unbounded numbers θ; everything else sees the weights.
     fn bounds(&self) -> &Bounds {
         &bounds::NONE
     }
 }
 
-/// An error over what can be computed.
+/// An error over those samples that can be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solved {
-    /// Mean squared component; `None` where nothing can be computed.
+    /// Mean squared component; `None` if no sample can be computed.
     pub mean_square: Option<f64>,
-    /// Samples that cannot.
+    /// Number of samples that cannot be computed.
     pub unsolved: usize,
 }
 
 impl Solved {
-    /// Mean of the squared errors of samples, `None` where one cannot be computed.
+    /// Mean of the squared errors of samples; a sample that cannot be computed is `None`.
     pub fn of(squares: &[Option<f64>]) -> Self {
         let solved = squares.iter().flatten().count();
         Self::new(squares.iter().flatten().sum(), solved, squares.len() - solved)
     }
 
-    /// Of a sum of squares of so many components.
+    /// The error from a sum of squares over `components` components.
     pub(crate) fn new(squares: f64, components: usize, unsolved: usize) -> Self {
         Self { mean_square: (components > 0).then(|| squares / components as f64), unsolved }
     }
 
-    /// The mean square; infinite where a sample could not be computed.
+    /// The mean square; infinite if any sample could not be computed.
     pub fn or_infinite(self) -> f64 {
         self.mean_square.filter(|_| self.unsolved == 0).unwrap_or(f64::INFINITY)
     }
 }
 
-/// The objective of a loss over samples for a model of this shape; `order` (2 or 4) matters to the discrete losses and
-/// to that of the next state: 2 is the explicit midpoint rule there, 4 the 3/8 rule.
+/// The objective of a loss over samples for a model of this shape. `order` (2 or 4) matters to the discrete losses and to the next-state
+/// loss, where 2 is the explicit midpoint rule and 4 the 3/8 rule.
 ///
 /// # Errors
-/// Where the shape does not fit in itself, or the loss does not know its rods.
+/// [`ModelError`] if the shape is inconsistent, or if the loss does not support its rods.
 pub fn objective(
     architecture: &Architecture,
     samples: Samples,
@@ -164,11 +165,10 @@ pub fn objective(
     of_architecture(place, samples, move || loss(kind, &system, &rods, (h, order, &units)))
 }
 
-/// The objective of the torque that a motion takes by a model of this shape ([`TorqueLoss`]), over states with accelerations and
-/// torques.
+/// The torque loss ([`TorqueLoss`]) for a model of this shape, over states with accelerations and torques.
 ///
 /// # Errors
-/// Where the shape does not fit in itself, or has rods.
+/// [`ModelError`] if the shape is inconsistent or has rods.
 pub fn torque_objective(
     architecture: &Architecture,
     samples: Samples,
@@ -188,7 +188,7 @@ pub fn torque_objective(
     of_architecture((architecture, parameters, known), samples, make)
 }
 
-/// That of a loss in so many numbers, of which the shape learns the first and some behind them are known.
+/// The objective of a loss in `parameters` numbers, the first of which the shape learns; those in `known` are known.
 fn of_architecture(
     (architecture, parameters, known): (&Architecture, usize, Range<usize>),
     samples: Samples,
@@ -201,7 +201,7 @@ fn of_architecture(
     Ok(Box::new(blocks.with_bounds(architecture.bounds())))
 }
 
-/// The objective of any loss over samples, for a model of so many weights, all of which are learned. `make` gives a loss to every
+/// The objective of any loss over samples, for a model with `parameters` weights, all of them learned. `make` creates a loss for every
 /// thread.
 pub fn objective_of(
     make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
@@ -211,7 +211,7 @@ pub fn objective_of(
     Box::new(Blocks::new(make, (parameters, Vec::new()), samples, Box::new(|_| ())))
 }
 
-/// An error for a loss that does not know rods, or energies that its steps on rods do not take.
+/// Refuses rods under a loss that does not support them, or with energies that steps on rods do not support.
 fn check_rods(system: &System, rods: &Rods, kind: LossKind) -> Result<(), ModelError> {
     let refused = |what| Err(ModelError::Shape { what, found: rods.count(), compiled: 0 });
     match kind {
@@ -237,7 +237,7 @@ fn loss(kind: LossKind, system: &System, rods: &Rods, (h, order, units): (f64, u
         LossKind::DelResidual | LossKind::NextPosition => {
             match RodsLoss::new(system, rods.clone(), h, order_of(order), next_position) {
                 Some(loss) => Box::new(loss),
-                // Refused before: see `check_rods`.
+                // `check_rods` has refused such energies.
                 None => Box::new(free()),
             }
         }

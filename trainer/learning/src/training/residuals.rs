@@ -1,5 +1,5 @@
-//! Sums over samples: fixed parts, each computed in order on one thread, added as a fixed tree. Results do not depend on the number
-//! of threads.
+//! Sums over samples in fixed parts, each computed in order on one thread and added in a fixed tree. The results do not depend on the
+//! number of threads.
 
 use super::{Bounds, NormalEquations, Objective, Solved};
 use faer::Mat;
@@ -8,51 +8,51 @@ use leastaction_models::parallel;
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 
-/// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
+/// Samples per matrix product; not a power of two, so that columns of the Jacobian do not share cache lines.
 const CHUNK: usize = 240;
-/// Parts whose sums are computed apart, at most: as many threads as this can help.
+/// Largest number of parts with sums of their own, and thus of useful threads.
 const PARTS: usize = 64;
-/// Parts of few samples.
+/// Number of parts for few samples.
 const FEW_PARTS: usize = 8;
-/// Samples that make up for the zeros and the additions of one more JᵀJ.
+/// Number of samples that outweighs the cost of clearing and adding one more JᵀJ.
 const WORTH_A_GRAM: usize = 512;
-/// Numbers in the JᵀJ of all parts together, at most: a gibibyte. A single one may be larger.
+/// Largest number of entries in the JᵀJ of all parts together: 1 GiB. A single JᵀJ may be larger.
 const GRAM_NUMBERS: usize = 1 << 27;
 
 /// The residual of one sample could not be computed at these weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failed;
 
-/// The residuals of samples and their derivatives in the weights, chunk by chunk: all that an [`Objective`] is made of,
-/// whatever the model.
+/// The residuals of samples and their derivatives with respect to the weights, chunk by chunk. Every implementation is an [`Objective`],
+/// whatever its model.
 pub trait Residuals: Sync {
-    /// Numbers in the weight block.
+    /// Size of the weight block.
     fn parameters(&self) -> usize;
-    /// Samples.
+    /// Number of samples.
     fn samples(&self) -> usize;
-    /// Residual components of a sample.
+    /// Number of residual components per sample.
     fn components(&self) -> usize;
     /// The sum of squared residuals of a chunk.
     ///
     /// # Errors
-    /// Where one cannot be computed.
+    /// [`Failed`] if a residual cannot be computed.
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed>;
-    /// The sum of squared residuals of those samples of a chunk that can be computed, and how many cannot.
+    /// The sum of squared residuals over the samples of a chunk that can be computed, and the number of samples that cannot.
     fn solved(&self, weights: &[f64], samples: Range<usize>) -> (f64, usize) {
         match self.squares(weights, samples.clone()) {
             Ok(squares) if squares.is_finite() => (squares, 0),
             _ => (0.0, samples.len()),
         }
     }
-    /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
+    /// Writes the residuals of a chunk and their derivatives: component i of sample k is row i · samples + k.
     ///
     /// # Errors
-    /// Where one cannot be computed.
+    /// [`Failed`] if a residual cannot be computed.
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed>;
-    /// Adds Jᵀr and rᵀr of a chunk alone.
+    /// Adds only Jᵀr and rᵀr of a chunk.
     ///
     /// # Errors
-    /// Where one cannot be computed.
+    /// [`Failed`] if a residual cannot be computed.
     fn add_gradient(
         &self,
         weights: &[f64],
@@ -64,54 +64,54 @@ pub trait Residuals: Sync {
         sum.add_gradient(&rows.jacobian, &rows.residual);
         Ok(())
     }
-    /// As [`Objective::project`]: nothing where every number is a weight.
+    /// See [`Objective::project`]; does nothing if every number is a weight.
     fn project(&self, _weights: &mut [f64]) {}
-    /// As [`Objective::shared`].
+    /// See [`Objective::shared`].
     fn shared(&self) -> usize {
         self.parameters()
     }
-    /// As [`Objective::weights`].
+    /// See [`Objective::weights`].
     fn weights(&self) -> usize {
         self.shared()
     }
-    /// Samples that are computed at once, at most.
+    /// Largest number of samples computed at once.
     fn chunk(&self) -> usize {
         CHUNK
     }
-    /// Adds the normal equations of what is expected of the weights before any sample is seen.
+    /// Adds the normal equations of the prior on the weights.
     fn add_penalty(&self, _weights: &[f64], _sum: &mut NormalEquations) {}
-    /// As [`Objective::enter`].
+    /// See [`Objective::enter`].
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
         weights
     }
-    /// As [`Objective::settle`].
+    /// See [`Objective::settle`].
     fn settle(&self, _weights: &mut [f64]) -> bool {
         false
     }
-    /// As [`Objective::completed_loss`].
+    /// See [`Objective::completed_loss`].
     fn completed_loss(&self, weights: &mut [f64]) -> f64
     where
         Self: Sized,
     {
         Objective::loss(self, weights)
     }
-    /// As [`Objective::held_back_loss`], where it is not the loss.
+    /// See [`Objective::held_back_loss`]; `None` if it is the loss itself.
     fn held_back_loss(&self, _weights: &[f64]) -> Option<f64> {
         None
     }
-    /// As [`Objective::is_of_many_units`].
+    /// See [`Objective::is_of_many_units`].
     fn is_of_many_units(&self) -> bool {
         false
     }
-    /// As [`Objective::tolerance`].
+    /// See [`Objective::tolerance`].
     fn tolerance(&self) -> f64 {
         0.0
     }
-    /// As [`Objective::limits`].
+    /// See [`Objective::limits`].
     fn limits(&self) -> &[[f64; 2]] {
         &[]
     }
-    /// As [`Objective::bounds`]: none where every number is a weight.
+    /// See [`Objective::bounds`]; no bounds if every number is a weight.
     fn bounds(&self) -> &Bounds {
         &bounds::NONE
     }
@@ -119,7 +119,7 @@ pub trait Residuals: Sync {
 
 /// Workspace for the rows of one chunk.
 pub struct ChunkRows {
-    /// r.
+    /// Residuals r.
     pub residual: Vec<f64>,
     jacobian: Mat<f64>,
 }
@@ -129,7 +129,7 @@ impl ChunkRows {
         Self { residual: Vec::new(), jacobian: Mat::new() }
     }
 
-    /// Makes room for so many rows.
+    /// Resizes to `rows` rows, filled with zeros.
     pub fn reset(&mut self, rows: usize, parameters: usize) {
         self.residual.clear();
         self.residual.resize(rows, 0.0);
@@ -138,12 +138,12 @@ impl ChunkRows {
         }
     }
 
-    /// A parameter's derivatives in some rows.
+    /// The derivatives with respect to a parameter in some rows.
     pub fn column(&mut self, parameter: usize, rows: Range<usize>) -> &mut [f64] {
         &mut self.jacobian.col_as_slice_mut(parameter)[rows]
     }
 
-    /// Stores the first numbers of a residual component and of its derivatives in these rows.
+    /// Stores the first lanes of a residual component and of its derivatives in these rows.
     pub(super) fn store_rows(&mut self, rows: Range<usize>, residual: &Row, derivatives: &[Row]) {
         let count = rows.len();
         self.residual[rows.clone()].copy_from_slice(&residual.0[..count]);
@@ -153,7 +153,7 @@ impl ChunkRows {
     }
 }
 
-/// The chunks, of `largest` samples at most, of each of at most so many parts.
+/// Divides samples into at most `most` parts of chunks with at most `largest` samples.
 fn parts(samples: Range<usize>, most: usize, largest: usize) -> Vec<Vec<Range<usize>>> {
     let chunk = largest.min(samples.len().div_ceil(most).next_multiple_of(WIDTH)).max(WIDTH);
     let chunks: Vec<_> =
@@ -162,16 +162,17 @@ fn parts(samples: Range<usize>, most: usize, largest: usize) -> Vec<Vec<Range<us
     chunks.chunks(per_part).map(<[_]>::to_vec).collect()
 }
 
-/// Parts that have a JᵀJ of p² numbers each.
+/// Number of parts, each with a JᵀJ of p² entries.
 fn parts_with_gram(samples: usize, p: usize) -> usize {
     let fit = GRAM_NUMBERS / (p * p).max(1);
     samples.div_ceil(WORTH_A_GRAM).max(FEW_PARTS).min(fit).clamp(1, PARTS)
 }
 
-/// What one thread makes of the chunks of a part.
+/// Sum of one thread over the chunks of a part.
 type Part<'a> = dyn Fn(&[Range<usize>]) -> Option<NormalEquations> + Sync + 'a;
 
-/// Sums over parts: each on one thread, halves added to halves. On one thread no more of them are there at once than the tree is deep.
+/// Adds the sums of all parts, each computed on one thread, as a binary tree. A single thread holds no more of them at once than the depth
+/// of the tree.
 fn merged(parts: &[Vec<Range<usize>>], part: &Part) -> Option<NormalEquations> {
     if let [chunks] = parts {
         return part(chunks);
@@ -183,7 +184,7 @@ fn merged(parts: &[Vec<Range<usize>>], part: &Part) -> Option<NormalEquations> {
     Some(total)
 }
 
-/// The sum over samples, in at most so many parts, whose chunks are of `largest` samples at most.
+/// The sum over samples in at most `most` parts, with chunks of at most `largest` samples.
 fn sum(
     (samples, most, largest): (Range<usize>, usize, usize),
     zero: impl Fn() -> NormalEquations + Sync,
@@ -198,7 +199,7 @@ fn sum(
     parallel::within(|| merged(&parts, &part))
 }
 
-/// The normal equations of some samples alone, without what is expected before any is seen; `None` where one cannot be evaluated.
+/// The normal equations of some samples, without the prior; `None` if a sample cannot be evaluated.
 pub(crate) fn normal_equations_of<R: Residuals>(
     residuals: &R,
     weights: &[f64],
@@ -312,7 +313,7 @@ impl<R: Residuals> Objective for R {
 mod tests {
     use super::*;
 
-    /// Of sample k and weights w: r = w₀ + k w₁.
+    /// Residual of sample k at weights w: r = w₀ + k w₁.
     struct Line;
 
     impl Residuals for Line {

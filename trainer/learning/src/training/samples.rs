@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use std::ops::Range;
 use thiserror::Error;
 
-/// What a loss needs is not in the data.
+/// Data that lacks what a loss needs.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SampleError {
     /// A quantity is missing.
@@ -15,34 +15,33 @@ pub enum SampleError {
     Missing(&'static str),
 }
 
-/// Three consecutive positions with the controls at them, or one state with its acceleration or the next state: what a loss is a
-/// mean over.
+/// Samples of a loss: three consecutive positions with their controls, or one state with its acceleration or with the next state.
 ///
 /// All numbers are \[samples\]\[n\], flat.
 #[derive(Clone, Debug, Default)]
 pub struct Samples {
-    /// Coordinates.
+    /// Number of coordinates.
     pub n: usize,
     /// Step, s.
     pub h: f64,
-    /// Positions: (q₋, q, q₊) for the discrete losses; (q, v, v̇) for those of accelerations and torques; (q, v, q₊) for that of the
-    /// next state.
+    /// (q₋, q, q₊) for the discrete losses; (q, v, v̇) for acceleration and torque losses; (q, v, q₊) for the next-state loss.
     pub states: [Vec<f64>; 3],
-    /// Velocities after a step, v₊, for the loss of the next state; else empty.
+    /// Velocities v₊ after a step for the next-state loss; otherwise empty.
     pub next_velocities: Vec<f64>,
-    /// Controls at the same times; for those of accelerations and torques the first is u, for that of the next state the first two are u and u₊.
+    /// Controls at the same times. For acceleration and torque losses the first entry is u; for the next-state loss the first two are u and
+    /// u₊.
     pub controls: [Vec<f64>; 3],
-    /// What they do between these times.
+    /// Behaviour of the controls between these times.
     pub control: ControlKind,
 }
 
 impl Samples {
-    /// None yet.
+    /// An empty set for data with this step and control kind.
     fn of(data: &Dataset) -> Self {
         Self { n: data.n, h: data.h, control: data.control_kind(), ..Self::default() }
     }
 
-    /// Every three consecutive positions of every trajectory. Velocities are never read.
+    /// All triples of consecutive positions of every trajectory. Velocities are not read.
     pub fn triples(data: &Dataset) -> Self {
         let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
@@ -55,7 +54,7 @@ impl Samples {
         samples
     }
 
-    /// Every row of a set in ModLaNet's layout: states with accelerations, without control.
+    /// All rows of a data set in ModLaNet's layout: states with accelerations, without control.
     pub fn modlanet(rows: &ModlanetRows) -> Self {
         let states = [&rows.q, &rows.v, &rows.a].map(|rows| rows.as_flat().to_vec());
         let control = vec![0.0; states[0].len()];
@@ -68,10 +67,10 @@ impl Samples {
         }
     }
 
-    /// Every state with its acceleration.
+    /// All states with their accelerations.
     ///
     /// # Errors
-    /// Where velocities or accelerations are missing.
+    /// [`SampleError`] if velocities or accelerations are missing.
     pub fn accelerations(data: &Dataset) -> Result<Self, SampleError> {
         let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
@@ -88,7 +87,7 @@ impl Samples {
         Ok(samples)
     }
 
-    /// Filtered states with the torques that they take, of a log of step h (s).
+    /// Filtered states with their torques, from a log of step h (s).
     pub fn of_torques(filtered: &crate::torque::Samples, h: f64) -> Self {
         let crate::torque::Samples { q, v, a, tau, .. } = filtered;
         let flat = |rows: &Rows| rows.as_flat().to_vec();
@@ -97,10 +96,10 @@ impl Samples {
         Self { n: q.width(), h, states: [q, v, a].map(flat), controls, ..Self::default() }
     }
 
-    /// Every two consecutive states, with the controls at both.
+    /// All pairs of consecutive states, with the controls at both.
     ///
     /// # Errors
-    /// Where velocities are missing.
+    /// [`SampleError`] if velocities are missing.
     pub fn next_states(data: &Dataset) -> Result<Self, SampleError> {
         let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
@@ -119,14 +118,14 @@ impl Samples {
         Ok(samples)
     }
 
-    /// The middle of every five consecutive states with the acceleration there of the polynomial of degree 9 through their
-    /// positions and velocities, for logs without accelerations: off by O(h⁸).
+    /// Accelerations for logs without them: for every five consecutive states, the middle state with the acceleration of the polynomial of
+    /// degree 9 through their positions and velocities, with an error of O(h⁸).
     ///
     /// v̇₀ = \[−5q₀ + 64/27 (q₁ + q₋₁) + 7/54 (q₂ + q₋₂)\]/h² − \[8/9 (v₁ − v₋₁) + 1/36 (v₂ − v₋₂)\]/h. Noise of σ on positions
     /// becomes 6σ/h² on accelerations.
     ///
     /// # Errors
-    /// Where velocities are missing.
+    /// [`SampleError`] if velocities are missing.
     pub fn interpolated(data: &Dataset) -> Result<Self, SampleError> {
         let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
@@ -143,7 +142,7 @@ impl Samples {
         Ok(samples)
     }
 
-    /// The same samples in an order drawn from the seed, so that every batch is a mixture.
+    /// The samples in an order drawn from the seed, so that every batch is a mixture.
     #[must_use]
     pub fn shuffled(&self, seed: u64) -> Self {
         let mut order: Vec<usize> = (0..self.len()).collect();
@@ -160,14 +159,14 @@ impl Samples {
         }
     }
 
-    /// All but the last `held_back` samples, and those.
+    /// Splits off the last `held_back` samples.
     #[must_use]
     pub fn split(&self, held_back: usize) -> [Self; 2] {
         let first = self.len().saturating_sub(held_back);
         [self.range(0..first), self.range(first..self.len())]
     }
 
-    /// The samples in a range, cut to those there are.
+    /// The samples in a range, clipped to the existing samples.
     #[must_use]
     pub fn range(&self, range: Range<usize>) -> Self {
         let end = range.end.min(self.len());
@@ -176,13 +175,13 @@ impl Samples {
         Self { states, controls, next_velocities: of_some(&self.next_velocities, of), ..*self }
     }
 
-    /// Mean square of the last states: of accelerations for the acceleration loss.
+    /// Mean square of the third state; for the acceleration loss, of the accelerations.
     pub fn mean_square(&self) -> f64 {
         let [.., last] = &self.states;
         last.iter().map(|x| x * x).sum::<f64>() / last.len() as f64
     }
 
-    /// Standard deviation of every coordinate's control, N m or N; 1 where it does not change.
+    /// Standard deviation of every coordinate's control, N m or N; 1 if it is constant.
     pub fn torque_deviations(&self) -> Vec<f64> {
         let count = self.len() as f64;
         let of = |i: usize| self.controls[0].iter().skip(i).step_by(self.n.max(1));
@@ -193,18 +192,18 @@ impl Samples {
         (0..self.n).map(deviation).map(|deviation| if deviation > 0.0 { deviation } else { 1.0 }).collect()
     }
 
-    /// How many.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.states[0].len() / self.n.max(1)
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// What becomes of numbers that some losses alone have.
+/// Applies `change` to numbers that only some losses have; empty stays empty.
 fn of_some(x: &Vec<f64>, change: impl Fn(&Vec<f64>) -> Vec<f64>) -> Vec<f64> {
     if x.is_empty() { Vec::new() } else { change(x) }
 }
@@ -227,7 +226,7 @@ fn rows(source: &Rows, start: usize, count: usize) -> impl Iterator<Item = f64> 
     source.iter().skip(start).take(count).flatten().copied()
 }
 
-/// The controls, zero where the log has none.
+/// The controls; zero if the log has none.
 fn control(trajectory: &Trajectory, n: usize, start: usize, count: usize) -> Vec<f64> {
     match &trajectory.u {
         Some(u) => rows(u, start, count).collect(),

@@ -1,24 +1,24 @@
-//! What samples show of numbers that were fitted to them: in which directions of their space, and how well.
+//! Identifiability of fitted numbers: the directions that samples determine, and standard errors.
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 
-/// How well samples show a number.
+/// Precision with which samples show a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
-    /// Its standard error.
+    /// Standard error.
     Within(f64),
-    /// It may move with others without any residual.
+    /// Not determined: it can move together with other numbers without a residual.
     Together,
-    /// It ended where its range ends.
+    /// At an end of its range.
     AtBound,
 }
 
-/// A number is free where directions that are not shown have this part of it.
+/// Largest share of a number in directions that are not shown for the number to count as shown.
 const FREE: f64 = 1e-4;
 
-/// The 97.5th percentile of Student's distribution with so many degrees of freedom, by the expansion of Fisher and Cornish (within 0.3% from
-/// four on): by how many standard errors a number is off at most in 95 of 100 cases.
+/// The 97.5th percentile of Student's t distribution with `free` degrees of freedom, by the Cornish–Fisher expansion (within 0.3% from four
+/// on): the half-width of a 95% interval in standard errors.
 #[must_use]
 pub fn student(free: usize) -> f64 {
     /// The 97.5th percentile of the normal distribution.
@@ -29,17 +29,17 @@ pub fn student(free: usize) -> f64 {
     z + powers[0] / (4.0 * free) + powers[1] / (96.0 * free.powi(2)) + third / (384.0 * free.powi(3))
 }
 
-/// Directions in the space of numbers, each over its size, that samples show.
+/// Directions, in the space of scaled numbers, that samples show.
 pub(crate) struct Directions {
-    /// As columns.
+    /// Orthonormal basis, as columns.
     basis: Mat<f64>,
-    /// How much of every number is in the others.
+    /// Share of every number in the remaining directions.
     free: Vec<f64>,
 }
 
 impl Directions {
-    /// Eigenvectors of the scaled matrix of the normal equations whose eigenvalues are above the least that counts beside the largest;
-    /// none where it has no eigenvalues.
+    /// Eigenvectors of the scaled matrix of the normal equations with eigenvalues above `least`(largest eigenvalue); none if the
+    /// decomposition fails.
     pub fn of(scaled: &Mat<f64>, least: impl FnOnce(f64) -> f64) -> Self {
         let p = scaled.nrows();
         let Ok(eigen) = scaled.self_adjoint_eigen(Side::Lower) else {
@@ -53,30 +53,30 @@ impl Directions {
         Self { basis, free }
     }
 
-    /// How many there are that samples do not show.
+    /// Number of directions that samples do not show.
     pub fn hidden(&self) -> usize {
         self.basis.nrows() - self.basis.ncols()
     }
 
-    /// Whether a number cannot move with others without any residual.
+    /// Whether a number is determined, not free to move together with others without a residual.
     pub fn shows(&self, i: usize) -> bool {
         self.free[i] <= FREE
     }
 
-    /// The inverse of a matrix in these directions; `None` where it is not positive definite there.
+    /// The inverse of a matrix within these directions; `None` if it is not positive definite there.
     pub fn inverse(&self, of: &Mat<f64>) -> Option<Mat<f64>> {
         let within = self.basis.transpose() * of * &self.basis;
         let factor = within.llt(Side::Lower).ok()?;
         Some(&self.basis * factor.inverse() * self.basis.transpose())
     }
 
-    /// By how much numbers move where a part of the samples is left out: the inverse of the matrix of the rest times the part's gradient. Where the part
-    /// alone shows something, of which the rest says nothing, the inverse of the whole stands in.
+    /// Change of the numbers if a part of the samples is left out: the inverse of the rest's matrix times the part's gradient. If the part
+    /// alone shows a direction, the inverse of the whole replaces that of the rest.
     pub fn moved(&self, rest: &Mat<f64>, gradient: &Mat<f64>, whole: &Mat<f64>) -> Mat<f64> {
         self.inverse(rest).as_ref().unwrap_or(whole) * gradient
     }
 
-    /// Of the numbers that are shown the one that a number is correlated with most, by this covariance, and their correlation.
+    /// The shown number with the strongest correlation to number i by this covariance, and the correlation.
     pub fn strongest(&self, covariance: &Mat<f64>, i: usize) -> Option<(usize, f64)> {
         let correlation = |j: usize| {
             let both = covariance[(i, i)] * covariance[(j, j)];

@@ -4,30 +4,31 @@ use leastaction_models::Actuator;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A number of sensors or actuators.
+/// Setting of a sensor or actuator number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Setting {
-    /// It is this, of every coordinate.
+    /// Known, with this value for every coordinate.
     Known(f64),
-    /// Of every coordinate another, from the logs.
+    /// Learned from the logs, for each coordinate separately.
     Learned,
 }
 
-/// Sensors and actuators: q̃ = q + z + noise, z a zero offset of every coordinate and log, and τ_i(t) = g_i u_i(t − d) + o_i.
+/// Model of sensors and actuators: q̃ = q + z + noise, with a zero offset z for every coordinate and log, and τ_i(t) = g_i u_i(t − d) +
+/// o_i.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Calibration {
-    /// Whether z is learned, m or rad; else it is 0.
+    /// Whether z (m or rad) is learned; otherwise it is 0.
     pub zero: bool,
-    /// g, > 0.
+    /// Gain g, not 0.
     pub gain: Setting,
-    /// o, N or N m.
+    /// Offset o, N or N m.
     pub offset: Setting,
-    /// d ≥ 0, s.
+    /// Delay d ≥ 0, s.
     pub delay: Setting,
 }
 
 impl Default for Calibration {
-    /// What is logged is what is: z = 0, g = 1, o = 0, d = 0.
+    /// Ideal sensors and actuators: z = 0, g = 1, o = 0, d = 0.
     fn default() -> Self {
         Self {
             zero: false,
@@ -39,7 +40,7 @@ impl Default for Calibration {
 }
 
 impl Calibration {
-    /// The actuator of n coordinates by what is known of it; what is learned is that of an ideal one.
+    /// The actuator of n coordinates with its known numbers; learned numbers have the ideal values.
     pub fn known_actuator(&self, n: usize) -> Actuator {
         let known = |setting: Setting, ideal: f64| match setting {
             Setting::Known(number) => number,
@@ -53,30 +54,30 @@ impl Calibration {
     }
 }
 
-/// A learned z is expected to be of this size, m or rad.
+/// Prior standard deviation of a learned z, m or rad.
 const ZERO_SIZE: f64 = 0.05;
-/// A learned g to be this near to 1.
+/// Prior standard deviation of a learned g around 1.
 const GAIN_SIZE: f64 = 0.3;
-/// A learned d to be of this size, s.
+/// Prior standard deviation of a learned d, s.
 const DELAY_SIZE: f64 = 0.02;
-/// A learned d at most, s.
+/// Upper limit of a learned d, s.
 const MOST_DELAY: f64 = 0.2;
-/// A learned g at least.
+/// Lower limit of a learned g.
 const LEAST_GAIN: f64 = 0.05;
 
-/// The numbers of sensors and actuators, as they were learned or are known.
+/// Calibrated sensors and actuators, with learned and known numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Calibrated {
-    /// From commands to forces.
+    /// Actuator, from commands to forces.
     #[serde(flatten)]
     pub actuator: Actuator,
-    /// z of every log, of every coordinate, m or rad.
+    /// Zero offsets z, \[logs\]\[coordinates\], m or rad.
     pub zeros: Vec<Vec<f64>>,
 }
 
 impl Calibrated {
-    /// τ of every sample of a control u on a step of h, s, as a loss over windows has it: g u(t − d) + o, u before the first sample being as
-    /// there.
+    /// Force τ at every sample of a control u with step h (s), as a loss over windows computes it: g u(t − d) + o, with u constant before
+    /// the first sample.
     pub fn forces(&self, u: &Rows, h: f64) -> Option<Rows> {
         let (n, late) = (u.width(), self.actuator.delay / h);
         let (whole, part) = (late.floor(), late - late.floor());
@@ -91,22 +92,22 @@ impl Calibrated {
     }
 }
 
-/// Where the numbers of a calibration are: of all coordinates g and then o, d, and of every log z of all coordinates.
+/// Positions of the calibration numbers: g and then o of all coordinates, d, and for every log z of all coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationLayout {
-    /// Position of the first.
+    /// Position of the first number.
     pub start: usize,
-    /// Coordinates.
+    /// Number of coordinates.
     pub n: usize,
-    /// Logs.
+    /// Number of logs.
     pub logs: usize,
-    /// What is learned.
+    /// Settings of the numbers.
     pub calibration: Calibration,
-    /// The size of u, N or N m: a learned o is expected to be a twentieth of it.
+    /// Size of u, N or N m: the prior standard deviation of a learned o is a twentieth of it.
     pub control: f64,
 }
 
-/// A penalty weight · (w − centre)² on the number at a position.
+/// A penalty weight · (w − centre)² on the number w at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Prior {
     pub position: usize,
@@ -115,7 +116,7 @@ pub(super) struct Prior {
 }
 
 impl CalibrationLayout {
-    /// Behind a weight block of so many numbers, of these logs.
+    /// The layout after a weight block of `weights` numbers, for these logs.
     pub fn new(weights: usize, logs: &WindowLogs, calibration: Calibration) -> Self {
         Self { start: weights, n: logs.n, logs: logs.count(), calibration, control: logs.control_size() }
     }
@@ -135,7 +136,7 @@ impl CalibrationLayout {
         self.start + 2 * self.n
     }
 
-    /// Numbers that the control depends on: g, o and d.
+    /// Number of parameters that the control depends on: g, o and d.
     pub(super) fn controls(&self) -> usize {
         2 * self.n + 1
     }
@@ -145,17 +146,17 @@ impl CalibrationLayout {
         self.start + self.controls() + log * self.n + i
     }
 
-    /// Numbers before the offsets o and behind them.
+    /// Counts of numbers before and after the offsets o.
     pub(crate) fn beside_offsets(&self) -> [usize; 2] {
         [self.offset(0) - self.start, self.end() - self.delay()]
     }
 
-    /// The position after the last.
+    /// End of the positions (exclusive).
     pub fn end(&self) -> usize {
         self.zero(self.logs, 0)
     }
 
-    /// The numbers before anything is learned.
+    /// Initial values of the numbers.
     pub fn initial(&self) -> Vec<f64> {
         let Calibration { gain, offset, delay, .. } = self.calibration;
         let start = |setting, otherwise| match setting {
@@ -169,7 +170,8 @@ impl CalibrationLayout {
         numbers
     }
 
-    /// Where they begin that were learned before: learned ones there, known ones as they are known; zeros belong to the logs of then.
+    /// Initial values after an earlier calibration: learned numbers start from the earlier values, known ones keep theirs, and zero offsets
+    /// restart, since they belong to the earlier logs.
     pub(crate) fn initial_at(&self, before: &Actuator) -> Vec<f64> {
         let Calibration { gain, offset, delay, .. } = self.calibration;
         let mut numbers = self.initial();
@@ -185,7 +187,7 @@ impl CalibrationLayout {
         numbers
     }
 
-    /// The numbers, from those that windows share.
+    /// The calibration within the numbers that windows share.
     pub fn read(&self, weights: &[f64]) -> Calibrated {
         let of = |range: Range<usize>| weights.get(range).unwrap_or_default().to_vec();
         Calibrated {
@@ -198,7 +200,7 @@ impl CalibrationLayout {
         }
     }
 
-    /// What the number at a position is called, and its unit: `unit` is that of q̃_i.
+    /// Name and unit of the number at a position; `unit` gives the unit of q̃_i.
     pub fn name(
         &self,
         position: usize,
@@ -227,7 +229,7 @@ impl CalibrationLayout {
         [(gain, of_gain), (offset, of_offset), (delay, self.delay()..self.delay() + 1)]
     }
 
-    /// Positions of what is not learned, `learned` saying of which logs z is.
+    /// Positions of numbers that are not learned; `learned` says of which logs z is learned.
     pub(super) fn fixed(&self, learned: impl Fn(usize) -> bool) -> Vec<usize> {
         let known = self.settings().into_iter().filter(|(setting, _)| *setting != Setting::Learned);
         let mut fixed: Vec<usize> = known.flat_map(|(_, positions)| positions).collect();
@@ -236,7 +238,7 @@ impl CalibrationLayout {
         fixed
     }
 
-    /// What is expected of the numbers before the logs are seen: weak, for what a log does not show.
+    /// Weak priors on the learned numbers, for what a log does not show.
     pub(super) fn priors(&self) -> Vec<Prior> {
         let offset = 0.05 * self.control.max(f64::MIN_POSITIVE.sqrt());
         let sizes = [(1.0, GAIN_SIZE), (0.0, offset), (0.0, DELAY_SIZE)];
@@ -255,7 +257,7 @@ impl CalibrationLayout {
         priors
     }
 
-    /// Brings learned numbers back into their range.
+    /// Moves learned numbers back into their ranges.
     pub(super) fn project(&self, weights: &mut [f64]) {
         for i in 0..self.n {
             if self.calibration.gain == Setting::Learned {

@@ -1,17 +1,18 @@
-//! How well the logs of a loss over windows show what was learned from them.
+//! Standard errors of the numbers that a loss over windows has learned.
 //!
-//! The covariance of the learned numbers is (L − 1)/L · Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, by how much they move where log l is
-//! left out (the jackknife): what is missing in the model makes residuals of one log alike, those of different logs not. H is the matrix
-//! of the normal equations with ρ″/2 in place of ρ′/2x (their ratio, averaged over residuals, is one number) and with the priors, H_l
-//! and g_l are its part and the gradient over the windows of log l. Start states are eliminated in all of them. H⁻¹ in place of
-//! (H − H_l)⁻¹ would make errors too small where a few logs show most. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into
-//! parts that count as logs, more than [`MOST_LOGS`] are joined.
+//! The covariance of the learned numbers is the jackknife's, (L − 1)/L · Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, the change of the numbers
+//! if log l is left out: defects of the model correlate the residuals within a log, but not between logs. H is the matrix of the normal
+//! equations with ρ″/2 in place of ρ′/2x (their ratio, averaged over residuals, is a single number) and with the priors; H_l and g_l are
+//! the part of H and the gradient over the windows of log l. Start states are eliminated from all of them. H⁻¹ in place of (H − H_l)⁻¹
+//! would give errors that are too small if a few logs show most. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into parts
+//! that count as logs, more than [`MOST_LOGS`] are merged.
 //!
-//! A zero offset belongs to a single log, without which nothing shows it: in place of that log's part σ² times the inverse of its block of
-//! H is added, σ² the mean square of the residuals, as if these were independent, those of one sample in several windows too: what the
-//! free start states leave of a zero has one sign in the middle of a window and the other at its ends, so that such residuals do not add up.
+//! A zero offset belongs to a single log and is not shown without it. In place of that log's term, σ² times the inverse of the offset's
+//! block of H is added, with σ² the mean square of the residuals, as if residuals were independent, even those of one sample in several
+//! windows. The part of a zero that free start states leave over has one sign in the middle of a window and the other at its ends, so such
+//! residuals do not add up.
 //!
-//! Correlations are those of H⁻¹, which few logs do not disturb.
+//! Correlations are taken from H⁻¹, which is robust even with few logs.
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
@@ -23,19 +24,19 @@ use faer::{Mat, Side};
 use leastaction_models::parallel;
 use std::ops;
 
-/// Logs that are enough to be told apart.
+/// Number of logs that suffices for a jackknife over whole logs.
 const FEWEST_LOGS: usize = 5;
-/// Parts of which fewer logs are cut.
+/// Number of parts that fewer logs are cut into.
 const PARTS: usize = 32;
-/// Logs that are left out one by one, at most.
+/// Largest number of groups that are left out one by one; more logs are merged into groups.
 const MOST_LOGS: usize = 64;
-/// Numbers at most: the eigenvalues of a matrix of this size take seconds.
+/// Largest number of learned numbers: the eigenvalues of a matrix of this size take seconds.
 const MOST_NUMBERS: usize = 800;
-/// Windows whose residuals are looked at, at most.
+/// Largest number of windows whose residuals are evaluated.
 const WINDOWS: usize = 4096;
-/// A number that a log has more than this part of is shown by it alone.
+/// Share of a number's information in a single log above which only that log shows it.
 const OWN: f64 = 0.99;
-/// Eigenvalues of the scaled matrix below this are rounding errors of 0.
+/// Threshold below which eigenvalues of the scaled matrix are rounding errors of 0.
 const RANK: f64 = 1e-9;
 
 pub use crate::training::Shown;
@@ -43,39 +44,38 @@ pub use crate::training::Shown;
 /// A learned number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedNumber {
-    /// Its position among the numbers that windows share.
+    /// Position among the numbers that windows share.
     pub position: usize,
-    /// As it was learned, in its unit.
+    /// Learned value, in its unit.
     pub value: f64,
-    /// How well it is known.
+    /// Standard error, or the reason why there is none.
     pub shown: Shown,
-    /// The position of the number that it is most correlated with, and their correlation.
+    /// Position of the number with the strongest correlation, and this correlation.
     pub strongest: Option<(usize, f64)>,
 }
 
-/// How well all learned numbers are known.
+/// Precision of all learned numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certainty {
-    /// In the order of their positions.
+    /// Learned numbers in the order of their positions.
     pub numbers: Vec<LearnedNumber>,
-    /// Directions in their space that the logs do not show.
+    /// Number of directions in their space that the logs do not show.
     pub hidden: usize,
-    /// Logs, or parts of logs, that were taken to be independent.
+    /// Number of logs, or parts of logs, taken as independent.
     pub clusters: usize,
-    /// Whether they are whole logs.
+    /// Whether these are whole logs.
     pub whole_logs: bool,
 }
 
 impl Certainty {
-    /// By how many standard errors a number is off at most in 95 of 100 cases, by Student's distribution with one degree of freedom less
-    /// than there are clusters.
+    /// Half-width of the 95% confidence interval in standard errors, by Student's t distribution with `clusters` − 1 degrees of freedom.
     pub fn interval(&self) -> f64 {
         student(self.clusters.saturating_sub(1))
     }
 }
 
-/// That of numbers that a loss was minimised to, all of them as the optimiser has them; `ranges` are those of the learned numbers by
-/// their positions. `None` where there are none or more than a matrix is made of, or the loss cannot be evaluated.
+/// The precision of numbers that minimise a loss. `weights` are all numbers, as the optimiser has them; `ranges` are those of the learned
+/// numbers by position. `None` if there are no learned numbers or too many for a matrix, or if the loss cannot be evaluated.
 pub fn certainty(loss: &WindowLoss, weights: &[f64], ranges: &[(usize, Range)]) -> Option<Certainty> {
     let learned = loss.learned();
     let is_at_bound = |position: &usize| {
@@ -115,7 +115,7 @@ fn ends(range: Range, w: f64) -> bool {
     }
 }
 
-/// Windows whose residuals are taken to be independent of those of others.
+/// Groups of windows whose residuals are taken as independent between groups.
 struct Clusters {
     parts: Vec<ops::Range<usize>>,
     whole_logs: bool,
@@ -136,12 +136,12 @@ impl Clusters {
     }
 }
 
-/// Covariances of numbers, each divided by the root of its diagonal entry in JᵀJ.
+/// Covariance of numbers in scaled units: each number divided by the root of its diagonal entry in JᵀJ.
 struct Spread {
-    /// 1/√(JᵀJ)_ii.
+    /// Scales 1/√(JᵀJ)_ii.
     sizes: Vec<f64>,
     directions: Directions,
-    /// H⁻¹ in the directions that are shown.
+    /// H⁻¹ within the shown directions.
     inverse: Mat<f64>,
     variances: Vec<f64>,
 }
@@ -170,7 +170,7 @@ impl Spread {
             let mut moved = directions.moved(&rest, &gradient, &inverse);
             let owns = |i: &usize| entry(&log, positions, *i, *i) > OWN * data(*i, *i);
             let own: Vec<usize> = (0..p).filter(owns).collect();
-            // Without its log a number is what is expected of it.
+            // Without its log a number stays at its prior.
             own.iter().for_each(|i| moved[(*i, 0)] = 0.0);
             Some((moved, own))
         };
@@ -195,7 +195,7 @@ impl Spread {
     }
 }
 
-/// Σρ″/2 over Σρ′/2x.
+/// Σρ″/2 divided by Σρ′/2x.
 fn curvature_ratio(loss: &WindowLoss, weights: &[f64]) -> f64 {
     let residuals = loss.scaled_residuals(weights, WINDOWS);
     let sum = residuals.iter().flatten().fold([0.0; 2], |sum, x| {
@@ -205,12 +205,12 @@ fn curvature_ratio(loss: &WindowLoss, weights: &[f64]) -> f64 {
     if sum[0] > 0.0 { sum[1] / sum[0] } else { 1.0 }
 }
 
-/// Entry (i, j) of JᵀJ of the numbers at these positions.
+/// Entry (i, j) of JᵀJ for the numbers at these positions.
 fn entry(equations: &NormalEquations, positions: &[usize], i: usize, j: usize) -> f64 {
     equations.entry(positions[i], positions[j])
 }
 
-/// Variances of numbers that belong to one log alone, given the others; 0 of all others.
+/// Variances of numbers that belong to a single log, given all other numbers; 0 for the rest.
 fn of_single_logs(loss: &WindowLoss, positions: &[usize], own: &Mat<f64>, mean_square: f64) -> Vec<f64> {
     let (layout, mut variances) = (loss.layout(), vec![0.0; positions.len()]);
     for log in 0..layout.logs {

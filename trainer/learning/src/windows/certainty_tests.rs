@@ -19,7 +19,7 @@ const STEPS: usize = 40;
 const LOGS: usize = 12;
 const NOISE: f64 = 0.002;
 
-/// A pendulum with an inertia of 0.05 kg m², that weighs 0.4 N m, under friction of 0.03 N m s/rad: what of it is learned.
+/// A pendulum with an inertia of 0.05 kg m², a weight moment of 0.4 N m and friction of 0.03 N m s/rad, some of it learned.
 fn pendulum(mass: bool) -> Architecture {
     let [zero, learned] = [Number::known(0.0), Number::learned(0.05)];
     let known = |value| if mass { Number::learned(value) } else { Number::known(value) };
@@ -38,7 +38,7 @@ fn pendulum(mass: bool) -> Architecture {
     Architecture { friction, ..BodiesArchitecture::new(gravity, [(body, own)]).unwrap().into() }
 }
 
-/// Logs of it with noise of this seed.
+/// Logs of the pendulum, with noise of this seed.
 fn logs(architecture: &Architecture, seed: u64) -> Dataset {
     let (weights, system) =
         (architecture.initial_weights(0), System::new(&*architecture.energies().unwrap()));
@@ -61,7 +61,7 @@ fn logs(architecture: &Architecture, seed: u64) -> Dataset {
     Dataset { n: 1, h: H, control: Some(ControlKind::Held), trajectories }
 }
 
-/// What is learned from logs, and how well it is known.
+/// Learns from logs; returns the numbers with their certainty.
 fn learned(architecture: &Architecture, data: &Dataset, zero: bool) -> Certainty {
     let calibration = Calibration { zero, ..Calibration::default() };
     let integrator = Integrator::RungeKutta;
@@ -81,7 +81,7 @@ fn error(of: &LearnedNumber) -> f64 {
     }
 }
 
-/// Over many logs of other noise numbers lie apart as their standard errors say.
+/// Over many logs with different noise, the estimates scatter as their standard errors say.
 #[test]
 fn standard_errors_are_those_of_repeated_logs() {
     const SEEDS: usize = 36;
@@ -98,7 +98,7 @@ fn standard_errors_are_those_of_repeated_logs() {
         let deviation = (squares / (SEEDS - 1) as f64).sqrt();
         let said = all.iter().map(|of| error(&of.numbers[k]).powi(2)).sum::<f64>() / SEEDS as f64;
         let ratio = said.sqrt() / deviation;
-        // Of 36 values a standard deviation is known to an eighth.
+        // A standard deviation from 36 values is known to an eighth.
         assert!((0.65..1.5).contains(&ratio), "{k}: {ratio}");
     }
 }
@@ -107,7 +107,7 @@ fn standard_errors_are_those_of_repeated_logs() {
 fn what_is_only_shown_in_combination_is_said_to_be() {
     let architecture = pendulum(true);
     let certainty = learned(&architecture, &logs(&pendulum(false), 1), false);
-    // m c and I + m c² of m, c and I.
+    // Only m c and I + m c² of m, c and I are shown.
     assert_eq!(certainty.hidden, 1);
     let shown: Vec<Shown> = certainty.numbers.iter().map(|of| of.shown).collect();
     assert_eq!(shown[..3], [Shown::Together; 3]);

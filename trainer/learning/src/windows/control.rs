@@ -1,4 +1,4 @@
-//! What acts on windows side by side over a step, and how it moves with the calibration's numbers.
+//! Controls over a step for windows side by side, with their derivatives with respect to the calibration numbers.
 
 use super::calibration::CalibrationLayout;
 use super::rollout::Lanes;
@@ -6,14 +6,14 @@ use leastaction_core::forces::ControlKind;
 use leastaction_programs::Row;
 use leastaction_programs::steps::ControlTangent;
 
-/// τ at the start and the end of a step, and how it moves with the learned ones of g, o and d.
+/// Forces τ at the start and the end of a step, with their derivatives with respect to the learned numbers of g, o and d.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Acting {
     pub tau: [Vec<Row>; 2],
     pub tangents: Vec<ControlTangent>,
 }
 
-/// Which number of the calibration moves a control, and how.
+/// Kind of a calibration number that a control depends on.
 #[derive(Clone, Copy)]
 enum Kind {
     Gain,
@@ -21,8 +21,8 @@ enum Kind {
     Delay,
 }
 
-/// By how much the value at the start and at the end of the k-th of so many equal parts of a step, linear between, enters the start and
-/// the end of the straight line over the whole step that has the same impulse and the same first moment.
+/// Weights of the values at the start and at the end of the k-th of `parts` equal parts of a step (linear in between) in the start and the
+/// end of the straight line over the whole step with the same impulse and first moment.
 fn shares(k: usize, parts: usize) -> [[f64; 2]; 2] {
     let m = parts as f64;
     let beside = 0.5 * ((k as f64 + 0.5) / m - 0.5);
@@ -32,7 +32,7 @@ fn shares(k: usize, parts: usize) -> [[f64; 2]; 2] {
     })
 }
 
-/// What acts over one of several equal parts of a step, linear over all of it.
+/// Force over one of `parts` equal parts of a step, for a force that is linear over the step.
 pub(super) fn part_of(whole: &Acting, part: usize, parts: usize) -> Acting {
     if parts == 1 {
         return whole.clone();
@@ -50,7 +50,7 @@ pub(super) fn part_of(whole: &Acting, part: usize, parts: usize) -> Acting {
     }
 }
 
-/// What a number that the control depends on is, of which coordinate.
+/// Kind and coordinate of a number that the control depends on.
 fn kind(layout: &CalibrationLayout, number: usize) -> (Kind, Option<usize>) {
     match number {
         k if k < layout.n => (Kind::Gain, Some(k)),
@@ -60,10 +60,10 @@ fn kind(layout: &CalibrationLayout, number: usize) -> (Kind, Option<usize>) {
 }
 
 impl Lanes<'_> {
-    /// What acts over the step from a sample to the next `parts` ones, with tangents where they are wanted.
+    /// Force over the step from `sample` to `sample + parts`, with tangents if they are wanted.
     pub fn acting(&self, sample: usize, parts: usize, with_tangents: bool) -> Acting {
         let delay = self.numbers[self.layout.delay()];
-        // u and its slope in d, at both ends, of every coordinate.
+        // u and its derivative with respect to d, at both ends, for every coordinate.
         let mut commands = vec![[[Row::default(); 2]; 2]; self.logs.n];
         for part in 0..parts {
             let shares = shares(part, parts);
@@ -80,16 +80,16 @@ impl Lanes<'_> {
         Acting { tau: [tau(0), tau(1)], tangents }
     }
 
-    /// g_i u + o_i.
+    /// Force g_i u_i + o_i.
     fn force(&self, i: usize, u: &Row) -> Row {
         let [gain, offset] = [self.layout.gain(i), self.layout.offset(i)].map(|at| self.numbers[at]);
         Row(u.0.map(|u| gain * u + offset))
     }
 
-    /// u_i as it arrives, and its slope in d, at the start and the end of a sample's step.
+    /// Delayed command u_i and its derivative with respect to d, at the start and the end of a sample's step.
     ///
-    /// A held u that arrives within the step jumps there, from b to a after the part p of the step: the straight line of the same impulse
-    /// and first moment goes from m − 3p(1 − p)(a − b) to m + 3p(1 − p)(a − b), m = pb + (1 − p)a.
+    /// A held u that arrives within the step jumps there, from b to a after the fraction p of the step: the straight line with the same
+    /// impulse and first moment goes from m − 3p(1 − p)(a − b) to m + 3p(1 − p)(a − b), m = pb + (1 − p)a.
     fn command(&self, sample: usize, i: usize, delay: f64) -> [[Row; 2]; 2] {
         let at = |sample: usize| {
             let u = self.windows.map(|of| self.logs.delayed_control(of.log, of.first + sample, i, delay));
@@ -132,7 +132,7 @@ impl Lanes<'_> {
 mod tests {
     use super::*;
 
-    /// A straight line stays one, and steps keep their impulse and first moment.
+    /// A straight line is preserved, and jumps keep their impulse and first moment.
     #[test]
     fn shares_keep_impulse_and_moment() {
         for parts in [1, 2, 5] {

@@ -1,8 +1,8 @@
-//! The columns of start states, taken out of the others.
+//! Elimination of the start states' columns from the others.
 
 use leastaction_programs::Row;
 
-/// Residuals of windows side by side, and their derivatives: a row of `columns` numbers a residual.
+/// Residuals of windows side by side, and their derivatives: a row of `columns` numbers per residual.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rows {
     pub columns: usize,
@@ -11,12 +11,12 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// None yet.
+    /// An empty set.
     pub fn new(columns: usize) -> Self {
         Self { columns, ..Self::default() }
     }
 
-    /// Makes room for so many residuals.
+    /// Reserves room for this number of residuals.
     pub fn reserve(&mut self, residuals: usize) {
         self.residual.reserve(residuals);
         self.jacobian.reserve(residuals * self.columns);
@@ -27,8 +27,8 @@ impl Rows {
         &self.jacobian[k * self.columns..(k + 1) * self.columns]
     }
 
-    /// Replaces J by PJ and r by Pr, P = I − X(XᵀX)⁻¹Xᵀ with X the last `count` columns of J, and returns the δ of these columns that
-    /// minimises |r + Xδ|, by Gram and Schmidt's method. A column that others make up, or of no number, is left out.
+    /// Replaces J by PJ and r by Pr, P = I − X(XᵀX)⁻¹Xᵀ with X the last `count` columns of J, by Gram–Schmidt. Returns the δ of these
+    /// columns that minimises |r + Xδ|. A column that depends on earlier ones, or is NaN, is skipped.
     pub fn eliminate(&mut self, count: usize) -> Vec<Row> {
         let first = self.columns - count;
         let mut shares = vec![vec![Row::default(); count]; count];
@@ -38,7 +38,7 @@ impl Rows {
             shares[c].copy_from_slice(&along[first..]);
             of_residual[c] = residual;
         }
-        // X is orthogonal columns times a triangle of ones and `shares`.
+        // X is a matrix of orthogonal columns times a unit triangle with the entries `shares`.
         let mut step = vec![Row::default(); count];
         for c in (0..count).rev() {
             let mut sum = of_residual[c];
@@ -48,7 +48,7 @@ impl Rows {
         step
     }
 
-    /// Takes column c of the last ones out of all that are not done; how much of it each column had, and the residual.
+    /// Projects column c of X out of all columns that are not done; returns the coefficients of the columns and of the residual.
     fn project_out(&mut self, first: usize, c: usize) -> (Vec<Row>, Row) {
         let columns = self.columns;
         let (mut along, mut of_residual) = (vec![Row::default(); columns], Row::default());
@@ -60,7 +60,7 @@ impl Rows {
         let inverse = Row(along[first + c].0.map(|square| if square > 1e-30 { 1.0 / square } else { 0.0 }));
         let scaled = |x: &Row| x.product(&inverse);
         along.iter_mut().for_each(|x| *x = scaled(x));
-        // Orthogonal to it already, and itself.
+        // Earlier columns are orthogonal to it already; the column itself is kept.
         along[first..=first + c].fill(Row::default());
         of_residual = scaled(&of_residual);
         let [minus, of] = [Row(of_residual.0.map(|x| -x)), of_residual];
@@ -83,7 +83,7 @@ mod tests {
         (1.7 * k as f64 + 0.3 * (k * k % 7) as f64 + sample as f64).sin()
     }
 
-    /// Five columns of seven rows, of which the last two are taken out.
+    /// Five columns and seven rows; the last two columns are to be eliminated.
     fn rows() -> Rows {
         let row = |k: usize| Row(std::array::from_fn(|sample| number(k, sample)));
         Rows { columns: 5, residual: (50..57).map(row).collect(), jacobian: (0..35).map(row).collect() }

@@ -1,15 +1,15 @@
-//! Where a fit over windows begins.
+//! Starting point of a fit over windows.
 
 use super::WindowLogs;
 use crate::training::{Objective, linear_start};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
 
-/// Of rigid bodies the least-squares fit to smoothed states, if these windows are predicted better by it than by `initial`;
-/// `initial` of all other models.
+/// For rigid bodies the least-squares fit to smoothed states if it predicts these windows better than `initial`; otherwise, and for all
+/// other models, `initial`.
 ///
 /// # Errors
-/// As [`linear_start`].
+/// See [`linear_start`].
 pub fn first_guess(
     architecture: &Architecture,
     logs: &WindowLogs,

@@ -6,30 +6,30 @@ use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Positions that a state is guessed from at least, and how long they take at least, s: noise of few neighbours hides velocities.
+/// Least number of positions that a state is estimated from, and least time that they span, s: with few neighbours noise hides velocities.
 const GUESS: usize = 7;
 const GUESS_TIME: f64 = 0.06;
-/// Positions that a state is guessed from at most.
+/// Largest number of positions that a state is estimated from.
 const LONGEST_GUESS: usize = 121;
-/// A rest of a log as long as this part of a stride has a window of its own.
+/// Length of a log's rest, relative to the stride, from which it gets a window of its own.
 const REST: f64 = 0.5;
 
-/// What moves less than this part of the root mean square of all windows is at rest.
+/// Motion relative to the root mean square of all windows below which a window is at rest.
 const AT_REST: f64 = 0.1;
 
-/// Positions and controls of logs on one step, as a loss over windows reads them.
+/// Positions and controls of logs with a common step, as a loss over windows reads them.
 #[derive(Clone, Debug)]
 pub struct WindowLogs {
-    /// Coordinates.
+    /// Number of coordinates.
     pub n: usize,
     /// Step, s.
     pub h: f64,
-    /// What u does between samples.
+    /// Behaviour of u between samples.
     pub control: ControlKind,
     logs: Vec<Log>,
 }
 
-/// Numbers of a log, \[samples\]\[n\], flat; none of u where there is no control.
+/// Numbers of a log, \[samples\]\[n\], flat; u is empty if there is no control.
 #[derive(Clone, Debug)]
 struct Log {
     q: Vec<f64>,
@@ -40,27 +40,27 @@ struct Log {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Window {
     pub log: usize,
-    /// Its first sample.
+    /// First sample.
     pub first: usize,
 }
 
-/// No log is as long as a window.
+/// Every log is shorter than a window.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error(
     "no log is as long as a window: a window of {window} s takes {samples} samples, the longest log has {longest}; make the window \
      shorter"
 )]
 pub struct TooShort {
-    /// Its length, s.
+    /// Length of a window, s.
     pub window: f64,
-    /// Samples of a window.
+    /// Samples in a window.
     pub samples: usize,
-    /// Of the longest log.
+    /// Samples in the longest log.
     pub longest: usize,
 }
 
 impl WindowLogs {
-    /// Those of a data set: every trajectory is a log.
+    /// The logs of a data set: every trajectory is a log.
     pub fn new(data: &Dataset) -> Self {
         let flat = |rows: &Rows| rows.as_flat().to_vec();
         let log = |trajectory: &crate::data::Trajectory| Log {
@@ -71,32 +71,31 @@ impl WindowLogs {
         Self { n: data.n, h: data.h, control: data.control_kind(), logs }
     }
 
-    /// How many logs.
+    /// Number of logs.
     pub fn count(&self) -> usize {
         self.logs.len()
     }
 
-    /// Samples of a log.
+    /// Number of samples in a log.
     pub fn samples(&self, log: usize) -> usize {
         self.logs[log].q.len() / self.n.max(1)
     }
 
-    /// Position i of a sample.
+    /// Position i at a sample.
     pub(crate) fn position(&self, log: usize, sample: usize, i: usize) -> f64 {
         self.logs[log].q[sample * self.n + i]
     }
 
-    /// u_i at a sample; beyond the ends of the log as there, 0 without control.
+    /// Command u_i at a sample, constant beyond the ends of the log; 0 without control.
     pub(crate) fn command(&self, log: usize, sample: isize, i: usize) -> f64 {
         let last = self.samples(log).saturating_sub(1);
         let sample = usize::try_from(sample).unwrap_or(0).min(last);
         self.logs[log].u.get(sample * self.n + i).copied().unwrap_or(0.0)
     }
 
-    /// u_i that acts `delay` (≥ 0, s) after it was logged at a sample, and its derivative in the delay; before the first sample it is
-    /// as there. 0 without control.
-    ///
-    /// Between samples it is taken to be linear: that is the mean over a step of a u that is held, too.
+    /// Command u_i that acts at a sample after a delay (≥ 0, s), and its derivative with respect to the delay; constant before the first
+    /// sample; 0 without control.
+    /// Between samples it is interpolated linearly; for a held u this is the mean over a step, too.
     pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
         let u = &self.logs[log].u;
         if u.is_empty() {
@@ -114,12 +113,12 @@ impl WindowLogs {
         [after + part * (before - after), (before - after) / self.h]
     }
 
-    /// Positions that a state is guessed from: an odd number.
+    /// Number of positions that a state is estimated from; odd.
     fn guessed_from(&self) -> usize {
         ((GUESS_TIME / self.h + 0.5) as usize).clamp(GUESS, LONGEST_GUESS) / 2 * 2 + 1
     }
 
-    /// Windows of so many steps over some logs, each beginning `stride` ≥ 1 steps after the one before.
+    /// Windows of `steps` steps over some logs, each beginning `stride` ≥ 1 steps after the one before.
     pub(super) fn windows(
         &self,
         logs: Range<usize>,
@@ -138,7 +137,7 @@ impl WindowLogs {
         if windows.is_empty() { Err(too_short) } else { Ok(windows) }
     }
 
-    /// (q_i, v_i) at the first sample of a window: of the parabola that is nearest to its first positions.
+    /// (q_i, v_i) at the first sample of a window, from a parabola fitted to its first positions.
     pub(super) fn guess(&self, window: Window, steps: usize, i: usize) -> [f64; 2] {
         let count = self.guessed_from().min(steps + 1);
         let positions: Vec<f64> =
@@ -147,8 +146,8 @@ impl WindowLogs {
         [value, slope / self.h]
     }
 
-    /// States q, v and v̇ in the middle of parabolas through a few samples each, and the mean of u over them, \[states\]\[n\], flat: noisy, and
-    /// smoothed, so for a first guess alone.
+    /// States q, v and v̇ in the middle of parabolas fitted to a few samples each, and the mean of u over these samples, \[states\]\[n\],
+    /// flat. They are noisy and smoothed, and thus only good for a first guess.
     pub fn smoothed(&self) -> [Vec<f64>; 4] {
         let mut states: [Vec<f64>; 4] = Default::default();
         let (count, middle) = (self.guessed_from(), self.guessed_from() / 2);
@@ -177,26 +176,26 @@ impl WindowLogs {
         (all().map(|u| u * u).sum::<f64>() / count).sqrt()
     }
 
-    /// How far windows move: the root mean square of q_i over them, less its first.
+    /// Size of the motion in windows: the root mean square of q_i minus its first value.
     pub(super) fn motion(&self, windows: &[Window], steps: usize, i: usize) -> f64 {
         let moved = |window: &Window| self.moved(*window, steps, i).powi(2);
         let mean = windows.iter().map(moved).sum::<f64>() / windows.len() as f64;
         mean.sqrt().max(f64::MIN_POSITIVE.sqrt())
     }
 
-    /// The same of one window.
+    /// Size of the motion in a single window.
     fn moved(&self, window: Window, steps: usize, i: usize) -> f64 {
         let q = |k: usize| self.position(window.log, window.first + k, i);
         let sum: f64 = (1..=steps).map(|k| (q(k) - q(0)).powi(2)).sum();
         (sum / steps as f64).sqrt()
     }
 
-    /// Whether some coordinate moves in a window, as windows of this `motion` go.
+    /// Whether some coordinate moves in a window, relative to the usual `motion` of windows.
     pub(super) fn moves(&self, window: Window, steps: usize, motion: &[f64]) -> bool {
         motion.iter().enumerate().any(|(i, motion)| self.moved(window, steps, i) >= AT_REST * motion)
     }
 
-    /// The root mean square of fourth differences of q_i at samples so many apart.
+    /// The root mean square of fourth differences of q_i at samples `apart` apart.
     pub(super) fn fourth_difference(&self, logs: Range<usize>, i: usize, apart: usize) -> f64 {
         let (mut sum, mut count) = (0.0, 0_usize);
         for log in logs {
@@ -210,15 +209,15 @@ impl WindowLogs {
         (sum / count.max(1) as f64).sqrt()
     }
 
-    /// The noise of sensor i: a robust standard deviation of third or, where motion shows in these, of fifth differences, over that of
-    /// noise of 1: √20 or √252.
+    /// The noise of sensor i: a robust standard deviation of third or, if motion shows in these, of fifth differences, divided by that for
+    /// unit noise, √20 or √252.
     pub(crate) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
         let third = self.difference(logs.clone(), i, &[1.0, -3.0, 3.0, -1.0]) / 20_f64.sqrt();
         let fifth = self.difference(logs, i, &[1.0, -5.0, 10.0, -10.0, 5.0, -1.0]) / 252_f64.sqrt();
         if fifth > 0.0 && fifth < MOTION * third { fifth } else { third }
     }
 
-    /// A robust standard deviation of sums of consecutive positions with these shares.
+    /// A robust standard deviation of sums of consecutive positions with these weights.
     fn difference(&self, logs: Range<usize>, i: usize, shares: &[f64]) -> f64 {
         let mut differences = Vec::new();
         for log in logs {
@@ -233,10 +232,10 @@ impl WindowLogs {
     }
 }
 
-/// What noise seen in fifth differences is of what is seen in third ones at most, where these show motion as well.
+/// Ratio of the noise from fifth differences to that from third differences below which the third differences show motion as well.
 const MOTION: f64 = 0.9;
 
-/// What is asked of a parabola.
+/// Quantity taken from a fitted parabola.
 #[derive(Clone, Copy)]
 enum Share {
     Value,
@@ -244,7 +243,7 @@ enum Share {
     Curvature,
 }
 
-/// Value and slope at 0 of the parabola nearest to values at 0, 1, 2, …; a line or a constant where there are fewer than three.
+/// Value and slope at 0 of the parabola fitted to values at 0, 1, 2, …; a line or a constant for fewer than three values.
 fn parabola(values: &[f64]) -> [f64; 2] {
     [Share::Value, Share::Slope].map(|share| {
         let shares = shares(values.len(), 0, share);
@@ -252,8 +251,8 @@ fn parabola(values: &[f64]) -> [f64; 2] {
     })
 }
 
-/// How much each of `count` values at 0, 1, 2, … has in the nearest parabola at one of these times: by the orthogonal polynomials 1, t and
-/// t² − (mean of t²) about the middle.
+/// Weights of `count` values at 0, 1, 2, … in a quantity of the fitted parabola at time `at`, by the orthogonal polynomials 1, t and t² −
+/// (mean of t²) about the middle.
 fn shares(count: usize, at: usize, of: Share) -> Vec<f64> {
     let middle = 0.5 * (count as f64 - 1.0);
     let times: Vec<f64> = (0..count).map(|k| k as f64 - middle).collect();
@@ -319,7 +318,7 @@ mod tests {
         assert_eq!(moves, [true, false]);
     }
 
-    /// A swing at 7 rad/s, of which third differences at 20 Hz show more than of noise of 0.01.
+    /// A swing at 7 rad/s: third differences at 20 Hz show it more than noise of 0.01.
     #[test]
     fn motion_at_long_steps_is_not_taken_for_noise() {
         let mut stream = rand_pcg::Pcg64::seed_from_u64(5);

@@ -15,12 +15,12 @@ use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What an iteration must lower the loss by, as a part of it, for another one.
+/// Limits of the relative decrease of the loss below which iterations stop.
 const LEAST_TOLERANCE: f64 = 1e-6;
 const MOST_TOLERANCE: f64 = 1e-4;
 
-/// The loss over windows ([`windows`](super)). Its numbers: the weight block, the calibration's, s of every coordinate, and the start
-/// states (q, v) of all windows; the first two are what windows share.
+/// The loss over windows ([`windows`](super)). Its parameters: the weight block, the calibration numbers, s of every coordinate, and the
+/// start states (q, v) of all windows. Windows share the first two.
 pub struct WindowLoss {
     logs: Arc<WindowLogs>,
     windows: Vec<Window>,
@@ -28,12 +28,12 @@ pub struct WindowLoss {
     pace: Pace,
     learned: Learned,
     layout: CalibrationLayout,
-    /// What is not to be varied, of what windows share.
+    /// Positions of the shared numbers that are not varied.
     fixed: Vec<usize>,
     priors: Vec<Prior>,
-    /// The sensor's noise, of every coordinate.
+    /// Sensor noise of every coordinate.
     noise: Vec<f64>,
-    /// How far windows move, of every coordinate.
+    /// Size of the windows' motion in every coordinate.
     motion: Vec<f64>,
     steppers: Pool<Box<dyn Steps>>,
     bounds: Bounds,
@@ -41,10 +41,10 @@ pub struct WindowLoss {
 }
 
 impl WindowLoss {
-    /// Over some of these logs.
+    /// The loss over some of these logs.
     ///
     /// # Errors
-    /// Where none of them is as long as a window.
+    /// [`TooShort`] if none of them is as long as a window.
     pub fn new(
         model: WindowModel,
         logs: &Arc<WindowLogs>,
@@ -71,7 +71,7 @@ impl WindowLoss {
         let (own, step) = (learned.weights.clone(), h / pace.steps_in_sample());
         let make = move || integrator.steps(&system, (step, order), own.clone());
         let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
-        // What holds a mechanism at rest is stiction, which no smooth friction has.
+        // A mechanism at rest is held by stiction, which smooth friction does not model.
         let moves = |window: &Window| logs.moves(*window, steps, &motion);
         if windows.iter().any(moves) {
             windows.retain(moves);
@@ -93,7 +93,7 @@ impl WindowLoss {
         })
     }
 
-    /// Where the calibration's numbers are.
+    /// Layout of the calibration numbers.
     pub fn layout(&self) -> CalibrationLayout {
         self.layout
     }
@@ -106,13 +106,13 @@ impl WindowLoss {
         &weights[self.layout.end()..self.layout.end() + self.n()]
     }
 
-    /// The numbers of a window's start state.
+    /// Positions of a window's start state.
     fn start(&self, window: usize) -> Range<usize> {
         let (first, size) = (self.layout.end() + self.n(), 2 * self.n());
         first + size * window..first + size * (window + 1)
     }
 
-    /// Windows side by side from `first` on; the last fills them up.
+    /// Windows side by side from `first` on, padded with the last.
     fn lanes<'a>(&'a self, weights: &'a [f64], first: usize) -> Lanes<'a> {
         let last = self.windows.len() - 1;
         Lanes {
@@ -127,7 +127,7 @@ impl WindowLoss {
         }
     }
 
-    /// What `work` makes of all windows, so many side by side, in their order.
+    /// Results of `work` for all blocks of windows side by side, in order.
     fn of_blocks<T: Send>(&self, work: impl Fn(usize, usize, &mut dyn Steps) -> T + Sync) -> Vec<T> {
         parallel::map(self.windows.len().div_ceil(WIDTH), &|block| {
             let first = block * WIDTH;
@@ -136,7 +136,7 @@ impl WindowLoss {
         })
     }
 
-    /// Sets s of every coordinate by the residuals.
+    /// Sets s of every coordinate from the residuals.
     fn set_scales(&self, weights: &mut [f64]) {
         let n = self.n();
         let parts = self.of_blocks(|first, count, stepper| {
@@ -159,13 +159,13 @@ impl WindowLoss {
         }
     }
 
-    /// The mean square that a unit of the loss is, (m, rad)²: the geometric mean over coordinates.
+    /// Mean square that corresponds to a unit of the loss, (m, rad)²: the geometric mean over coordinates.
     fn unit(&self, weights: &[f64]) -> f64 {
         let logarithms: f64 = self.scales(weights).iter().map(|s| s.ln()).sum();
         (2.0 * logarithms / self.n() as f64).exp()
     }
 
-    /// Σ weight (w − c)².
+    /// Penalty Σ weight (w − centre)².
     fn penalty(&self, weights: &[f64]) -> f64 {
         self.priors.iter().map(|prior| prior.weight * (weights[prior.position] - prior.centre).powi(2)).sum()
     }
@@ -209,7 +209,7 @@ impl Residuals for WindowLoss {
         Ok((sum + penalty) * self.unit(weights))
     }
 
-    /// Windows that reach their ends, and how many do not.
+    /// Sum over the windows that reach their ends, and the number of windows that do not.
     fn solved(&self, weights: &[f64], samples: Range<usize>) -> (f64, usize) {
         let (mut sum, mut unsolved) = (0.0, 0);
         for first in samples.clone().step_by(WIDTH) {
@@ -298,7 +298,7 @@ impl Residuals for WindowLoss {
         true
     }
 
-    /// A learned number that is off by its standard error raises the loss by about its share of one residual: less matters no more.
+    /// Smaller decreases do not matter: an error of one standard error in a learned number raises the loss by about one residual's share.
     fn tolerance(&self) -> f64 {
         (0.03 / (self.windows.len() * self.components()) as f64).clamp(LEAST_TOLERANCE, MOST_TOLERANCE)
     }

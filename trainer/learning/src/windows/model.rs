@@ -1,4 +1,4 @@
-//! What a loss over windows is made of.
+//! Model and settings of a loss over windows.
 
 use super::Calibration;
 use crate::training::Bounds;
@@ -9,30 +9,30 @@ use leastaction_programs::System;
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps, VariationalSteps};
 use serde::{Deserialize, Serialize};
 
-/// Steps that differ by less than this part are one: a model file has them in single precision.
+/// Relative difference below which steps count as equal: a model file holds them in single precision.
 const SAME_STEP: f64 = 1e-6;
 
-/// What takes a state from one sample to the next.
+/// Integrator from one sample to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
-    /// Explicit Runge–Kutta steps, as long or short as motion and noise ask for: energies and forces in continuous time.
+    /// Explicit Runge–Kutta steps, with a length adapted to motion and noise: gives energies and forces in continuous time.
     #[default]
     RungeKutta,
-    /// A step of the discrete Euler–Lagrange equation from sample to sample, as a controller takes it: energies and forces
-    /// whose steps of this length predict best.
+    /// Steps of the discrete Euler–Lagrange equation from sample to sample, as in a controller: gives the energies and forces with which
+    /// steps of this length predict best.
     Del,
 }
 
 impl Integrator {
-    /// What a model is to be integrated by along samples h apart, s, and of which order: by the step that it was trained with where that is
-    /// as long, else by Runge–Kutta steps of order 4.
+    /// Integrator and order for a model along samples h (s) apart: the step that it was trained with if that has this length, else
+    /// Runge–Kutta of order 4.
     pub fn of_trained(step: Option<TrainedStep>, h: f64) -> (Self, u8) {
         let fits = |step: &TrainedStep| (f64::from(step.h) - h).abs() < SAME_STEP * h;
         step.filter(fits).map_or((Self::RungeKutta, 4), |step| (Self::Del, step.order.number()))
     }
 
-    /// Steps of h, s, with derivatives in the weights at these positions.
+    /// Steps of h (s), with derivatives with respect to the weights at these positions.
     pub(crate) fn steps(self, system: &System, (h, order): (f64, u8), learned: Vec<usize>) -> Box<dyn Steps> {
         match self {
             Self::RungeKutta => {
@@ -44,43 +44,43 @@ impl Integrator {
     }
 }
 
-/// How a loss over windows is made.
+/// Settings of a loss over windows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowSettings {
-    /// Steps of a window, at least 1.
+    /// Steps in a window, at least 1.
     pub steps: usize,
-    /// Steps from the start of one to that of the next, at least 1.
+    /// Steps from the start of a window to the start of the next, at least 1.
     pub stride: usize,
-    /// What windows are integrated by.
+    /// Integrator.
     pub integrator: Integrator,
-    /// A Runge–Kutta step at most, s; see [`Pace`](super::Pace).
+    /// Longest Runge–Kutta step, s; see [`Pace`](super::Pace).
     pub longest_step: f64,
-    /// Of the integrator: 2 or 4.
+    /// Order of the integrator: 2 or 4.
     pub order: u8,
-    /// What is learned of sensors and actuators.
+    /// Settings of sensors and actuators.
     pub calibration: Calibration,
 }
 
-/// Brings weights that have a range back into it.
+/// Moves weights that have a range back into it.
 pub(super) type Projection = Box<dyn Fn(&mut [f64]) + Send + Sync>;
 
 /// A model as a loss over windows sees it.
 pub struct WindowModel {
-    /// Its equations.
+    /// Equations of motion.
     pub system: System,
     /// Positions of the weights that are known.
     pub fixed: Vec<usize>,
-    /// Ranges of the others, which the optimisers see as free numbers.
+    /// Ranges of the other weights, which the optimisers see as unbounded numbers.
     pub bounds: Bounds,
-    /// Brings weights that have a range of another kind back into it.
+    /// Moves weights with another kind of range back into it.
     pub project: Projection,
 }
 
 impl WindowModel {
-    /// That of this shape.
+    /// The model of this shape.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself, or has rods.
+    /// [`ModelError`] if the shape is inconsistent or has rods.
     pub fn new(architecture: &Architecture) -> Result<Self, ModelError> {
         architecture.check_without_rods("rods under a loss over windows")?;
         let own = architecture.clone();
@@ -92,7 +92,7 @@ impl WindowModel {
         })
     }
 
-    /// The same with networks that correct it as they are.
+    /// Holds the networks that correct the model as they are.
     #[must_use]
     pub fn with_known_corrections(mut self, architecture: &Architecture) -> Self {
         let start = architecture.corrections_start();

@@ -1,28 +1,29 @@
-//! Whether a log is exact.
+//! Detection of noise in a log.
 
 use super::scales::robust_deviation;
 use crate::data::Dataset;
 
-/// Noise of a coordinate beside its motion.
+/// Noise of a coordinate relative to its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// The coordinate.
     pub coordinate: usize,
-    /// Its robust standard deviation, m or rad.
+    /// Robust standard deviation of the noise, m or rad.
     pub deviation: f64,
-    /// Its part of the second differences of positions, which accelerations are seen in.
+    /// Fraction of the second differences of positions, which show accelerations, that is noise.
     pub part: f64,
 }
 
-/// Noise below this part of second differences is not worth a word: a log of exact motion in single precision.
+/// Fraction of second differences below which noise does not matter, as in a log of exact motion in single precision.
 const PART: f64 = 0.02;
-/// From the third to the fifth differences noise grows by (252/20)^¼ ≈ 1.88 an order. Exact motion grows
-/// less: under a control that changes at every sample and is held 1.5 times, under a smooth one the less, the shorter the step.
+/// Growth per order of differences, from third to fifth, that distinguishes noise from motion. Noise grows by (252/20)^¼ ≈ 1.88. Exact
+/// motion grows less: 1.5 times under a held control that changes at every sample, and the less under a smooth control, the shorter the
+/// step.
 const RATIO: f64 = 1.66;
-/// Differences that tell it, at least: of fewer the ratio may be any.
+/// Least number of differences: with fewer the ratio is arbitrary.
 const FEWEST: usize = 100;
 
-/// The noisiest coordinate, where one is noisy: whose differences of high order grow as those of noise do.
+/// The noisiest coordinate, if any is noisy, judged by the growth of high-order differences.
 pub fn noise_of(data: &Dataset) -> Option<Noise> {
     let each = (0..data.n).filter_map(|coordinate| {
         let [second, third, fifth] = [2, 3, 5].map(|order| difference(data, coordinate, order));
@@ -34,7 +35,7 @@ pub fn noise_of(data: &Dataset) -> Option<Noise> {
     each.max_by(|a, b| a.part.total_cmp(&b.part))
 }
 
-/// The robust standard deviation of the differences of an order of a coordinate.
+/// The robust standard deviation of a coordinate's differences of an order.
 fn difference(data: &Dataset, coordinate: usize, order: usize) -> f64 {
     let mut all = Vec::new();
     for trajectory in &data.trajectories {
@@ -64,7 +65,7 @@ mod tests {
         Dataset { n: 2, h: 0.01, control: None, trajectories: vec![trajectory] }
     }
 
-    /// A mass under a force that is another one at every step.
+    /// A mass under a force that changes at every step.
     #[test]
     fn a_control_that_jumps_is_no_noise() {
         let mut stream = rand_pcg::Pcg64::seed_from_u64(3);

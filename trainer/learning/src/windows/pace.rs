@@ -1,24 +1,24 @@
-//! How steps lie among samples.
+//! Placement of integration steps relative to samples.
 
 use super::logs::WindowLogs;
 use std::ops::Range;
 
-/// The error of positions between the ends of a step at most, as a part of the sensor's noise.
+/// Largest interpolation error of positions within a step, relative to the sensor's noise.
 const PART: f64 = 0.1;
-/// The error of a cubic in the middle between two positions and velocities, as a part of the fourth difference of positions as far apart.
+/// Error of a cubic in the middle between two positions and velocities, relative to the fourth difference of positions at the same spacing.
 const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 384.0;
 
-/// Steps among samples: one of both numbers is 1.
+/// Ratio of steps to samples; at least one of the two numbers is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
-    /// Samples in a step. Positions at those within it are of the cubic through positions and velocities at its ends.
+    /// Samples per step. Positions at samples within a step come from the cubic through positions and velocities at its ends.
     pub samples: usize,
-    /// Steps in a sample.
+    /// Steps per sample.
     pub substeps: usize,
 }
 
 impl Pace {
-    /// The longest steps of at most `longest`, s, whose cubics are as good as exact beside the noise of every sensor.
+    /// The longest steps up to `longest` (s) whose cubics err negligibly relative to the noise of every sensor.
     pub(super) fn new(logs: &WindowLogs, of: Range<usize>, longest: f64, noise: &[f64]) -> Self {
         let samples = (longest / logs.h + 1e-6).floor() as usize;
         if samples < 2 {
@@ -32,23 +32,23 @@ impl Pace {
         Self { samples: (2..=samples).rev().find(is_smooth).unwrap_or(1), substeps: 1 }
     }
 
-    /// A step from each sample to the next.
+    /// One step from each sample to the next.
     pub(super) fn of_samples() -> Self {
         Self { samples: 1, substeps: 1 }
     }
 
-    /// Steps in a sample.
+    /// Steps per sample.
     pub fn steps_in_sample(self) -> f64 {
         self.substeps as f64 / self.samples as f64
     }
 
-    /// So many samples, or a few less: a whole number of steps.
+    /// The number of samples, rounded down to a whole number of steps (at least one step).
     pub(super) fn whole(self, samples: usize) -> usize {
         (samples / self.samples).max(1) * self.samples
     }
 }
 
-/// By how much q and v at the start of a step of h, and q and v at its end, enter the position at a part of it: Hermite's cubic.
+/// Hermite's cubic: weights of q and v at the start of a step of h, and of q and v at its end, in the position at a fraction of the step.
 pub(super) fn cubic(part: f64, h: f64) -> [[f64; 2]; 2] {
     let rest = 1.0 - part;
     let start = [rest * rest * (1.0 + 2.0 * part), h * part * rest * rest];
@@ -82,7 +82,7 @@ mod tests {
     fn steps_are_as_long_as_noise_hides() {
         assert_eq!(pace(1e-3, 0.005), Pace { samples: 5, substeps: 1 });
         assert_eq!(pace(1e-3, 0.0004), Pace { samples: 1, substeps: 3 });
-        // (2π m h)⁴/384 of a radian beside a tenth of the noise.
+        // Error (2π m h)⁴/384 rad, compared with a tenth of the noise.
         let some = pace(1e-7, 0.02).samples;
         assert!((1..12).contains(&some), "{some}");
         assert!(pace(1e-5, 0.02).samples > some);

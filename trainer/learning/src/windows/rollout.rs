@@ -1,4 +1,4 @@
-//! Windows side by side, from their start states to their ends.
+//! Rollout of windows side by side, from their start states to their ends.
 
 use super::calibration::CalibrationLayout;
 use super::control::{Acting, part_of};
@@ -9,26 +9,26 @@ use leastaction_programs::dynamics::Failures;
 use leastaction_programs::steps::{State, Steps, Tangents, combine_positions};
 use leastaction_programs::{Row, WIDTH};
 
-/// κ of the pseudo-Huber function: residuals beyond so many robust standard deviations count less than their square.
+/// κ of the pseudo-Huber function, in robust standard deviations: larger residuals count less than their square.
 const KNEE: f64 = 2.0;
 
-/// Windows side by side, with the numbers that their motion depends on.
+/// Windows side by side, with the numbers on which their motion depends.
 pub(super) struct Lanes<'a> {
     pub logs: &'a WindowLogs,
     pub windows: [Window; WIDTH],
-    /// Steps of each.
+    /// Steps of each window.
     pub steps: usize,
     pub pace: Pace,
-    /// The learned ones among the weights, and among the numbers that the control depends on.
+    /// Positions of learned numbers among the weights and among the numbers on which the control depends.
     pub learned: &'a Learned,
     pub layout: &'a CalibrationLayout,
-    /// The weight block of the model, then the calibration's numbers.
+    /// The weight block of the model, then the calibration numbers.
     pub numbers: &'a [f64],
-    /// s of every coordinate.
+    /// Scale s of every coordinate.
     pub scales: &'a [f64],
 }
 
-/// What residuals are differentiated in.
+/// Numbers with respect to which residuals are differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum In {
     /// Start states alone.
@@ -37,41 +37,41 @@ pub(super) enum In {
     All,
 }
 
-/// ρ(x).
+/// The pseudo-Huber function ρ(x).
 pub(super) fn pseudo_huber(x: f64) -> f64 {
     let square = x * x;
     2.0 * square / ((1.0 + square / (KNEE * KNEE)).sqrt() + 1.0)
 }
 
-/// √(ρ′(x)/2x): by which rows of least squares are multiplied for the gradient of ρ.
+/// √(ρ′(x)/2x), the factor of least-squares rows that gives the gradient of ρ.
 fn share(x: f64) -> f64 {
     (1.0 + x * x / (KNEE * KNEE)).sqrt().sqrt().recip()
 }
 
-/// The positions of what is learned, among the numbers that windows share.
+/// Positions of learned numbers among those that windows share.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Learned {
-    /// In the weight block.
+    /// Positions in the weight block.
     pub weights: Vec<usize>,
-    /// Behind it, among the numbers that the control depends on.
+    /// Positions after the weight block, among the numbers on which the control depends.
     pub controls: Vec<usize>,
 }
 
 impl Learned {
-    /// All of them, in the order of their columns.
+    /// All positions, in the order of their columns.
     pub fn positions(&self, layout: &CalibrationLayout) -> Vec<usize> {
         let controls = self.controls.iter().map(|number| layout.start + number);
         self.weights.iter().copied().chain(controls).collect()
     }
 }
 
-/// ρ′(x)/2x, by which squares count in Gauss and Newton's matrix, and ρ″(x)/2, by which they count in the loss's own.
+/// ρ′(x)/2x, the weight of a square in the Gauss–Newton matrix, and ρ″(x)/2, its weight in the Hessian of the loss.
 pub(super) fn curvatures(x: f64) -> [f64; 2] {
     let root = (1.0 + x * x / (KNEE * KNEE)).sqrt();
     [root.recip(), root.powi(3).recip()]
 }
 
-/// States within a step, and how they move.
+/// States within a step, with their tangents.
 struct Between {
     start: (State, Option<Tangents>),
     own: (State, Option<Tangents>),
@@ -83,7 +83,7 @@ impl Between {
         Self { start: both.clone(), own: both }
     }
 
-    /// Begins a step, of which so many samples are wanted.
+    /// Begins a step that covers `samples` samples.
     fn begin(&mut self, state: &State, tangents: Option<&Tangents>, samples: usize) {
         if samples > 1 {
             self.start.0.clone_from(state);
@@ -93,7 +93,7 @@ impl Between {
         }
     }
 
-    /// The positions of the cubic with these shares of start and end.
+    /// The positions from the cubic with these weights of start and end.
     fn at(
         &mut self,
         [start, end]: [[f64; 2]; 2],
@@ -118,7 +118,7 @@ impl Lanes<'_> {
         Row(std::array::from_fn(|lane| number(&self.windows[lane])))
     }
 
-    /// (q̂_i + z_i − q̃_i)/s_i at a sample.
+    /// Scaled residual (q̂_i + z_i − q̃_i)/s_i at a sample.
     fn residual(&self, state: &State, sample: usize, i: usize) -> Row {
         let of = |window: &Window| {
             let zero = self.numbers[self.layout.zero(window.log, i)];
@@ -128,7 +128,7 @@ impl Lanes<'_> {
         Row(std::array::from_fn(|lane| (state[i].0[lane] + measured.0[lane]) / scale))
     }
 
-    /// Calls `visit` with every sample's state, of which positions alone are there between the ends of a step.
+    /// Calls `visit` with the state at every sample; within a step only the positions are valid.
     fn roll(
         &self,
         stepper: &mut dyn Steps,
@@ -161,8 +161,8 @@ impl Lanes<'_> {
         failures
     }
 
-    /// Residuals, a row of all windows each: sample after sample, coordinate after coordinate. Those of windows that cannot be computed are
-    /// of a constant velocity.
+    /// Residuals, one row of all windows each: sample by sample, coordinate by coordinate. Windows that cannot be computed have the
+    /// residuals of a constant velocity.
     pub fn residuals(&self, stepper: &mut dyn Steps, starts: &State) -> (Vec<Row>, Failures) {
         let n = self.n();
         let mut residuals = Vec::new();
@@ -199,8 +199,9 @@ impl Lanes<'_> {
         }
     }
 
-    /// Residuals and their derivatives, weighed so that their squares have the gradient of Σρ, and Σρ of every window. Columns: the learned
-    /// ones of the weight block and of g, o and d, z, start states; or these alone. Windows that cannot be computed have rows of 0, and a sum that is no number.
+    /// Residuals and their derivatives, weighted so that their squares have the gradient of Σρ, and Σρ of every window. Columns: the
+    /// learned numbers of the weight block and of g, o and d, then z, then start states; or start states alone. Windows that cannot be
+    /// computed have rows of 0, and a sum of NaN.
     pub fn rows(&self, stepper: &mut dyn Steps, starts: &State, of: In) -> (Rows, Row) {
         let n = self.n();
         let (weights, controls, zeros) = match of {

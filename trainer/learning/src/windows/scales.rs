@@ -1,9 +1,9 @@
-//! A robust size of many residuals: the median of their amounts, by counting.
+//! Robust scale of many residuals: the median of their absolute values, by counting.
 
-/// The standard deviation of a normal distribution over the median of its amounts.
+/// Ratio of the standard deviation of a normal distribution to the median of its absolute values.
 pub(super) const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 
-/// The standard deviation that a normal distribution of the same median amount has, of amounts in any order; 0 where there are none.
+/// Robust standard deviation: that of a normal distribution with the same median absolute value; 0 if there are no values.
 pub(super) fn robust_deviation(mut amounts: Vec<f64>) -> f64 {
     if amounts.is_empty() {
         return 0.0;
@@ -13,25 +13,25 @@ pub(super) fn robust_deviation(mut amounts: Vec<f64>) -> f64 {
     OF_MEDIAN * *median
 }
 
-/// Counts of amounts, in classes of equal ratio: the sum of parts is the same in any order.
+/// Histogram of absolute values in bins of equal ratio; sums of parts are independent of their order.
 #[derive(Clone, Debug)]
 pub(super) struct Amounts {
     counts: Vec<u64>,
 }
 
-/// Classes of a factor of ten.
+/// Bins per factor of ten.
 const CLASSES: f64 = 32.0;
-/// The smallest amount that is told from 0, as a power of ten, and the factors of ten above it.
+/// Smallest value distinguished from 0, as a power of ten, and the number of decades above it.
 const SMALLEST: f64 = -15.0;
 const DECADES: usize = 30;
 
 impl Amounts {
-    /// None yet.
+    /// An empty histogram.
     pub fn new() -> Self {
         Self { counts: vec![0; DECADES * CLASSES as usize] }
     }
 
-    /// Adds |x|; what is no number is large.
+    /// Adds |x|; NaN counts as large.
     pub fn add(&mut self, x: f64) {
         let last = self.counts.len() - 1;
         let class = (x.abs().log10() - SMALLEST) * CLASSES;
@@ -39,12 +39,12 @@ impl Amounts {
         self.counts[class] += 1;
     }
 
-    /// Adds those of another part.
+    /// Adds another histogram.
     pub fn merge(&mut self, other: &Self) {
         self.counts.iter_mut().zip(&other.counts).for_each(|(a, b)| *a += b);
     }
 
-    /// The standard deviation that a normal distribution of the same median has; 0 where there are none.
+    /// The standard deviation of a normal distribution with the same median; 0 if there are no values.
     pub fn scale(&self) -> f64 {
         let all: u64 = self.counts.iter().sum();
         let mut below = 0;

@@ -1,16 +1,16 @@
-//! The start states that are best for given numbers, window by window.
+//! The best start states for given numbers, window by window.
 
 use super::rollout::{In, Lanes};
 use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 
-/// What changes a sum by less than this part of it is as good as nothing.
+/// Relative change of a sum that is negligible.
 const NOTHING: f64 = 1e-3;
-/// By which a step that does not lower the sum is shortened.
+/// Factor that shortens a step that does not lower the sum.
 const SHORTER: f64 = 0.25;
 
-/// Gauss–Newton steps from start states, until they hardly change anything, each window on its own; a step that raises its sum is taken
-/// back and shortened.
+/// Gauss–Newton steps of start states until they hardly change anything, each window on its own; a step that raises its sum is undone and
+/// shortened.
 pub(super) fn solved(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State, iterations: usize) -> State {
     let count = starts.len();
     let mut linearise = |starts: &State| {
@@ -43,7 +43,7 @@ pub(super) fn solved(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State, ite
     best
 }
 
-/// One Gauss–Newton step from start states, where it lowers the sum of a window, and Σρ of every window then.
+/// One Gauss–Newton step of start states, kept for a window if it lowers the window's sum; also returns Σρ of every window afterwards.
 pub(super) fn stepped(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State) -> (State, Row) {
     let (mut rows, mut sums) = lanes.rows(stepper, starts, In::Starts);
     let step = rows.eliminate(starts.len());
@@ -51,7 +51,7 @@ pub(super) fn stepped(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State) ->
     trial.iter_mut().zip(&step).for_each(|(x, step)| x.add_scaled(1.0, step));
     let after = lanes.sums(stepper, &trial);
     for lane in 0..WIDTH {
-        // Not a number before where the window could not be computed.
+        // The sum before the step is NaN if the window could not be computed.
         if sums.0[lane].is_nan() || after.0[lane] < sums.0[lane] {
             sums.0[lane] = after.0[lane];
             best.iter_mut().zip(&trial).for_each(|(x, trial)| x.0[lane] = trial.0[lane]);

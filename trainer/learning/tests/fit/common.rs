@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// A branching tree of five bodies on revolute and prismatic joints of any axis, three of them on coordinates of their own, one that
-/// follows, with rotors and gravity of any direction: 5 bodies, 4 coordinates.
+/// A branching tree of five bodies on revolute and prismatic joints with arbitrary axes, with rotors and an arbitrary direction of gravity.
+/// One joint follows another: 5 bodies, 4 coordinates.
 pub fn tree(seed: u64) -> Tree {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut number = move |size: f64| random.random_range(-size..size);

@@ -1,4 +1,4 @@
-//! The recursions against a Lagrangian of homogeneous transforms, differentiated by dual numbers.
+//! Recursive dynamics compared with a Lagrangian of homogeneous transforms, differentiated by dual numbers.
 
 use crate::common::tree;
 use leastaction_learning::torque::linear::BaseParameters;
@@ -76,7 +76,7 @@ fn by_lagrange(tree: &Tree, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
     let at = |x: &[f64]| -> Vec<HyperDual64> { x.iter().map(|x| HyperDual64::from(*x)).collect() };
     (0..n)
         .map(|i| {
-            // Along (v, a) in time, and e_i in velocity.
+            // The duals vary along (v, a) in time, and along e_i in velocity.
             let rate: f64 = (0..2 * n)
                 .map(|k| {
                     let of = |(x, y): (HyperDual64, HyperDual64)| {

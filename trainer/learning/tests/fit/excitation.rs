@@ -1,4 +1,4 @@
-//! Motions that excite: within limits, from rest, better than the first, the same however often.
+//! Excitation motions: within limits, from rest, better than the first, and reproducible.
 
 use super::panda;
 use leastaction_learning::torque::excitation::{Excitation, ExcitationError, Search, excite};
@@ -67,7 +67,7 @@ fn what_cannot_be_is_said_by_the_joint() {
     assert!(text.contains("joint3") && text.contains("position"), "{text}");
     let text = error(&|own| own.velocity = 0.0);
     assert!(text.contains("joint3"), "{text}");
-    // No motion at all holds the arm up with so little.
+    // The limit is too small to hold the arm up in any motion.
     let mut weak = limits(&tree);
     weak[1].effort = 1.0;
     let failed = excite(&tree, &weak, &search).unwrap_err();

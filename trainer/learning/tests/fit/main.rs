@@ -1,4 +1,4 @@
-//! Fits: what is found of a mechanism that is known, and what is not seen.
+//! Fits of known mechanisms: what is found, and what cannot be seen.
 
 mod common;
 mod dynamics;
@@ -45,7 +45,7 @@ fn samples(arm: &Arm, count: usize, noise: f64, seed: u64) -> Samples {
     samples
 }
 
-/// Bodies of a prior that are another fifth wrong.
+/// A tree whose bodies are off by a fifth, to serve as a prior.
 fn near(tree: &Tree) -> Tree {
     let number = |(k, x): (usize, &f64)| x * (1.0 + 0.2 * ((k / INERTIAL) as f64).cos());
     tree.with_parameters(&tree.parameters().iter().enumerate().map(number).collect::<Vec<_>>())
@@ -69,7 +69,7 @@ fn an_arm_is_found_again_with_its_friction() {
     assert!(found.arm.tree.bodies().iter().all(|body| body.inertia.consistency() > 0.0));
     // The smoothing is known.
     assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 1));
-    // Of every joint all but the rotor, which may be part of a base parameter already.
+    // The rank counts all numbers of a joint but the rotor, which may be part of a base parameter already.
     assert_eq!(found.rank, base.count() + 4 * (JOINT - 2));
 }
 
@@ -103,10 +103,10 @@ fn known_friction_stays_and_the_rest_is_found() {
             assert!((found - truth).abs() < 0.01, "{found} {truth}");
         }
     }
-    // Another smoothing is another law.
+    // A fit with another smoothing uses another law.
     let (usual, _) = error(&held[..4]);
     assert!(usual > 2.0 * known, "{usual} {known}");
-    // A smoothing is learned as well as the rest, where friction grows with the load.
+    // A smoothing is learned as well as the rest if friction grows with the load.
     let learned = Learned { smoothing: [1e-3, 1e2], ..Learned::default() };
     let found = fit(&near(&truth.tree), &train, &learned, 1e-3).unwrap();
     assert!((found.arm.joints[3].smoothing - 2.0).abs() < 0.1, "{:?}", found.arm.joints[3]);
@@ -177,7 +177,7 @@ fn least_squares_finds_base_parameters_and_counts_what_is_not_seen() {
     assert!(
         (found.numbers[parameters] - 0.3).abs() < 1e-9 && (found.numbers[parameters + 4] - 0.2).abs() < 1e-9
     );
-    // Scales of rows change nothing where everything fits.
+    // Scales of rows do not matter if the fit is exact.
     let again = Design::new(&truth.tree, &train, &terms).over(&[1.0, 2.0, 3.0, 4.0]).solve().unwrap();
     base.values(&again.numbers[..parameters])
         .iter()
@@ -275,7 +275,8 @@ fn of_known_bodies_nothing_is_said_and_what_was_never_seen_is_hidden() {
     let learned = Learned { known: vec![0, 1, 2, 3], rotors: false, ..Learned::default() };
     let found = alone(&truth.tree, &train, &learned).unwrap();
     assert!(found.base.independent.iter().all(|column| (4 * INERTIAL..5 * INERTIAL).contains(column)));
-    // The load hangs on its own joint and moves with all of them: all of it is seen, but for what the second coordinate turns alone.
+    // The load hangs on its own joint and moves with all joints: all its numbers are seen, except those that need the second coordinate to
+    // turn alone.
     assert_eq!((found.base.count(), found.hidden), (INERTIAL, 0));
     let still = |rows: &Rows| Rows::from_flat(4, vec![0.0; rows.as_flat().len()]).unwrap();
     (train.v, train.a) = (still(&train.v), still(&train.a));

@@ -1,4 +1,4 @@
-//! A simulated Franka Panda: its frames and limits, bodies and friction of its size, sensors with noise.
+//! A simulated Franka Panda: frames and limits of the real arm, bodies and friction of its size, noisy sensors.
 
 use leastaction_data::Rows;
 use leastaction_learning::torque::excitation::{Search, Series, excite};
@@ -22,7 +22,8 @@ const FRAMES: [[f64; 3]; N] = [
     [FRAC_PI_2, 0.0, 0.0],
     [FRAC_PI_2, 0.088, 0.0],
 ];
-/// Rotor, viscous friction, Coulomb friction, its growth with the load, its width, offset: of the size that fits of the real arm's log have.
+/// Rotor, viscous friction, Coulomb friction, its growth with the load, its width, offset; of the size that fits to the real arm's log
+/// give.
 const JOINTS: [[f64; 6]; N] = [
     [0.2, 0.25, 0.45, 0.0, 0.05, 0.1],
     [0.2, 0.30, 0.50, 0.02, 0.06, -0.2],
@@ -35,8 +36,8 @@ const JOINTS: [[f64; 6]; N] = [
 /// Step of the log, s.
 pub const STEP: f64 = 1e-3;
 
-/// What the sensors add: of positions (rad), of torques from sample to sample, and of torques that drift over `MEMORY` (N m, of the
-/// first four joints; a quarter of it of the others).
+/// Sensor noise: of positions (rad), of torques independently at every sample, and of torques with a correlation time `MEMORY` (N m for the
+/// first four joints, a quarter of it for the rest).
 #[derive(Clone, Copy)]
 pub struct Noise {
     pub encoder: f64,
@@ -50,10 +51,10 @@ impl Default for Noise {
     }
 }
 
-/// Of drifts, s.
+/// Correlation time of the drifts, s.
 const MEMORY: f64 = 0.1;
 
-/// Its frames without bodies, or with those of Gaz et al.
+/// The arm's frames, without bodies or with those of Gaz et al.
 fn tree(with_bodies: bool) -> Tree {
     let body = |k: usize| {
         let [alpha, a, d] = FRAMES[k];
@@ -86,7 +87,7 @@ pub fn guessed() -> Tree {
     tree(false).with_guessed_inertias(18.0, 0.1)
 }
 
-/// The arm with what it carries in its hand.
+/// The arm, with `load` in its hand.
 pub fn arm(load: Option<Inertia>) -> Arm {
     let mut tree = tree(true);
     assert!(tree.bodies().iter().all(|body| body.inertia.consistency() > 0.0));
@@ -108,7 +109,7 @@ pub fn arm(load: Option<Inertia>) -> Arm {
     Arm { tree, joints: JOINTS.map(joint).into() }
 }
 
-/// A motion within its limits, of this period.
+/// A motion within the arm's limits, with this period.
 pub fn motion(period: f64) -> Series {
     let tree = guessed();
     let limits: Vec<Limits> = (0..N).map(|k| tree.limits(k)).collect();
@@ -123,7 +124,7 @@ pub fn exact(arm: &Arm, motion: &Series, seconds: f64) -> Samples {
     samples
 }
 
-/// What a log of them becomes: positions and torques with noise, filtered and differentiated.
+/// Samples as a log gives them: positions and torques with noise, filtered and differentiated.
 pub fn logged(exact: &Samples, noise: &Noise, seed: u64) -> Samples {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut normal = move || {

@@ -1,4 +1,4 @@
-//! From stamps to samples.
+//! Preparation of samples from stamped logs.
 
 use leastaction_data::{Measured, Rows};
 use leastaction_learning::torque::{Butterworth, Preparation, SampleError, Samples};

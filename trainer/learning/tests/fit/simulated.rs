@@ -1,4 +1,4 @@
-//! Whether a simulated Panda's intervals and its load are what they say. Long:
+//! Checks on a simulated Panda that intervals have their nominal coverage and that a load is found. Long:
 //!
 //!     LEASTACTION_SEEDS=100 cargo test -p leastaction-learning --test fit panda -- --ignored --nocapture
 
@@ -7,24 +7,24 @@ use leastaction_learning::torque::fit::{Alone, Learned, Shown, alone, fit};
 use leastaction_models::tree::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-/// Of the log of coverage and of its period, s: as of the real arm's log.
+/// Length of the log for coverage, and period of its motion, s: as in the real arm's log.
 const LOG: [f64; 2] = [21.0, 13.32];
-/// Of the log with a load, s.
+/// Length of the log with a load, s.
 const LOADED: f64 = 10.0;
-/// kg.
+/// Mass of the load, kg.
 const LOAD: f64 = 1.0;
 
-/// Of a number: how far off it is, and its standard error.
+/// Error of a number, and its standard error.
 type Error = [f64; 2];
 
-/// The part within the interval, and the reported over the empirical deviation.
+/// Fraction of errors within the interval, and ratio of the reported to the empirical standard deviation.
 fn coverage(errors: &[Error], interval: f64) -> [f64; 2] {
     let mean = |f: &dyn Fn(&Error) -> f64| errors.iter().map(f).sum::<f64>() / errors.len() as f64;
     let covered = mean(&|[error, own]| f64::from(u8::from(error.abs() <= interval * own)));
     [covered, (mean(&|of| of[1] * of[1]) / mean(&|of| of[0] * of[0])).sqrt()]
 }
 
-/// A number of the environment.
+/// A number from the environment variable `LEASTACTION_<name>`.
 fn setting(name: &str, usual: f64) -> f64 {
     std::env::var(format!("LEASTACTION_{name}")).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
@@ -77,7 +77,7 @@ fn intervals_of_a_panda_cover_the_truth() {
     }
 }
 
-/// What the last body weighs more with a load in the hand than without.
+/// The last body's extra mass with a load in the hand is the load's mass.
 #[test]
 #[ignore = "minutes"]
 fn a_load_of_a_panda_is_found() {

@@ -1,4 +1,4 @@
-//! Arms from a robot description and torques: configurations, what is wrong with them, training, and the model file.
+//! Arms from a robot description and torques: configurations, their errors, training, and the model file.
 
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::config::{Config, ConfigError};
@@ -19,7 +19,7 @@ mod torques;
 const N: usize = 3;
 const H: f64 = 0.01;
 
-/// Three links, the second on an axis askew, of which the last slides; `mass` is that of the first.
+/// Three links, the second on an oblique axis, the last on a sliding joint; `mass` is that of the first.
 fn description(mass: f64) -> String {
     let link = |k: usize, mass: f64, i: f64| {
         format!(
@@ -46,7 +46,7 @@ fn write(folder: &Path, text: &str) {
     std::fs::write(folder.join("robot.urdf"), text).unwrap();
 }
 
-/// After the lines of the family.
+/// Parses a configuration with `rest` after the lines of the family.
 fn config_of(folder: &Path, rest: &str) -> Result<Config, ConfigError> {
     let file = folder.join("c.toml");
     let text = format!(
@@ -60,7 +60,7 @@ fn error(folder: &Path, rest: &str) -> String {
     config_of(folder, rest).unwrap_err().to_string()
 }
 
-/// Positions, velocities and accelerations at a time, other ones for every log.
+/// Positions, velocities and accelerations at time t, different for every log.
 fn motion(log: usize, t: f64) -> [[f64; N]; 3] {
     let mut all = [[0.0; N]; 3];
     for (i, w) in [2.1, 2.9, 3.7].into_iter().enumerate() {
@@ -75,7 +75,7 @@ fn motion(log: usize, t: f64) -> [[f64; N]; 3] {
     all
 }
 
-/// The robot, heavier than it is described, with friction.
+/// The robot: heavier than described, with friction.
 fn robot() -> Arm {
     let mut tree = parse_urdf(&description(2.6), Inertias::Required).unwrap();
     tree.rotors = vec![0.2, 0.1, 0.3];
@@ -100,7 +100,7 @@ fn data_of(robot: &Arm) -> Dataset {
     data_with(robot, |_, _| [0.0; N])
 }
 
-/// The same with more torques, of positions and velocities.
+/// The logs with additional torques `more`, which depend on positions and velocities.
 fn data_with(robot: &Arm, more: impl Fn(&[f64], &[f64]) -> [f64; N]) -> Dataset {
     let log = |log: usize| {
         let states: Vec<[[f64; N]; 3]> = (0..400).map(|k| motion(log, k as f64 * H)).collect();
@@ -136,7 +136,7 @@ fn an_arm_is_learned_from_its_description_and_torques() {
     let report = report.unwrap();
     let errors = &report.errors;
     assert!(errors.train.nmse < 1e-3 && errors.held_back.as_ref().unwrap().nmse < 1e-3, "{report:?}");
-    // Offsets are those of the drive: what the log has more they have less.
+    // The offsets belong to the drive: their sign is opposite to that of the log's.
     let by_log = |name: &str| {
         let rows = report.numbers.rows();
         rows.into_iter().find(|row| row.name == name).and_then(|row| row.by_log).unwrap()
@@ -148,7 +148,7 @@ fn an_arm_is_learned_from_its_description_and_torques() {
     let (architecture, weights) = (&trained.architecture, &trained.best.weights);
     let is_body = |inertia: Inertia| inertia.consistency() > 0.0;
     assert!(bodies(architecture, weights).bodies().iter().all(|body| is_body(body.inertia)));
-    // What the description says is far off, and friction is found.
+    // The described masses are far off; friction is learned, too.
     let (_, initial) = config_of(folder.path(), LEARNED).unwrap().beginning().unwrap();
     let of = |weights: &[f64]| {
         let model = Model { weights: weights.to_vec(), ..trained.model() };
@@ -179,7 +179,7 @@ fn the_model_file_has_the_arm_and_rust_loads_it() {
     assert!(rust_source(&bytes).unwrap().contains("ArmModel<'static, N"));
 }
 
-/// Windows begin at the fit to torques, and end below it with bodies that can be.
+/// Windows start from the fit to torques, and reach a lower loss with physically consistent bodies.
 #[test]
 fn windows_go_on_from_torques() {
     let folder = tempfile::tempdir().unwrap();
@@ -210,7 +210,7 @@ fn known_bodies_stay_as_they_are_described() {
     assert!((tree.rotors[2] - 0.3).abs() < 0.02, "{:?}", tree.rotors);
 }
 
-/// The arm is learned first, then what it carries, all else being known.
+/// The arm is learned first; then its payload is learned with everything else known.
 #[test]
 fn a_payload_is_found_by_the_body_that_carries_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -238,7 +238,7 @@ fn a_payload_is_found_by_the_body_that_carries_it() {
     }
     let [before, after] = [before, after].map(|tree| tree.bodies()[2].inertia.mass());
     assert!((after - before - 1.0).abs() < 0.02, "{before} {after}");
-    // Another arm, and a joint that it has not.
+    // The model belongs to another arm, and the configuration names a joint that the arm lacks.
     write(folder.path(), &description(2.0).replace("0.1 0 0.2", "0.1 0 0.3"));
     let text = error(folder.path(), &rest);
     assert!(text.contains("other joints"), "{text}");

@@ -1,4 +1,4 @@
-//! Rigid bodies on joints: configurations, what is wrong with them, training, and the model file.
+//! Rigid bodies on joints: configurations, their errors, training, and the model file.
 
 use crate::documented_bodies;
 use crate::page::Strict;
@@ -19,7 +19,7 @@ fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, Path::new("c.toml"))
 }
 
-/// After two lines of `[data]` and the two of `[model]` that name the family.
+/// A configuration whose first four lines are the two of `[data]` and the two of `[model]` that name the family.
 fn config_of(rest: &str) -> String {
     format!("[data]\nfile = \"data.npz\"\n[model]\nfamily = \"bodies\"\n{rest}\n")
 }
@@ -85,7 +85,7 @@ fn trees_branch_and_slide() {
     assert_eq!(found.coordinates(), "ata");
 }
 
-/// The short form: everything that a chain can show is learned.
+/// The short form: all numbers that a chain can show are learned.
 #[test]
 fn a_chain_is_written_in_short() {
     let found = architecture(&config_of("chain = 3\ngear = 6.0"));
@@ -144,7 +144,7 @@ fn log(trajectories: i64) -> Dataset {
     documented_bodies::log::<2>(&machine(), &machine().initial_weights(0), trajectories)
 }
 
-/// What motion shows of a geared double pendulum: constants of M, the coupling, gravity.
+/// Numbers that the motion of a geared double pendulum shows: constants of M, the coupling, gravity.
 fn shown(weights: &[f64]) -> [f64; 6] {
     let (bodies, _) = weights[2..].as_chunks();
     let [one, two] = [bodies[0], bodies[1]].map(BodyParameters::from_array);
@@ -161,7 +161,7 @@ fn shown(weights: &[f64]) -> [f64; 6] {
     ]
 }
 
-/// A chain of which nothing is known but gravity and a guess of the gear learns what motion shows.
+/// A chain of which only gravity and a guess of the gear are known learns the numbers that motion shows.
 #[test]
 fn a_chain_learns_the_machine_that_it_sees() {
     let training = "[training]\nloss = \"acceleration\"\niterations = 60\nwarm_up = 0";
@@ -178,7 +178,8 @@ fn a_chain_learns_the_machine_that_it_sees() {
     }
 }
 
-/// Torques alone, lengths and friction included, lead from usual numbers to what motion shows, whatever the size of the machine.
+/// Torques alone lead from the default numbers, lengths and friction included, to the numbers that motion shows, whatever the size of the
+/// machine.
 #[test]
 fn least_squares_of_torques_find_what_motion_shows() {
     const B: [f64; 2] = [0.02, 0.01];
@@ -222,7 +223,7 @@ fn a_model_of_another_number_of_bodies_is_refused() {
     let words = plan("chain = 3", &data).unwrap();
     assert!(words.contains("3 bodies") && words.contains("set chain = 2"), "{words}");
     assert_eq!(plan("chain = 2", &data), None);
-    // Without a force a mass or an inertia must be known.
+    // Without a force, a mass or an inertia must be known.
     data.trajectories.iter_mut().for_each(|trajectory| trajectory.u = None);
     assert!(
         plan("chain = 2", &data).unwrap().contains("[[model.bodies]]: every mass of the tree is learned")

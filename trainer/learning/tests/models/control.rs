@@ -1,4 +1,4 @@
-//! A control that changes at every sample: held until the next or linear between them, from the generator to what is learned.
+//! Controls that change at every sample, held or linear in between, from the generator to the learned model.
 
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
 use leastaction_core::forces::{System, Viscous};
@@ -33,7 +33,7 @@ fn as_kind(data: &Dataset, kind: ControlKind) -> Dataset {
     Dataset { control: Some(kind), ..data.clone() }
 }
 
-/// The exact mechanism in short steps of order 4 is where the log is, under its own kind of control alone.
+/// The exact mechanism, in short steps of order 4, reproduces the log only under the log's own kind of control.
 #[test]
 fn a_log_is_the_motion_under_its_kind_of_control() {
     let Exact::One(exact) = Mechanism::Pendulum.exact() else { panic!("one coordinate") };
@@ -52,7 +52,7 @@ fn a_log_is_the_motion_under_its_kind_of_control() {
     }
 }
 
-/// What is logged is the acceleration under the control at the sample.
+/// The logged acceleration is that under the control at the sample.
 #[test]
 fn accelerations_are_those_under_the_control_at_the_sample() {
     for kind in KINDS {
@@ -66,7 +66,7 @@ fn accelerations_are_those_under_the_control_at_the_sample() {
     }
 }
 
-/// The error on motion held back of what is learned, the control taken for `asked`.
+/// The error on held-back motion of a model learned with the control kind `asked`.
 fn learned(data: &Dataset, asked: ControlKind, (loss, order): (LossKind, u8)) -> f64 {
     let folder = tempfile::tempdir().expect("a folder");
     let coordinates = Coordinates(Mechanism::Pendulum.coordinates().to_vec());
@@ -91,7 +91,7 @@ fn learned(data: &Dataset, asked: ControlKind, (loss, order): (LossKind, u8)) ->
         .expect("solved")
 }
 
-/// The other kind's error is so many times the own one's, of what is held and of what is linear.
+/// The error with the other kind of control is at least the given factor times that with the log's own kind, for held and for linear logs.
 fn only_its_own_kind_is_learned(loss: (LossKind, u8), h: f64, factors: [f64; 2]) {
     for (kind, factor) in KINDS.into_iter().zip(factors) {
         let data = log(kind, h, 30, 2);
@@ -106,8 +106,8 @@ fn the_next_position_is_learned_under_its_own_kind_of_control() {
     only_its_own_kind_is_learned((LossKind::NextPosition, 4), 0.1, [1e6, 1e5]);
 }
 
-/// At order 2 the impulse of a step is halved between its ends, which is exact of a constant force; of a linear one the position
-/// is off by h²(u₁ − u₀)/12m, half of what the other kind is off by.
+/// At order 2 the impulse of a step is halved between its ends, which is exact for a constant force; for a linear force the position is off
+/// by h²(u₁ − u₀)/12m, half the error of assuming the other kind.
 #[test]
 fn the_midpoint_rule_knows_a_held_control_better() {
     only_its_own_kind_is_learned((LossKind::NextPosition, 2), 0.02, [1e5, 2.0]);

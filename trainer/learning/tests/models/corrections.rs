@@ -1,5 +1,4 @@
-//! Networks that correct, beside the energies and friction of any family: every loss knows them, they are learned, shipped and read
-//! back.
+//! Networks that correct the energies and friction of any family: every loss supports them; they are learned, shipped and read back.
 
 use crate::friction::{architecture, samples};
 use leastaction_core::continuous::acceleration;
@@ -54,7 +53,7 @@ fn networks_are_what_was_written() {
     assert!(shape.number_names()[start - 1].clone().unwrap().name.contains("width"));
 }
 
-/// What is left out: all coordinates and their positions, scales of 1, a layer of 8.
+/// Keys left out have defaults: all coordinates and their positions, scales of 1, a layer of 8.
 #[test]
 fn everything_has_a_default() {
     for (model, letters, positions) in [
@@ -150,7 +149,7 @@ fn files_come_back_bit_for_bit() {
     }
 }
 
-/// The trained networks of a model to go on from are kept, until they are given anew.
+/// The trained networks of the model to start from are kept, unless they are given anew.
 #[test]
 fn a_model_to_go_on_from_keeps_its_networks() {
     let folder = tempfile::tempdir().unwrap();
@@ -194,7 +193,7 @@ fn a_rust_source_names_the_types_of_its_laws() {
 
 // ---- Learning ----
 
-/// The gradient of the loss in the numbers of networks against central differences.
+/// The gradient of the loss with respect to the networks' weights equals central differences.
 #[test]
 fn gradients_of_every_loss_are_its_differences() {
     let kinds = [
@@ -209,7 +208,7 @@ fn gradients_of_every_loss_are_its_differences() {
     for model in [INERTIA_NETWORK, TREE, BODIES] {
         let (shape, mut weights) = architecture(&format!("{model}{FRICTION}{BOTH}"));
         let first = shape.corrections_start();
-        // Away from the start, where outputs are small.
+        // The weights move away from the start, where outputs are small.
         let mut random = Pcg64::seed_from_u64(3);
         weights[first + 2..].iter_mut().for_each(|weight| *weight += random.random_range(-0.3..0.3));
         let fixed = shape.fixed_positions();

@@ -1,4 +1,4 @@
-//! Whether standard errors are what they say: over many simulated robots, whose truth is known.
+//! Coverage of standard errors over many simulated robots with known numbers.
 //!
 //! Long: `LEASTACTION_SEEDS=100 cargo test --release -p leastaction-learning --test models coverage -- --ignored --nocapture`
 
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 const H: f64 = 0.01;
-/// Robots, where nothing else is said.
+/// Default number of robots.
 const FEW_SEEDS: u64 = 2;
 const LOGS: usize = 26;
 const FRICTION: [JointFriction; 2] = [
@@ -57,8 +57,8 @@ fn robot(seed: u64) -> RobotSettings {
     }
 }
 
-/// What a number truly is; `None` of those that are shown in combination alone. The chain's gear is 10: the rotor's inertia that makes
-/// the same (g² − g)J is smaller.
+/// True value of a number; `None` for numbers that are shown in combination only. The chain's gear is 10: the rotor inertia that has the
+/// same (g² − g)J is smaller.
 fn truth(name: &str) -> Option<f64> {
     match name {
         "body 1: joint x in the parent" => Some(0.2),
@@ -80,7 +80,7 @@ fn truth(name: &str) -> Option<f64> {
 struct Kind(Vec<[f64; 3]>);
 
 impl Kind {
-    /// The part within the interval, and the reported over the empirical deviation.
+    /// Fraction of errors within the interval, and ratio of the reported to the empirical standard deviation.
     fn summary(&self) -> [f64; 2] {
         let count = self.0.len() as f64;
         let covered = self.0.iter().filter(|[error, _, interval]| error.abs() <= *interval).count();
@@ -157,7 +157,7 @@ fn intervals_cover_the_truth() {
     for (name, zeros) in [("numbers", false), ("zeros", true)] {
         let [covered, ratio] = numbers(zeros).summary();
         println!("all {name}: {:.1}% covered, ratio {ratio:.2}", 100.0 * covered);
-        // Of few robots' numbers, which hang together, some more may be off.
+        // Numbers of few robots are correlated, so the covered fraction may be lower.
         let least = if seeds > FEW_SEEDS { 0.9 } else { 0.6 };
         assert!(covered >= least, "{name}: {covered}");
     }

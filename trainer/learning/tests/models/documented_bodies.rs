@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 
 const PAGE: &str = include_str!("../../../../docs/book/src/bodies.md");
 
-/// States anywhere under forces, with their accelerations.
+/// Arbitrary forced states with their accelerations.
 pub fn log<const N: usize>(bodies: &BodiesArchitecture, weights: &[f64], trajectories: i64) -> Dataset {
     let system: System<PlanarBodies<f64, N>, Viscous<f64, N>> =
         bodies.header().system(Laws::NONE, weights).unwrap();
@@ -40,7 +40,7 @@ pub fn log<const N: usize>(bodies: &BodiesArchitecture, weights: &[f64], traject
     Dataset { n: N, h: 0.01, control: None, trajectories: (0..trajectories).map(trajectory).collect() }
 }
 
-/// What the example learns from the machine that it would be with these numbers; its error is relative to the mean square.
+/// The error, relative to the mean square, of the documented example trained on logs of the machine with the numbers changed by `change`.
 fn learned<const N: usize>(name: &str, change: impl Fn(&mut [f64])) -> f64 {
     let config = Config::parse(page::example(PAGE, name), Path::new(name)).unwrap();
     let (architecture, mut weights) = config.beginning().unwrap();

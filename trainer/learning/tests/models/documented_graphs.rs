@@ -19,7 +19,7 @@ fn example(name: &str) -> &'static str {
     page::example(PAGE, name)
 }
 
-/// Trains an example; no notice is left to give.
+/// Trains an example; fails on any notice.
 fn train(name: &str, log: &Dataset) -> Trained {
     let folder = tempfile::tempdir().unwrap();
     let config = Config::parse(example(name), Path::new(name)).unwrap();
@@ -77,7 +77,7 @@ fn drag() {
     assert!(gx.abs() < 1e-3 && (gy - 10.0).abs() < 1e-3, "{gx} {gy}");
 }
 
-/// Light nodes of 1 kg about a heavy one of 3 kg, and (r² − 1)² between all.
+/// Light nodes of 1 kg about a heavy one of 3 kg, with the pair potential (r² − 1)² between all nodes.
 #[test]
 fn known_and_unknown_parts() {
     let molecule =

@@ -22,7 +22,7 @@ fn example(name: &str) -> &'static str {
     page::example(PAGE, name)
 }
 
-/// Motions from starts that are spread widely.
+/// Motions from widely spread starts.
 fn log(motion: &dyn ExactMotion, spread: f64) -> Dataset {
     let trajectories = (0..12).map(|id| trajectory(motion, spread, id)).collect();
     Dataset { n: motion.coordinates(), h: 0.05, control: None, trajectories }
@@ -50,7 +50,7 @@ fn trajectory(motion: &dyn ExactMotion, spread: f64, id: i64) -> Trajectory {
     Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: None }
 }
 
-/// Trains an example in a folder; what came out.
+/// Trains an example in a folder and returns the result.
 fn train(folder: &Path, name: &str, motion: &dyn ExactMotion, spread: f64) -> Trained {
     let text = example(name);
     std::fs::write(folder.join(name), text).unwrap();
@@ -69,7 +69,7 @@ fn relative(architecture: &Architecture, weights: &[f64], motion: &dyn ExactMoti
     error.or_infinite() / square
 }
 
-/// The example is learned to this error; gives the model.
+/// Trains the example, checks its error against the limit, and returns the model.
 fn learned(name: &str, motion: &dyn ExactMotion, spread: f64, limit: f64) -> Trained {
     let folder = tempfile::tempdir().unwrap();
     let trained = train(folder.path(), name, motion, spread);
@@ -131,7 +131,7 @@ fn bodies() {
     learned("bodies.toml", &Bodies::uniform(3).unwrap(), 0.5, 1e-4);
 }
 
-/// Two pendulums on the end of one: coupled through it alone.
+/// Two pendulums on the end of another: coupled through it alone.
 #[test]
 fn a_fork() {
     let config = Config::parse(example("fork.toml"), Path::new("fork.toml")).unwrap();
@@ -145,7 +145,7 @@ fn a_fork() {
         header.system::<_, f64, Viscous<f64, 3>, 3, 1, 0, 0>(&tree, Laws::VISCOUS, &weights).unwrap();
     let (q, v) = ([0.4, -0.9, 0.7], [0.3, 1.1, -0.6]);
     let found = acceleration(&system, &q, &v, &[0.0; 3]).unwrap();
-    // A_jk as of a chain, but that the second and the third carry nothing and do not see each other.
+    // A_jk as in a chain, except that the second and the third link carry nothing and do not couple.
     let a = [[3.0, 1.0, 1.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]];
     let b = [3.0, 1.0, 1.0];
     for j in 0..3 {

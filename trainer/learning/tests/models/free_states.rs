@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 
 const NOISE: f64 = 0.02;
 
-/// A number between −1 and 1 that is another for every k.
+/// A number between −1 and 1, different for every k.
 fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }
@@ -25,7 +25,7 @@ fn shape() -> Architecture {
     .into()
 }
 
-/// States and accelerations anywhere; nineteen are no multiple of what is evaluated side by side.
+/// Arbitrary states and accelerations; nineteen is not a multiple of the block width.
 fn samples(count: usize) -> Samples {
     let numbers =
         |k: usize, range: f64| (0..3 * count).map(|i| range * wave(7 * i + k)).collect::<Vec<f64>>();
@@ -38,14 +38,14 @@ fn samples(count: usize) -> Samples {
     }
 }
 
-/// The loss at these weights with the states that are likely then.
+/// The loss at these weights, with the states most likely under them.
 fn settled(objective: &dyn Objective, weights: &[f64]) -> f64 {
     let mut all = objective.enter(weights.to_vec());
     (0..6).for_each(|_| assert!(objective.settle(&mut all)));
     objective.loss(&all)
 }
 
-/// What is left once the states are likely moves with the weights as if the states stood still.
+/// The gradient of the remaining loss at the most likely states treats the states as constant.
 #[test]
 fn the_gradient_is_that_of_what_is_left_at_likely_states() {
     let architecture = shape();
@@ -71,7 +71,7 @@ fn the_gradient_is_that_of_what_is_left_at_likely_states() {
     }
 }
 
-/// States that a pendulum passes, with noise on positions and velocities, or without.
+/// States along a pendulum's motion, with or without noise on positions and velocities.
 fn pendulum(noise: f64) -> Samples {
     let settings = Settings { samples: 15, ..Settings::symo(Mechanism::Pendulum, 4, 1) };
     let mut samples = Samples::accelerations(&generate(&settings).unwrap()).unwrap();
@@ -97,6 +97,6 @@ fn held_back_rows_tell_good_weights_from_bad_ones_whatever_rows_were_learned_fro
     let last = start.run(&*objective, 40, |_, _| ());
     let [before, after] = [&first, &last.weights].map(|weights| judge.held_back_loss(weights));
     assert!(after < 0.5 * before, "{before} {after}");
-    // Of what explains all but the noise the loss is about 1, whatever the units.
+    // The loss of a model that explains everything but the noise is about 1, whatever the units.
     assert!((0.3..1.5).contains(&last.loss), "{}", last.loss);
 }

@@ -1,4 +1,4 @@
-//! Friction beside the energies of any family: every loss knows it, it is learned, shipped and read back, and only dissipates.
+//! Friction with the energies of any family: every loss supports it; it is learned, shipped and read back, and only dissipates.
 
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Galerkin, State};
@@ -14,7 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
 
-/// A number between −1 and 1 that is another for every k.
+/// A number between −1 and 1, different for every k.
 fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }
@@ -31,7 +31,7 @@ const ALL: &str = "[model.friction]\nviscous = \"learned\"\ncoulomb = { learn = 
                    smoothing = { learn = 0.2 }\n";
 const PARTLY: &str = "[model.friction]\ncoulomb = 0.2\nload = \"learned\"\nwidth = 0.3\nsmoothing = 0.4\n";
 
-/// Forced samples of states anywhere; not a multiple of the samples that are evaluated side by side.
+/// Forced samples of arbitrary states; their number is not a multiple of the block width.
 pub fn samples(n: usize) -> Samples {
     let numbers = |k: usize, range: f64| -> Vec<f64> {
         (0..n * (LANES + 3)).map(|i| range * wave(7 * i + k)).collect()
@@ -49,7 +49,7 @@ pub fn samples(n: usize) -> Samples {
     }
 }
 
-/// The gradient of the loss in the numbers of friction against central differences.
+/// The gradient of the loss with respect to the friction numbers equals central differences.
 #[test]
 fn gradients_of_every_loss_are_its_differences() {
     let kinds = [
@@ -100,7 +100,7 @@ fn pendulum() -> System<
     System { lagrangian: PENDULUM, forces }
 }
 
-/// States of the pendulum anywhere, with their accelerations.
+/// Arbitrary states of the pendulum, with their accelerations.
 fn accelerations() -> Samples {
     const COUNT: usize = 300;
     let mut random = Pcg64::seed_from_u64(1);
@@ -160,7 +160,7 @@ fn friction_is_recovered_from_exact_data() {
     }
 }
 
-/// Whatever the free numbers are, those of friction are in their range, in single precision too, and power is never positive.
+/// For any values of the free numbers, friction is within its range, also in single precision, and its power is never positive.
 #[test]
 fn learned_friction_only_dissipates() {
     let (shape, weights) = architecture(&format!("{INERTIA_NETWORK}{ALL}"));
@@ -195,7 +195,7 @@ fn learned_friction_only_dissipates() {
     }
 }
 
-/// A file is read as a shape that writes the same file, whichever laws it has.
+/// A file written from any laws is read as a shape that writes an identical file.
 #[test]
 fn files_come_back_bit_for_bit() {
     let damped = "damping = true\n";
@@ -224,13 +224,13 @@ fn files_come_back_bit_for_bit() {
             assert_eq!(ours.dry.is_some(), laws.contains(Law::Coulomb));
             assert_eq!(ours.dry.map(|dry| dry.constant as f32), theirs.dry.map(|dry| dry.constant as f32));
         }
-        // What is read is known.
+        // Numbers read from a file are known.
         assert!(read.architecture.ranges().is_empty());
         assert_eq!(read.architecture.friction.numbers().filter(|number| number.learned).count(), 0);
     }
 }
 
-/// A tree without any law, which files of others can have.
+/// A tree without any law, which files written elsewhere can contain.
 #[test]
 fn a_tree_may_have_no_law() {
     let (mut shape, weights) = architecture(TREE);
@@ -246,7 +246,7 @@ fn a_tree_may_have_no_law() {
     assert!(read.architecture.friction_of_coordinates(&read.weights).is_empty());
 }
 
-/// Training changes the learned numbers alone, and goes down.
+/// Training lowers the loss and changes only learned numbers.
 #[test]
 fn known_numbers_stay() {
     let (shape, start) = architecture(&format!("{TREE}{PARTLY}"));
@@ -254,7 +254,7 @@ fn known_numbers_stay() {
     let before = objective.loss(&start);
     let end = Levenberg::new(&*objective, start.clone()).run(&*objective, 5, |_, _| {});
     assert!(end.loss < before);
-    // Of both types: c, c_load, τ_s and ε.
+    // The numbers are c, c_load, τ_s and ε, for both types.
     let changed: Vec<bool> = end.weights.iter().zip(&start).map(|(a, b)| a != b).collect();
     assert_eq!(changed[start.len() - 8..], [false, true, false, false, false, true, false, false]);
 }

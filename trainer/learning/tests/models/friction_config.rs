@@ -1,4 +1,4 @@
-//! `[model.friction]`: what can be written, and what is said of what cannot.
+//! `[model.friction]`: valid keys, and messages about invalid ones.
 
 use leastaction_core::model::Laws;
 use leastaction_learning::config::{Config, ConfigError};
@@ -101,7 +101,7 @@ fn errors_name_line_and_key() {
     assert!(graph.starts_with("c.toml:7: ") && graph.contains("give its node types `drag`"), "{graph}");
 }
 
-/// A model file's friction goes on as it is, a new type has none, and what is given anew takes its place.
+/// Friction of a model file is kept, a new type has none, and friction that is given anew replaces it.
 #[test]
 fn a_model_to_go_on_from_keeps_its_friction() {
     let folder = tempfile::tempdir().unwrap();

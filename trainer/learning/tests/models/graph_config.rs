@@ -1,4 +1,4 @@
-//! Configurations of graphs of particles: what they mean, and what is wrong with them, with file, line and key.
+//! Configurations of graphs of particles: their meaning, and their errors with file, line and key.
 
 use leastaction_core::energy::graph::{Drag, Edge, Potential, Separation};
 use leastaction_core::model::Rod;
@@ -12,7 +12,7 @@ fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, Path::new("c.toml"))
 }
 
-/// After two lines of `[data]` and the two of `[model]` that name the family.
+/// A configuration whose first four lines are the two of `[data]` and the two of `[model]` that name the family.
 fn graph(rest: &str) -> String {
     format!("[data]\nfile = \"data.npz\"\n[model]\nfamily = \"graph\"\n{rest}\n")
 }
@@ -114,7 +114,7 @@ fn types_have_their_networks_and_numbers() {
     assert_eq!(networks, [(2, 5, 1, squareplus), (1, 3, 1, Activation::Tanh), (1, 0, 1, squareplus)]);
 }
 
-/// What is written after [`graph`]'s lines, the line of the error, and words of its message.
+/// Refused text after [`graph`]'s lines, line of the error, and words of its message.
 type Refusal<'a> = (String, usize, &'a [&'a str]);
 
 #[track_caller]

@@ -28,10 +28,10 @@ fn triples(system: LgnnSystem, h: f64) -> Samples {
     Samples::triples(&lgnn_set(&settings).expect("data"))
 }
 
-/// ∂(mean square)/∂θ = 2Jᵀr/rows, by `gradient` and by the normal equations, is that of central differences; where a number is
-/// known it is 0.
+/// Checks that ∂(mean square)/∂θ = 2Jᵀr/rows, by `gradient` and by the normal equations, equals central differences, and is 0 for known
+/// numbers.
 fn check_gradient(shape: &GraphArchitecture, objective: &dyn Objective) {
-    // Away from where laws are 0, and drag without a kink.
+    // The weights avoid the point where laws are 0 and the kink of drag.
     let mut weights: Vec<f64> = shape.initial_weights(9).iter().map(|w| w + 0.05).collect();
     let equations = objective.normal_equations(&weights).expect("evaluates");
     let gradient = objective.gradient(&weights, 0..objective.samples()).expect("evaluates");
@@ -97,7 +97,7 @@ fn a_model_file_keeps_shape_rods_and_accelerations() {
         Model::new(five.clone(), weights.clone()).with_accelerations(|f| f(&start.q, &start.v, &mut a));
     found.expect("any size").expect("exists");
     let truss = settings.truss().expect("exists");
-    // At rest the rods take all of the acceleration along them.
+    // At rest the rods take up all of the acceleration along them.
     let state = [start.q.as_slice(), &a].concat();
     let mut projected = state.clone();
     truss.project(&mut projected).expect("near");
@@ -110,7 +110,7 @@ fn a_model_file_keeps_shape_rods_and_accelerations() {
     assert!((kinetic + potential).is_finite());
 }
 
-/// Graphs have their drag in their node types; a law of force beside it is not left out in silence.
+/// Graphs have their drag in their node types; an additional law of force is refused, not silently dropped.
 #[test]
 fn a_law_that_the_family_cannot_have_is_refused() {
     use leastaction_core::model::{Family, Laws, ModelError};

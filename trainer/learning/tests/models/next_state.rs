@@ -13,12 +13,12 @@ use leastaction_models::Family as _;
 use leastaction_models::{Architecture, GraphArchitecture, InertiaNetworkArchitecture};
 
 const H: f64 = 0.1;
-/// Not a multiple of the samples that are evaluated side by side.
+/// Number of steps; not a multiple of the block width.
 const STEPS: usize = LANES + 3;
 const CASES: [(u8, ControlKind); 4] =
     [(2, ControlKind::Held), (2, ControlKind::Linear), (4, ControlKind::Held), (4, ControlKind::Linear)];
 
-/// A number between −1 and 1 that is another for every k.
+/// A number between −1 and 1, different for every k.
 fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }
@@ -32,12 +32,12 @@ fn shape(coordinates: &[Coordinate]) -> InertiaNetworkArchitecture {
     }
 }
 
-/// With damping.
+/// Weights with damping.
 fn weights(shape: &InertiaNetworkArchitecture) -> Vec<f64> {
     shape.initial_weights(3).iter().enumerate().map(|(k, w)| w + 0.1 * wave(k) + 0.15).collect()
 }
 
-/// Forced samples of states anywhere, under a control that changes; what comes after is wrong.
+/// Forced samples of arbitrary states under a changing control; the next states are wrong.
 fn samples(n: usize, control: ControlKind) -> Samples {
     let numbers =
         |k: usize, range: f64| (0..n * STEPS).map(|i| range * wave(7 * i + k)).collect::<Vec<f64>>();
@@ -90,7 +90,7 @@ fn midpoint<const N: usize>(
     [add(q, H, &middle_v), add(v, H, &accelerate(0.5, &middle_q, &middle_v))]
 }
 
-/// Puts what the same rule gives in place of the next states.
+/// Replaces the next states by those of the same rule.
 fn stepped<L, F, const N: usize>(system: &System<L, F>, samples: Samples, order: u8) -> Samples
 where
     L: Lagrangian<f64, N>,
@@ -135,7 +135,7 @@ fn weights_that_made_the_data_have_no_loss() {
     is_exact_where_the_data_is::<2>(&shape(&[Coordinate::Translation, Coordinate::Angle]));
 }
 
-/// Both gradients and JᵀJ along a direction d: |Jd|² is the curvature of the residuals' linear model.
+/// Checks both gradients, and JᵀJ along a direction d: |Jd|² is the curvature of the residuals' linear model.
 fn check_derivatives(objective: &dyn Objective, weights: &[f64], components: usize) {
     let equations = objective.normal_equations(weights).expect("evaluates");
     let gradient = objective.gradient(weights, 0..objective.samples()).expect("evaluates");
@@ -158,7 +158,7 @@ fn check_derivatives(objective: &dyn Objective, weights: &[f64], components: usi
     }
 }
 
-/// JᵀJ where the residual vanishes is half the second derivative of the sum of squares.
+/// Checks that JᵀJ, where the residual vanishes, is half the second derivative of the sum of squares.
 fn check_gram(objective: &dyn Objective, weights: &[f64]) {
     let equations = objective.normal_equations(weights).expect("evaluates");
     let (step, rows) = (1e-4, equations.rows as f64);

@@ -10,7 +10,7 @@ pub fn example(page: &'static str, name: &str) -> &'static str {
         .unwrap_or_else(|| panic!("no example {name}"))
 }
 
-/// Takes no warning.
+/// A monitor that fails on any warning.
 pub struct Strict;
 
 impl Monitor for Strict {

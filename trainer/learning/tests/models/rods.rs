@@ -1,4 +1,4 @@
-//! The discrete losses on rods: those of RATTLE, and their derivatives.
+//! The discrete losses on rods (RATTLE), and their derivatives.
 
 use leastaction_core::constraints::Constrained;
 use leastaction_core::discrete::{
@@ -24,7 +24,7 @@ const ORDERS: [(u8, Order); 2] = [(2, Order::Two), (4, Order::Four)];
 const STEPS: usize = 7;
 const H: f64 = 0.06;
 
-/// A number between −1 and 1 that is another for every k.
+/// A number between −1 and 1, different for every k.
 fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }
@@ -85,7 +85,7 @@ fn start<const D: usize>(rods: &[Rod], nodes: usize) -> (Vec<[f64; D]>, Vec<[f64
     (q, (0..nodes).map(|k| vector(k + 7)).collect())
 }
 
-/// Triples of the motion that RATTLE gives under a control that is another at every step.
+/// Triples of the RATTLE motion under a control that changes at every step.
 fn stepped<const D: usize>(shape: &GraphArchitecture, weights: &[f64], order: Order) -> Samples {
     let types: HostTypes<'_, f64, D> = shape.host_types(weights).expect("fits");
     let layout = shape.graph().expect("is there");
@@ -111,7 +111,7 @@ fn stepped<const D: usize>(shape: &GraphArchitecture, weights: &[f64], order: Or
     Samples { n, h: H, states, controls, control: ControlKind::Linear, ..Samples::default() }
 }
 
-/// Every shape with a motion of its own at its weights.
+/// All shapes, each with a motion of its own at its weights.
 fn cases(order: Order) -> [(GraphArchitecture, Vec<f64>, Samples); 2] {
     let (plane, space) = (in_the_plane(), in_space());
     let (of_plane, of_space) = (weights(&plane), weights(&space));
@@ -140,15 +140,14 @@ fn the_step_of_the_losses_is_that_of_rattle() {
                 KINDS.map(|kind| loss(&shape, &samples, kind, order).loss(&weights).sqrt());
             println!("order {order}: momentum {residual:.1e}, position {position:.1e}");
             assert!(position < 3e-16 && residual < 1e-13, "order {order}: {residual} {position}");
-            // A step of the other order is another.
+            // A step of the other order differs.
             let other = loss(&shape, &samples, LossKind::NextPosition, 6 - order).loss(&weights).sqrt();
             assert!(other > 1e-7, "{other}");
         }
     }
 }
 
-/// ∂(mean square)/∂θ = 2Jᵀr/rows, by `gradient` and by the normal equations, is along every direction that of central
-/// differences.
+/// ∂(mean square)/∂θ = 2Jᵀr/rows, by `gradient` and by the normal equations, equals central differences along every direction.
 #[test]
 fn gradients_are_those_of_the_losses() {
     for (order, rattle) in ORDERS {
@@ -174,7 +173,7 @@ fn gradients_are_those_of_the_losses() {
     }
 }
 
-/// Where the loss is 0 its second difference along d is 2 dᵀJᵀJd/rows.
+/// At loss 0 the second difference of the loss along d is 2 dᵀJᵀJd/rows.
 #[test]
 fn normal_matrices_are_the_curvature_of_the_losses() {
     for (order, rattle) in ORDERS {
@@ -195,7 +194,7 @@ fn normal_matrices_are_the_curvature_of_the_losses() {
     }
 }
 
-/// Of exact motion a momentum's residual of order p is ∝ hᵖ⁺¹, a position's ∝ hᵖ⁺².
+/// The residual of a momentum of order p is ∝ hᵖ⁺¹ on exact motion, that of a position ∝ hᵖ⁺².
 #[test]
 fn losses_of_exact_motion_have_their_order() {
     let system = LgnnSystem::Pendulum(2);
@@ -210,7 +209,7 @@ fn losses_of_exact_motion_have_their_order() {
                 let data = lgnn_set(&LgnnSettings { h, trajectories: 2, samples, ..published });
                 loss(&shape, &Samples::triples(&data.expect("data")), kind, order).loss(&weights).sqrt()
             };
-            // The same time, or else the bobs have not gathered the same speed.
+            // The span of time is the same; otherwise the bobs would not have the same speed.
             let (coarse, fine) = (residual(h, 11), residual(0.5 * h, 21));
             let slope = (coarse / fine).log2();
             println!("{kind:?} {order}: {coarse:.1e} {fine:.1e}, slope {slope:.2}");

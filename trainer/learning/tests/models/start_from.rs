@@ -91,7 +91,7 @@ fn a_network_learns_faster_from_where_bodies_are() {
     let file = encode(&bodies.architecture, &bodies.best.weights, None::<TrainedStep>, "bodies").unwrap();
     std::fs::write(folder.path().join("bodies.postcard"), file).unwrap();
 
-    // Before any iteration the network's inertia is that of the bodies, and friction theirs.
+    // Before any iteration the network has the inertia and the friction of the bodies.
     let text = network("start_from = \"bodies.postcard\"", 0);
     let begun = trained(&text, folder.path(), &data);
     let (own, theirs) = (masses(&begun), masses(&bodies));

@@ -1,4 +1,4 @@
-//! Configurations of trees of elements: what they mean, and what is wrong with them, with file, line and key.
+//! Configurations of trees of elements: their meaning, and their errors with file, line and key.
 
 use leastaction_core::energy::modular::{Input, PairInput, TransformShape};
 use leastaction_learning::config::{Config, ConfigError};
@@ -11,7 +11,7 @@ fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, Path::new("c.toml"))
 }
 
-/// After two lines of `[data]` and the two of `[model]` that name the family.
+/// A configuration whose first four lines are the two of `[data]` and the two of `[model]` that name the family.
 fn modular(rest: &str) -> String {
     format!("[data]\nfile = \"data.npz\"\n[model]\nfamily = \"modular\"\n{rest}\n")
 }
@@ -130,7 +130,7 @@ fn the_family_decides_which_keys_there_are() {
     assert!(hidden.starts_with("c.toml:5: ") && hidden.contains("unknown field `hidden`"), "{hidden}");
 }
 
-/// What is written after [`modular`]'s lines, the line of the error, and words of its message.
+/// Refused text after [`modular`]'s lines, line of the error, and words of its message.
 type Refusal<'a> = (String, usize, &'a [&'a str]);
 
 #[track_caller]

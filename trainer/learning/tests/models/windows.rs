@@ -1,4 +1,4 @@
-//! The loss over windows: its derivatives, what it learns of sensors and actuators, and what noise does to it.
+//! The loss over windows: its derivatives, the learned sensors and actuators, and the effect of noise.
 
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
@@ -38,12 +38,12 @@ fn weights(model: &Architecture) -> Vec<f64> {
     model.initial_weights(3).iter().enumerate().map(|(k, w)| w + 0.1 * wave(k) + 0.15).collect()
 }
 
-/// What sensors and actuators of the simulated robot do.
+/// Sensors and actuators of the simulated robot.
 #[derive(Clone, Copy)]
 struct Robot {
     gain: [f64; N],
     offset: [f64; N],
-    /// In whole steps, so that nothing is lost in resampling.
+    /// Delay in whole steps, to avoid errors of resampling.
     delay: usize,
     zero: [f64; N],
     noise: f64,
@@ -58,19 +58,19 @@ fn command(log: usize, k: usize, i: usize) -> f64 {
     (3.0 * t + log as f64).sin() + 0.7 * (8.0 * t * (1.0 + i as f64) + 2.0 * log as f64).cos()
 }
 
-/// Logs of the model itself, by the steps that the loss takes.
+/// Logs of the model itself, by the integration steps of the loss.
 fn logs(robot: Robot) -> Dataset {
     let system = System::new(&*model().energies().unwrap());
     logs_by(robot, (&mut ExplicitSteps::new(&system, 0.5 * H, RungeKutta::ThreeEighths), 2))
 }
 
-/// The same by DEL steps from sample to sample.
+/// Logs of the model by DEL steps from sample to sample.
 fn del_logs(robot: Robot, order: Order) -> Dataset {
     let system = System::new(&*model().energies().unwrap());
     logs_by(robot, (&mut VariationalSteps::new(&system, H, order), 1))
 }
 
-/// Logs by so many steps a sample.
+/// Logs of the model by `count` steps per sample.
 fn logs_by(robot: Robot, (steps, count): (&mut dyn Steps, usize)) -> Dataset {
     let (weights, mut stream) = (weights(&model()), Pcg64::seed_from_u64(5));
     let mut trajectory = |log: usize| {
@@ -119,7 +119,7 @@ fn loss_by(
     WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
 }
 
-/// The start states that are best.
+/// The weights with their best start states.
 fn completed(loss: &dyn Objective, weights: &[f64]) -> Vec<f64> {
     let mut weights = weights.to_vec();
     (0..6).for_each(|_| {
@@ -128,7 +128,7 @@ fn completed(loss: &dyn Objective, weights: &[f64]) -> Vec<f64> {
     weights
 }
 
-/// By variable projection: the gradient at constant start states is that of the loss with the best ones.
+/// The gradient at constant start states equals that of the loss with the best start states (variable projection).
 #[test]
 fn the_gradient_is_that_of_the_loss_over_the_best_starts() {
     let data = logs(Robot { noise: 0.05, ..REAL });
@@ -137,7 +137,7 @@ fn the_gradient_is_that_of_the_loss_over_the_best_starts() {
     }
 }
 
-/// Of all numbers at once, each forth or back: a number whose slope is wrong shows in every one.
+/// Number of directions, each a change of all numbers with random signs: a number with a wrong derivative shows in every direction.
 const DIRECTIONS: usize = 8;
 
 fn check_gradient(loss: &dyn Objective) {
@@ -145,7 +145,7 @@ fn check_gradient(loss: &dyn Objective) {
     start.iter_mut().for_each(|w| *w *= 1.1);
     let mut all = loss.enter(start);
     let shared = loss.shared();
-    // A delay of a part of a step, where it has a slope.
+    // The delay is a fraction of a step, where its derivative exists.
     let layout = shared - LOGS * N - 1;
     all[layout] = 0.3 * H;
     loss.settle(&mut all);
@@ -170,7 +170,7 @@ fn check_gradient(loss: &dyn Objective) {
     }
 }
 
-/// Of a known model every number of sensors and actuators comes out, and of exact data nothing is left.
+/// All sensor and actuator numbers of a known model are found, and on exact data no residual is left.
 #[test]
 fn sensors_and_actuators_are_found() {
     let loss = loss(&logs(REAL), ALL, true);
@@ -186,7 +186,7 @@ fn sensors_and_actuators_are_found() {
     assert!(found.zeros.iter().all(|zero| near(zero, &REAL.zero)), "{found:?}");
 }
 
-/// A penalty on weights is none on sensors and actuators: a gain is expected near 1, not near 0.
+/// A penalty on weights does not act on sensors and actuators: a gain is expected near 1, not near 0.
 #[test]
 fn weight_decay_leaves_sensors_and_actuators_alone() {
     let loss = loss(&logs(REAL), ALL, true);
@@ -200,7 +200,7 @@ fn weight_decay_leaves_sensors_and_actuators_alone() {
     assert!(gains[0].iter().zip(&gains[1]).all(|(own, with)| (own - with).abs() < 1e-6), "{gains:?}");
 }
 
-/// Where nothing is to be learned the numbers stay as they are known.
+/// Numbers that are not learned keep their known values.
 #[test]
 fn what_is_known_stays() {
     let known =
@@ -215,7 +215,7 @@ fn what_is_known_stays() {
     assert!(found.zeros.iter().flatten().all(|zero| *zero == 0.0));
 }
 
-/// Noise hardly moves what is learned over windows: from wrong weights it finds forces that predict the noise-free motion.
+/// Noise hardly affects a model learned over windows: from wrong weights it finds forces that predict the noise-free motion.
 #[test]
 fn a_model_is_learned_through_noise() {
     let noise = 0.02;
@@ -230,8 +230,8 @@ fn a_model_is_learned_through_noise() {
     assert!(after < 0.3 * noise && after < 0.25 * before, "from {before} to {after}");
 }
 
-/// Logs by DEL steps are explained by the same steps alone: those of the other order, and motion in continuous time, are off by what
-/// the step misses.
+/// Logs by DEL steps are explained only by the same steps: steps of the other order, and motion in continuous time, are off by the step's
+/// discretisation error.
 #[test]
 fn windows_by_del_steps_are_their_own() {
     for (order, own, others) in [
@@ -269,7 +269,7 @@ fn check_threads(by: (Integrator, u8)) {
     assert_eq!(fit(1), fit(3));
 }
 
-/// A model by which motion ends nowhere is counted, not a failure of all.
+/// Windows in which a model's motion cannot be computed are counted; they do not fail the loss.
 #[test]
 fn windows_that_cannot_be_computed_are_counted() {
     let loss = loss(&logs(IDEAL), Calibration::default(), false);

@@ -1,4 +1,4 @@
-//! Long-term prediction: its measures on errors that are known, and the floor of single precision.
+//! Long-term prediction: its measures on known errors, and the floor of single precision.
 
 use leastaction_ground_truth::{ExactMotion, Horizon, ManyBody, ModlanetSettings, Start, starts};
 use leastaction_learning::evaluate::prediction::{TOLERANCE, Truth};
@@ -30,7 +30,7 @@ fn the_exact_model_makes_no_error() {
     }
 }
 
-/// Two bodies far apart, so that they hardly pull each other: what an error in the acceleration does is known.
+/// Two bodies so far apart that they hardly attract each other: the effect of an error in the acceleration is known.
 fn lonely_bodies() -> Truth {
     let start = Start { q: vec![-1e6, 0.0, 1e6, 0.0], v: vec![0.0; 4] };
     let bodies = motion(ManyBody::Bodies(2));
@@ -61,7 +61,7 @@ fn whole_turns_are_errors_of_position_but_not_of_validity() {
     let chain = motion(ManyBody::Pendulum(2));
     let horizon = Horizon { h: 0.1, samples: 3 };
     let truth = Truth::new(chain.as_ref(), vec![start], horizon).unwrap();
-    // The same motion, a whole turn on.
+    // The motion advanced by a whole turn.
     let turned = Truth::new(
         chain.as_ref(),
         vec![Start { q: vec![0.3 + std::f64::consts::TAU, 0.4], v: vec![0.0, 0.0] }],
@@ -97,7 +97,7 @@ fn single_precision_is_near_at_first() {
     assert_eq!(found.valid_median(), 2.0);
 }
 
-/// Prints the floors of the two systems over 100 starts, and holds them to what is known of them.
+/// Prints the floors of the two systems over 100 starts, and checks them against known values.
 #[test]
 #[ignore = "takes a minute unoptimised"]
 fn floors_of_single_precision() {

@@ -1,4 +1,4 @@
-//! Nodes on rods and springs: the exact motion against that in angles, and what it must keep.
+//! Nodes on rods and springs: the exact motion compared with the motion in angles, and its conserved quantities.
 
 use leastaction_ground_truth::{
     Chain, ExactMotion, Horizon, LgnnSettings, LgnnSystem, Link, Rod, Start, Truss, follow, lgnn_set,

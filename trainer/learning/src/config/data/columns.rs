@@ -13,9 +13,9 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Named", into = "Named")]
 pub struct ColumnsConfig {
-    /// As the reader of logs takes them.
+    /// Columns as the reader of logs takes them.
     pub columns: Columns,
-    /// Columns that may be u in place of those: training finds out which of all predict best logs that it has not seen.
+    /// Alternatives for the u columns of `columns`: training chooses the one with the best predictions of held-back logs.
     pub other_u: Vec<Vec<Column>>,
 }
 
@@ -66,7 +66,7 @@ impl From<ColumnsConfig> for Named {
     }
 }
 
-/// Columns, or the only one.
+/// A list of columns; a single one needs no brackets.
 #[derive(Clone, Default)]
 struct ColumnList(Vec<ColumnConfig>);
 
@@ -88,7 +88,7 @@ impl<'de> Deserialize<'de> for ColumnList {
     }
 }
 
-/// A column by its name, or with its unit: `{ name = "enc", unit = "deg", sign = -1 }`.
+/// A column given by its name alone, or with its unit: `{ name = "enc", unit = "deg", sign = -1 }`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ColumnConfig(pub(super) Column);
 

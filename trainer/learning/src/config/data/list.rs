@@ -1,4 +1,4 @@
-//! Lists that may be written as their only entry.
+//! Lists for which a single entry may be written without brackets.
 
 use serde::Deserialize;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::ser::{SerializeSeq, Serializer};
 use std::fmt;
 
-/// A list that may be written as its only entry.
+/// Writes a list, or only its entry if it has exactly one.
 pub(super) fn one_or_many<T: Serialize, S: Serializer>(all: &[T], to: S) -> Result<S::Ok, S::Error> {
     if let [one] = all {
         return one.serialize(to);

@@ -18,31 +18,31 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The log.
+/// The `[data]` table: the logs and how to read them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataConfig {
-    /// `.npz`, `.csv` or `.mcap`, one or several; relative to the configuration file.
+    /// Log files, `.npz`, `.csv` or `.mcap`; relative to the configuration file.
     pub file: LogFiles,
-    /// The step (s) that all samples are resampled onto; else that of the files.
+    /// Step onto which all samples are resampled, s; by default the step of the files.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
     pub step: Option<f64>,
-    /// Only the first so many trajectories, at least 1.
+    /// Number of trajectories to use, from the first on, at least 1; by default all.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_positive")]
     pub trajectories: Option<usize>,
-    /// Part of the trajectories held back from the end, in [0, 1).
+    /// Fraction of the trajectories, taken from the end, that is held back for validation, in [0, 1).
     #[serde(default = "validation", deserialize_with = "fields::fraction")]
     pub validation: f64,
-    /// What u does between samples; else what the log says, and held where it says nothing.
+    /// Behaviour of u between samples; by default as the log states, or held if it states nothing.
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::control_kind")]
     pub control: Option<ControlKind>,
-    /// Intervals of time that are left out.
+    /// Time intervals to leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub leave_out: Vec<LeftOutConfig>,
-    /// Names and units of the columns, where they are not q0, …, t.
+    /// Names and units of the columns, unless they are q0, …, t.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub columns: Option<ColumnsConfig>,
-    /// Further files of each recording, by what their columns are called before a colon.
+    /// Further files of each recording, keyed by the prefix of their column names (the text before the colon).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub join: BTreeMap<String, JoinConfig>,
 }
@@ -52,7 +52,7 @@ fn validation() -> f64 {
 }
 
 impl DataConfig {
-    /// The defaults for a log.
+    /// The defaults for the given log files.
     pub fn new(file: impl Into<LogFiles>) -> Self {
         Self {
             file: file.into(),
@@ -66,7 +66,7 @@ impl DataConfig {
         }
     }
 
-    /// How the files are read.
+    /// Settings for the reader of logs.
     pub fn reading(&self) -> Reading {
         let columns = self.columns.as_ref().map(|columns| columns.columns.clone());
         let t = columns.as_ref().map_or_else(|| Column::si("t"), |columns| columns.t.clone());
@@ -75,13 +75,13 @@ impl DataConfig {
         Reading { columns, step: self.step, control: self.control, joins, leave_out }
     }
 
-    /// What cannot be: files are joined by names of columns.
+    /// An inconsistency, if any: files can only be joined through named columns.
     pub(super) fn problem(&self) -> Option<String> {
         let unnamed = self.columns.is_none().then(|| self.join.keys().next()).flatten();
         unnamed.map(|name| format!("columns of {name:?} need names: {name}:… under [data.columns]"))
     }
 
-    /// This and, where other columns may be u, the same with each of those.
+    /// This configuration, followed by a variant for each entry of `other_u`.
     pub fn alternatives(&self) -> Vec<Self> {
         let Some(ColumnsConfig { columns, other_u }) = &self.columns else { return vec![self.clone()] };
         let with = |u: &Vec<Column>| {
@@ -91,15 +91,15 @@ impl DataConfig {
         std::iter::once(&columns.u).chain(other_u).map(with).collect()
     }
 
-    /// Refuses intervals to leave out of a file that is not among these.
+    /// Checks that every interval to leave out names a file of these logs.
     ///
     /// # Errors
-    /// [`DataError`] with its name, or that of a file that is not there.
+    /// [`DataError`] with the unknown file, or with a log file that does not exist.
     pub fn check_left_out(&self) -> Result<(), DataError> {
         self.reading().check_left_out(&data::files(&self.file.0)?)
     }
 
-    /// Reads the log; each note has its file.
+    /// Reads the logs; each note comes with its file.
     ///
     /// # Errors
     /// [`DataError`] with the file, the place in it and the problem.
@@ -108,15 +108,15 @@ impl DataConfig {
     }
 }
 
-/// Files of logs, or patterns of their names with `*` and `?`.
+/// Log files, or patterns of file names with `*` and `?`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogFiles(
-    /// As they are written.
+    /// Paths and patterns as written.
     pub Vec<PathBuf>,
 );
 
 impl LogFiles {
-    /// The same with every path changed.
+    /// Applies `f` to every path.
     #[must_use]
     pub fn map(&self, f: impl Fn(&Path) -> PathBuf) -> Self {
         Self(self.0.iter().map(|path| f(path)).collect())

@@ -1,4 +1,4 @@
-//! `[data.join]`, further files of each recording, and `leave_out`, intervals of time that are not learned from.
+//! `[data.join]`: further files of each recording; `leave_out`: time intervals that are not learned from.
 
 use super::columns::ColumnConfig;
 use crate::data::{Column, Join, LeftOut};
@@ -10,15 +10,15 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JoinConfig {
-    /// The last such text in the path of the coordinates' file, and what stands in its place in that of this file.
+    /// Text to replace in the path of the coordinates' file (its last occurrence), and the replacement that gives the path of this file.
     replace: [String; 2],
-    /// Its time; the same as in the file of the coordinates where nothing is said.
+    /// Time column; by default named as in the coordinates' file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     t: Option<ColumnConfig>,
 }
 
 impl JoinConfig {
-    /// As the reader of logs takes it; `t` is the time of the coordinates.
+    /// The join as the reader of logs takes it; `t` is the time column of the coordinates.
     pub(super) fn named(&self, name: &str, t: &Column) -> Join {
         let [replace, by] = self.replace.clone();
         let t = self.t.as_ref().map_or_else(|| t.clone(), |t| t.0.clone());
@@ -26,14 +26,14 @@ impl JoinConfig {
     }
 }
 
-/// An interval of every file, `[2.0, 3.5]`, or of one, `{ file = "run-3.csv", from = 2.0, to = 3.5 }` (s).
+/// A time interval (s) of every file, `[2.0, 3.5]`, or of a single file, `{ file = "run-3.csv", from = 2.0, to = 3.5 }`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOutConfig(
-    /// As the reader of logs takes it.
+    /// The interval as the reader of logs takes it.
     pub LeftOut,
 );
 
-/// How it is written.
+/// Textual form of an interval.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged, expecting = "an interval is [from, to] in s, or { file = \"…\", from = …, to = … }")]
 enum Written {
@@ -66,7 +66,7 @@ impl<'de> Deserialize<'de> for LeftOutConfig {
             Written::Of([from, to]) => LeftOut { file: None, from, to },
             Written::InFile(InFile { file, from, to }) => LeftOut { file: Some(file), from, to },
         };
-        // Not so of numbers that are none.
+        // The comparison also fails for NaN.
         if left.from <= left.to {
             Ok(Self(left))
         } else {

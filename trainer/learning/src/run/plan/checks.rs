@@ -1,4 +1,4 @@
-//! Whether data, model and loss fit each other.
+//! Checks that data, model and loss fit each other.
 
 use super::PlanError;
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
@@ -6,7 +6,7 @@ use crate::data::Dataset;
 use crate::windows::{Calibration, Setting};
 use leastaction_models::{Architecture, OpenGauge};
 
-/// Refuses data of another number of coordinates.
+/// Refuses data with another number of coordinates.
 pub(super) fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), PlanError> {
     if architecture.n() == data.n {
         return Ok(());
@@ -14,13 +14,13 @@ pub(super) fn check_coordinates(architecture: &Architecture, data: &Dataset) -> 
     Err(PlanError::Coordinates(architecture.family.mismatch(data.n)))
 }
 
-/// Refuses noisy states where they are not learned.
+/// Refuses a noise of logged states unless the loss can estimate it.
 pub(super) fn check_state_noise(training: &TrainingConfig, loss: TrainingLoss) -> Result<(), PlanError> {
     let takes = (loss, training.optimiser) == (TrainingLoss::Acceleration, OptimiserKind::LevenbergMarquardt);
     if takes || training.state_noise.is_none() { Ok(()) } else { Err(PlanError::StateNoise) }
 }
 
-/// Refuses numbers of sensors and drives that a fit of an arm to torques does not learn.
+/// Refuses to learn sensor and drive numbers that a fit of an arm to torques cannot learn.
 pub(super) fn check_torque_calibration(
     config: &Config,
     architecture: &Architecture,
@@ -32,7 +32,7 @@ pub(super) fn check_torque_calibration(
     if is_fit && is_learned { Err(PlanError::TorqueCalibration) } else { Ok(()) }
 }
 
-/// Refuses what free motion does not determine.
+/// Refuses numbers that free motion does not determine.
 pub(super) fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
     match architecture.family.open_gauge().filter(|_| !forced) {
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! The stage in which networks beside an arm are learned from torques.
+//! The stage that learns networks beside an arm from torques.
 
 use super::super::TorqueError;
 use super::{NETWORKS, PlanError, Stage};
@@ -10,11 +10,11 @@ use crate::training::{Objective, Offsets, Samples, TorqueTerms, torque_objective
 use crate::windows::{CalibrationLayout, Setting};
 use leastaction_models::{Actuator, Architecture, Number};
 
-/// Networks beside bodies and rotors as they were fitted; friction and offsets of the drives follow where they are learned. Its numbers are those
-/// that windows share.
+/// The stage of networks beside bodies and rotors, which stay as fitted; friction and drive offsets are refined if they are learned. Its
+/// parameters are those that windows share.
 ///
 /// # Errors
-/// [`TorqueError`] where no trajectory can be filtered, [`PlanError`] where the shape does not fit in itself.
+/// [`TorqueError`] if no trajectory can be filtered, [`PlanError`] if the shape is inconsistent.
 pub(super) fn networks(
     (config, iterations): (&Config, u64),
     architecture: &Architecture,
@@ -47,7 +47,7 @@ pub(super) fn networks(
     })
 }
 
-/// The shape of an arm whose bodies and rotors are known.
+/// The architecture with bodies and rotors of the arm held fixed.
 fn with_known_bodies(architecture: &Architecture) -> Architecture {
     let Some(mut arm) = architecture.family.arm().cloned() else { return architecture.clone() };
     for body in &mut arm.bodies {

@@ -1,4 +1,4 @@
-//! What a loss over windows learns from.
+//! Data of a loss over windows.
 
 use super::PlanError;
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
@@ -6,11 +6,11 @@ use leastaction_models::Architecture;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Logs and settings of a loss over windows, once all of it is learned.
+/// Logs and settings of a loss over windows, for the stage in which everything is learned.
 pub(in crate::run) struct Windowed {
     pub logs: Arc<WindowLogs>,
     pub settings: WindowSettings,
-    /// Places of what is learned of sensors and actuators.
+    /// Positions of the learned sensor and actuator numbers.
     pub layout: CalibrationLayout,
 }
 
@@ -18,15 +18,15 @@ impl Windowed {
     /// The loss over all logs.
     ///
     /// # Errors
-    /// [`PlanError`] for a model that [`WindowModel::new`], or logs that [`WindowLoss::new`], refuses.
+    /// [`PlanError`] for a model that [`WindowModel::new`] refuses, or logs that [`WindowLoss::new`] refuses.
     pub fn loss(&self, architecture: &Architecture) -> Result<WindowLoss, PlanError> {
         self.loss_over(architecture, 0..self.logs.count(), self.settings)
     }
 
-    /// That over windows of so many steps, side by side, of some logs.
+    /// The loss over adjacent windows of `steps` steps, for some of the logs.
     ///
     /// # Errors
-    /// [`PlanError`], see [`Windowed::loss`].
+    /// [`PlanError`] as for [`Windowed::loss`].
     pub fn loss_of(
         &self,
         architecture: &Architecture,

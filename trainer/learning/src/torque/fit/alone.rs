@@ -1,13 +1,13 @@
-//! What samples say by themselves of base parameters and joints, and how well.
+//! Estimates of base parameters and joint numbers from the samples alone, with their standard errors.
 //!
-//! A prior draws every number towards the description, by an amount that depends on the truth: an interval around such a fit covers nothing
-//! that could be named. So the numbers here are those of least squares without a prior and without the bounds of bodies, in the combinations that
-//! torques depend on at all ([`BaseParameters`]) and in the joints' numbers, and the errors are those of these estimates.
+//! A prior draws every number towards the description, by an amount that depends on the truth: an interval around such a fit has no known
+//! coverage. The estimates here are therefore those of least squares without a prior and without the bounds of bodies, in the combinations
+//! that torques depend on at all ([`BaseParameters`]) and in the joints' numbers.
 //!
-//! The residuals of filtered samples hang together over the filter's memory, and what a model lacks makes them alike for longer; those of all
-//! joints share the noise of the accelerations. So the covariance is that of the jackknife over blocks of time,
-//! (L − 1)/L Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, by how much the numbers move where block l is left out; H = JᵀJ, H_l and g_l = J_lᵀr_l are
-//! the parts of a block. 95 of 100 truths lie within [`student`]`(L − 1)` standard errors, if the model is right.
+//! The residuals of filtered samples are correlated over the filter's memory, and over longer times by what the model lacks; the residuals
+//! of different joints share the noise of the accelerations. The covariance is therefore that of the jackknife over blocks of time, (L −
+//! 1)/L Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, the change of the estimate if block l is left out; H = JᵀJ, and H_l and g_l = J_lᵀr_l are
+//! the parts of block l. 95 % of the true values lie within [`student`]`(L − 1)` standard errors, if the model is right.
 //!
 //! Source: Künsch, "The jackknife and the bootstrap for general stationary observations", 1989.
 
@@ -19,45 +19,47 @@ use crate::training::{Directions, NormalEquations, Shown, normal_equations_of, s
 use faer::Mat;
 use leastaction_models::tree::INERTIAL;
 
-/// Blocks of time that are left out in turn.
+/// Number of blocks of time, left out in turn.
 const BLOCKS: usize = 32;
-/// Where the slope of the torques in a number is less than this part of the largest, it is rounding: torques do not depend on the number.
+/// Relative threshold on the slope of the torques in a number: below this fraction of the largest slope it is rounding, and torques do not
+/// depend on the number.
 const ROUNDING: f64 = 1e-10;
 
-/// A number by the samples alone.
+/// An estimate from the samples alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// By least squares; it means nothing where the number is not shown.
+    /// Least-squares value; meaningless if the number is not shown.
     pub value: f64,
-    /// How well it is known.
+    /// Standard error, or the reason why there is none.
     pub shown: Shown,
-    /// The estimate, of [`Alone::estimates`], that its error hangs together with most, and their correlation.
+    /// Index in [`Alone::estimates`] of the estimate with the strongest error correlation, and this correlation.
     pub strongest: Option<(usize, f64)>,
 }
 
-/// All that samples say by themselves.
+/// Everything that the samples alone show.
 #[derive(Clone, Debug)]
 pub struct Alone {
-    /// The base parameters among the numbers that are learned.
+    /// Base parameters of the learned parameters.
     pub base: BaseParameters,
-    /// Which numbers of which joints follow them.
+    /// Joint numbers that follow the base parameters: the joint, and which of its numbers.
     pub joints: Vec<(usize, JointNumber)>,
-    /// Of the base parameters, then of the joints' numbers.
+    /// Estimates of the base parameters, then of the joint numbers.
     pub estimates: Vec<Estimate>,
-    /// Directions in the space of these numbers that the samples do not show.
+    /// Number of directions in the space of these numbers that the samples do not show.
     pub hidden: usize,
-    /// Blocks of time whose residuals were taken to be independent.
+    /// Number of blocks of time, whose residuals are taken as independent.
     pub blocks: usize,
 }
 
 impl Alone {
-    /// By how many standard errors a number is off at most in 95 of 100 cases.
+    /// Half-width of the 95 % confidence interval, in standard errors.
     #[must_use]
     pub fn interval(&self) -> f64 {
         student(self.blocks.saturating_sub(1))
     }
 
-    /// What an arm has for each of the estimated numbers: bodies and rotors by their parameters, as [`leastaction_models::tree::Tree::parameters`], and joints.
+    /// Values that an arm has for the estimated numbers, from the parameters of bodies and rotors, in the order of
+    /// [`leastaction_models::tree::Tree::parameters`], and the joints.
     #[must_use]
     pub fn of_model(&self, parameters: &[f64], joints: &[JointNumbers]) -> Vec<f64> {
         let own = self.joints.iter().map(|(joint, number)| joints[*joint].array()[*number as usize]);
@@ -65,17 +67,17 @@ impl Alone {
     }
 }
 
-/// Torques in base parameters β, the rotors among them: those of the joints are 0.
+/// Torques in terms of the base parameters β. These include the rotors; the rotors of the joints are 0.
 struct OfBase<'a> {
     problem: &'a Problem<'a>,
     /// Columns of β among all parameters.
     columns: &'a [usize],
-    /// What the known parameters add to the torque of the bodies, row by row.
+    /// Contribution of the known parameters to the torque of the bodies, row by row.
     known: Vec<f64>,
 }
 
 impl OfBase<'_> {
-    /// The regressor of one row in β.
+    /// The regressor of one row with respect to β.
     fn regressor(&self, row: usize) -> impl Iterator<Item = f64> {
         let (i, _, a, _) = self.problem.row(row);
         let own = &self.problem.regressors[row];
@@ -87,7 +89,7 @@ impl OfBase<'_> {
         self.columns.iter().map(of)
     }
 
-    /// The torque that parameters of these columns take.
+    /// The torque that these parameters give.
     fn taken(&self, parameters: &[f64], row: usize) -> f64 {
         self.regressor(row).zip(parameters).map(|(own, x)| own * x).sum()
     }
@@ -117,7 +119,7 @@ impl Torques for OfBase<'_> {
     }
 }
 
-/// See [`super::alone`].
+/// Estimates from the samples alone; see [`super::alone`].
 pub(super) fn alone(start: &Start, learned: &Learned) -> Alone {
     let Start { tree, problem, x, bounds, linear } = start;
     let bodies = problem.body_numbers();
@@ -168,7 +170,7 @@ pub(super) fn alone(start: &Start, learned: &Learned) -> Alone {
     Alone { joints, estimates, hidden: spread.directions.hidden(), blocks: parts.len(), base }
 }
 
-/// What the known parameters add to the torque of the bodies, row by row.
+/// Contribution of the known parameters to the torque of the bodies, row by row.
 fn of_known(start: &Start, known: &[usize]) -> Vec<f64> {
     let torques = OfBase { problem: &start.problem, columns: known, known: Vec::new() };
     let parameters = start.tree.parameters();
@@ -176,12 +178,12 @@ fn of_known(start: &Start, known: &[usize]) -> Vec<f64> {
     (0..start.problem.regressors.len()).map(|row| torques.taken(&numbers, row)).collect()
 }
 
-/// Covariances of numbers, each divided by the root of its diagonal entry in H.
+/// Covariance of numbers in scaled units: each number divided by the root of its diagonal entry in H.
 struct Spread {
-    /// 1/√H_ii, 0 for a number that nothing depends on but by rounding.
+    /// Scales 1/√H_ii; 0 for a number that torques depend on only by rounding.
     sizes: Vec<f64>,
     directions: Directions,
-    /// In the directions that are shown.
+    /// Covariance within the shown directions.
     covariance: Mat<f64>,
 }
 

@@ -1,51 +1,51 @@
-//! Friction of a joint and what its sensor adds.
+//! Rotor, friction and sensor offset of a joint.
 
-/// Numbers of a coordinate beside its bodies.
+/// Number of parameters per joint.
 pub const JOINT: usize = 7;
 
-/// A joint's rotor and friction. The torque of its drive solves τ = τ_bodies + J a + b v + (c + l (√(τ² + s²) − s)) tanh(v/ε): friction grows with the
-/// load that the model itself predicts, never with a measured one. The log has τ + o.
+/// Rotor, friction and torque offset of a joint. The torque of its drive solves τ = τ_bodies + J a + b v + (c + l (√(τ² + s²) − s))
+/// tanh(v/ε): friction grows with the load that the model predicts, never with a measured one. The logged torque is τ + o.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointNumbers {
-    /// J ≥ 0, reflected to the joint (kg m², kg).
+    /// Rotor inertia J ≥ 0, reflected to the joint (kg m², kg).
     pub rotor: f64,
-    /// b ≥ 0 (N m s/rad, N s/m).
+    /// Viscous friction b ≥ 0 (N m s/rad, N s/m).
     pub viscous: f64,
-    /// c ≥ 0 (N m, N).
+    /// Coulomb friction c ≥ 0 (N m, N).
     pub coulomb: f64,
-    /// 0 ≤ l < 1: how much of the load's size is added to c.
+    /// Load coefficient 0 ≤ l < 1: the fraction of the load's size that is added to c.
     pub load: f64,
-    /// ε > 0 (rad/s, m/s).
+    /// Width ε > 0 of the transition at v = 0 (rad/s, m/s).
     pub width: f64,
-    /// o (N m, N).
+    /// Offset o of the logged torque (N m, N).
     pub offset: f64,
-    /// s > 0 (N m, N): below it a load counts by its square.
+    /// Smoothing s > 0 (N m, N): a load below it counts quadratically.
     pub smoothing: f64,
 }
 
 impl Default for JointNumbers {
-    /// Neither rotor nor friction nor offset.
+    /// No rotor, friction or offset.
     fn default() -> Self {
         Self::of_array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, SOFTNESS])
     }
 }
 
-/// The numbers of [`JointNumbers`], in order.
+/// The fields of [`JointNumbers`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointNumber {
-    /// J.
+    /// Rotor inertia J.
     Rotor,
-    /// b.
+    /// Viscous friction b.
     Viscous,
-    /// c.
+    /// Coulomb friction c.
     Coulomb,
-    /// l.
+    /// Load coefficient l.
     Load,
-    /// ε.
+    /// Width ε.
     Width,
-    /// o.
+    /// Offset o.
     Offset,
-    /// s.
+    /// Smoothing s.
     Smoothing,
 }
 
@@ -55,30 +55,31 @@ impl JointNumber {
         [Self::Rotor, Self::Viscous, Self::Coulomb, Self::Load, Self::Width, Self::Offset, Self::Smoothing];
 }
 
-/// The usual s of a load's size √(τ² + s²) − s (N m, N): smooth at 0, and below a tenth of a newton metre as good as none.
+/// Default smoothing s of a load's size √(τ² + s²) − s (N m, N): smooth at 0, with almost no effect below 0.1 N m.
 pub const SOFTNESS: f64 = 0.1;
 
 impl JointNumbers {
-    /// In the order of the fields.
+    /// The numbers in the order of the fields.
     #[must_use]
     pub fn array(&self) -> [f64; JOINT] {
         let Self { rotor, viscous, coulomb, load, width, offset, smoothing } = *self;
         [rotor, viscous, coulomb, load, width, offset, smoothing]
     }
 
-    /// See [`JointNumbers::array`].
+    /// Inverse of [`JointNumbers::array`].
     #[must_use]
     pub fn of_array([rotor, viscous, coulomb, load, width, offset, smoothing]: [f64; JOINT]) -> Self {
         Self { rotor, viscous, coulomb, load, width, offset, smoothing }
     }
 
-    /// The logged torque where bodies alone take `bodies`, at velocity v and acceleration a.
+    /// The logged torque for a torque `bodies` of the bodies alone, at velocity v and acceleration a.
     #[must_use]
     pub fn torque(&self, bodies: f64, v: f64, a: f64) -> f64 {
         self.drive(bodies, v, a) + self.offset
     }
 
-    /// The drive's torque τ: the root of its equation whose difference from the rest has the sign of the friction.
+    /// The drive's torque τ: of the two roots of its equation, the one whose difference from the frictionless torque has the sign of the
+    /// friction.
     fn drive(&self, bodies: f64, v: f64, a: f64) -> f64 {
         let sign = (v / self.width).tanh();
         let rest = bodies + self.rotor * a + self.viscous * v + self.coulomb * sign;
@@ -87,7 +88,7 @@ impl JointNumbers {
         (rest + k * (rest * rest + part * self.smoothing * self.smoothing).sqrt()) / part
     }
 
-    /// The logged torque, its derivative in `bodies`, and those in the numbers.
+    /// The logged torque, its derivative with respect to `bodies`, and its derivatives with respect to the numbers.
     #[must_use]
     pub fn slopes(&self, bodies: f64, v: f64, a: f64) -> (f64, f64, [f64; JOINT]) {
         let tau = self.drive(bodies, v, a);

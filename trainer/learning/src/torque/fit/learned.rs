@@ -1,27 +1,27 @@
-//! What a fit learns, and what it knows.
+//! Selection of learned and known numbers of a fit.
 
 use super::friction::{JOINT, JointNumber, SOFTNESS};
 
-/// Most of a load that friction may take.
+/// Largest load coefficient.
 const MOST_LOAD: f64 = 0.9;
 
-/// What bodies may become.
+/// Constraint on the fitted bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bodies {
-    /// Bodies that can be: of positive definite pseudo-inertia.
+    /// Physically consistent bodies: their pseudo-inertia is positive definite.
     Consistent,
-    /// Any numbers, as linear least squares gives them.
+    /// Unconstrained numbers, as linear least squares gives them.
     Free,
-    /// Those of the tree.
+    /// The bodies of the tree, unchanged.
     Known,
 }
 
-/// What is learned of bodies and joints.
+/// Numbers of bodies and joints that are learned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
-    /// Of the bodies.
+    /// Constraint on the bodies.
     pub bodies: Bodies,
-    /// Bodies that are known whatever the others are, by their places in the tree.
+    /// Bodies that are known whatever `bodies` says, by their indices in the tree.
     pub known: Vec<usize>,
     /// Rotor inertia ≥ 0.
     pub rotors: bool,
@@ -33,16 +33,17 @@ pub struct Learned {
     pub load: bool,
     /// A constant offset of every logged torque.
     pub offsets: bool,
-    /// The range of the width ε of tanh(v/ε); one number twice where it is known.
+    /// Range of the width ε of tanh(v/ε); equal ends if it is known.
     pub width: [f64; 2],
-    /// The range of the smoothing s of a load; one number twice where it is known.
+    /// Range of the smoothing s of a load; equal ends if it is known.
     pub smoothing: [f64; 2],
-    /// Numbers of single joints that are known whatever the others are, by the coordinate.
+    /// Known numbers of single joints, each with its coordinate; they override the other settings.
     pub held: Vec<(usize, JointNumber, f64)>,
 }
 
 impl Default for Learned {
-    /// Consistent bodies, rotors, all friction, that grows with the load of known smoothing, offsets, widths from 0.02 to 1 rad/s.
+    /// Consistent bodies, rotors, offsets, and all friction, including growth with the load at a known smoothing; widths from 0.02 to 1
+    /// rad/s.
     fn default() -> Self {
         Self {
             bodies: Bodies::Consistent,
@@ -60,7 +61,7 @@ impl Default for Learned {
 }
 
 impl Learned {
-    /// Where the numbers of a joint may be; of a joint without dry friction the width is this.
+    /// Ranges of the numbers of a joint; `width` is the width of a joint without dry friction.
     pub(super) fn ranges(&self, joint: usize, width: f64) -> [[f64; 2]; JOINT] {
         let most = |is_learned: bool, most: f64| if is_learned { most } else { 0.0 };
         let all = |is_learned: bool| most(is_learned, f64::INFINITY);

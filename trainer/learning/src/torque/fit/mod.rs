@@ -1,7 +1,8 @@
 //! Fits of bodies, rotors and friction to torques, near a prior.
 //!
-//! Minimised is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|², s_i a robust scale of coordinate i's residuals after linear least squares, θ the
-//! [log-Cholesky numbers](leastaction_models::tree::LogCholesky) of every body relative to the tree's own, which are the prior: what the log does not show stays there.
+//! The objective is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|². s_i is a robust scale of coordinate i's residuals after linear least squares; θ are the
+//! [log-Cholesky numbers](leastaction_models::tree::LogCholesky) of every body relative to the tree's own, which are the prior: what the
+//! log does not show stays there.
 
 mod alone;
 mod friction;
@@ -24,31 +25,31 @@ use thiserror::Error;
 /// An arm that predicts torques.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arm {
-    /// Its bodies and rotors.
+    /// Bodies and rotors.
     pub tree: Tree,
-    /// Of every coordinate; the rotors are those of the tree.
+    /// Numbers of every coordinate; the rotors equal those of the tree.
     pub joints: Vec<JointNumbers>,
 }
 
-/// Where a width starts, rad/s.
+/// Initial width, rad/s.
 const FIRST_WIDTH: f64 = 0.05;
-/// What cannot be fitted.
+/// The reason why a fit is impossible.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
-    /// The prior of a body is not one.
+    /// A body of the tree cannot serve as a prior.
     #[error(
         "link {0}: its inertia is of no body that can be (the pseudo-inertia is not positive definite), so it cannot be a prior"
     )]
     Prior(String),
-    /// Samples of another mechanism.
+    /// The samples belong to another mechanism.
     #[error("samples of {found} coordinates, and an arm of {expected}")]
     Coordinates {
-        /// Of the samples.
+        /// Coordinates of the samples.
         found: usize,
-        /// Of the tree.
+        /// Coordinates of the tree.
         expected: usize,
     },
-    /// Too few samples, or numbers that are not finite.
+    /// There are too few samples, or numbers are not finite.
     #[error("the samples determine nothing: {0} of them")]
     Samples(usize),
 }
@@ -58,33 +59,33 @@ pub enum FitError {
 pub struct Fitted {
     /// The arm.
     pub arm: Arm,
-    /// Numbers that were learned.
+    /// Number of learned parameters.
     pub parameters: usize,
-    /// Of them what the samples determine alone, without the prior, to 10⁻⁶ of the best determined one.
+    /// Number of parameters that the samples alone determine, without the prior: singular values down to 10⁻⁶ of the largest count.
     pub rank: usize,
-    /// λ.
+    /// Strength λ of the prior.
     pub prior: f64,
 }
 
-/// Singular values of the weighted Jacobian, columns scaled, below this part of the largest one are not determined.
+/// Relative threshold on the singular values of the weighted Jacobian (columns scaled) below which a direction is not determined.
 const DETERMINED: f64 = 1e-6;
 
-/// Learns from samples; `tree` is the prior, `prior` its strength λ.
+/// Fits an arm to samples; `tree` is the prior, `prior` its strength λ.
 ///
 /// # Errors
 /// [`FitError`].
 pub fn fit(tree: &Tree, samples: &Samples, learned: &Learned, prior: f64) -> Result<Fitted, FitError> {
     let start = Start::new(tree, samples, learned)?;
-    // From a stiff prior on: far from the minimum a weak one leads into corners.
+    // The path starts at a stiff prior: far from the minimum a weak prior leads into corners.
     let strengths: Vec<f64> = [1e4, 1e2, 1.0].into_iter().filter(|s| *s > prior).chain([prior]).collect();
     let path = start.path(&strengths);
     Ok(start.fitted(path.last().unwrap_or(&start.x), prior))
 }
 
-/// Learns from samples with a prior strength of `strengths`, from the strongest to the weakest, that folds choose: `folds` says which part each
-/// sample belongs to, in blocks of time, since neighbours are alike; each part is predicted by fits of the rest. The error is the mean
-/// over coordinates of the mean squared error over the variance of τ. Taken is the strongest prior whose error is within a standard
-/// error over the parts of the least one. Also gives what was tried: strengths with their errors.
+/// Fits an arm to samples with the strength of prior that cross-validation chooses from `strengths`, which are in descending order. `folds`
+/// gives the fold of each sample, in blocks of time since neighbouring samples are alike; each fold is predicted by a fit to the rest. The
+/// error is the mean over coordinates of the mean squared error divided by the variance of τ. The strongest prior is taken whose error
+/// exceeds the least error by at most one standard error of the difference over the folds. Also returns all strengths with their errors.
 ///
 /// # Errors
 /// [`FitError`].
@@ -106,7 +107,7 @@ pub fn fit_by_folds(
             |x: &Vec<f64>| mean_nmse(&squared_errors(&start.arm(x).torques(&held), &held), &variances);
         Ok(Some(start.path(strengths).iter().map(judge).collect()))
     };
-    // By fold and strength; folds know nothing of each other.
+    // Errors by fold and strength; folds are independent of each other.
     let errors: Vec<Vec<f64>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..count).map(|fold| scope.spawn(move || of_fold(fold))).collect();
         let joined =
@@ -117,7 +118,7 @@ pub fn fit_by_folds(
     let tried: Vec<(f64, f64)> =
         strengths.iter().enumerate().map(|(k, strength)| (*strength, mean(k))).collect();
     let least = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1)).unwrap_or(0);
-    // Of the difference from the least error: what all strengths have in common says nothing.
+    // The test is on the difference from the least error, which cancels what all strengths have in common.
     let is_as_good = |k: usize| {
         let differences: Vec<f64> = errors.iter().map(|fold| fold[k] - fold[least]).collect();
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
@@ -148,7 +149,7 @@ impl Arm {
     }
 }
 
-/// Mean squared error of every coordinate.
+/// Mean squared torque error of every coordinate.
 #[must_use]
 pub fn squared_errors(predicted: &[f64], samples: &Samples) -> Vec<f64> {
     let n = samples.tau.width();
@@ -158,7 +159,7 @@ pub fn squared_errors(predicted: &[f64], samples: &Samples) -> Vec<f64> {
     sums.iter().map(|sum| sum / samples.count() as f64).collect()
 }
 
-/// Variance of every logged torque.
+/// Variance of every coordinate's logged torque.
 #[must_use]
 pub fn variances(samples: &Samples) -> Vec<f64> {
     let (n, count) = (samples.tau.width(), samples.count() as f64);
@@ -170,14 +171,14 @@ pub fn variances(samples: &Samples) -> Vec<f64> {
     (0..n).map(of).collect()
 }
 
-/// Mean over coordinates of error over variance.
+/// Mean over coordinates of error divided by variance.
 #[must_use]
 pub fn mean_nmse(errors: &[f64], variances: &[f64]) -> f64 {
     errors.iter().zip(variances).map(|(e, v)| e / v).sum::<f64>() / errors.len() as f64
 }
 
-/// What samples say by themselves, without the prior, of the base parameters among what is learned and of the joints' numbers; `tree` has
-/// the numbers that are known.
+/// Estimates, from the samples alone and without the prior, of the base parameters of what is learned and of the joints' numbers; `tree`
+/// supplies the known numbers.
 ///
 /// # Errors
 /// [`FitError`].
@@ -186,23 +187,23 @@ pub fn alone(tree: &Tree, samples: &Samples, learned: &Learned) -> Result<Alone,
     Ok(alone::alone(&start, learned))
 }
 
-/// Iterations at most.
+/// Iteration limit.
 const ITERATIONS: usize = 60;
-/// Damping to begin with: torques are nearly linear in the numbers.
+/// Initial damping: torques are nearly linear in the numbers.
 const DAMPING: f64 = 1e-3;
 
-/// The numbers of a minimum, from x on.
+/// The minimiser, starting from x.
 fn minimum<T: Torques>(squares: &Squares<T>, x: Vec<f64>) -> Vec<f64> {
     Levenberg::new(squares, x).with_damping(DAMPING).run(squares, ITERATIONS, |_, _| ()).weights
 }
 
-/// What fits of the same samples have in common.
+/// Common part of the fits to the same samples.
 struct Start<'a> {
     tree: &'a Tree,
     problem: Problem<'a>,
     x: Vec<f64>,
     bounds: Vec<[f64; 2]>,
-    /// By linear least squares, of the bodies and then of the rotors.
+    /// Linear least-squares solution, of the bodies and then of the rotors.
     linear: Vec<f64>,
 }
 
@@ -241,7 +242,7 @@ impl<'a> Start<'a> {
         Ok(Self { tree, problem, x: x.collect(), bounds, linear })
     }
 
-    /// The minima under these strengths of the prior, each from the one before.
+    /// The minimisers for these strengths of the prior, each started from the one before.
     fn path(&self, strengths: &[f64]) -> Vec<Vec<f64>> {
         let mut x = self.x.clone();
         let mut minimum = |prior: &f64| {
@@ -251,7 +252,7 @@ impl<'a> Start<'a> {
         strengths.iter().map(&mut minimum).collect()
     }
 
-    /// What is minimised under a prior of this strength.
+    /// The objective for a prior of this strength.
     fn squares(&self, prior: f64) -> Squares<'_, Problem<'a>> {
         Squares { torques: &self.problem, prior, limits: &self.bounds }
     }
@@ -269,7 +270,7 @@ impl<'a> Start<'a> {
         Arm { tree: self.tree.with_parameters(&parameters), joints }
     }
 
-    /// Of the Jacobian without the prior, over the numbers that are learned.
+    /// Rank of the Jacobian without the prior, over the learned numbers.
     fn rank(&self, x: &[f64]) -> usize {
         let samples = self.problem.samples.count();
         let Some(equations) = normal_equations_of(&self.squares(0.0), x, 0..samples) else { return 0 };
@@ -286,7 +287,7 @@ impl<'a> Start<'a> {
     }
 }
 
-/// A robust scale of every coordinate's residuals: 1.4826 times their median size.
+/// Robust scale of every coordinate's residuals: 1.4826 times their median absolute value.
 fn scales(predicted: &[f64], samples: &Samples) -> Vec<f64> {
     let n = samples.tau.width();
     let of = |i: usize| {

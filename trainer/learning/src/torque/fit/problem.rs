@@ -1,4 +1,4 @@
-//! The least-squares problem of a fit: residuals of torques and their derivatives, in numbers of bodies and then of joints.
+//! The least-squares problem of a fit: torque residuals and their derivatives with respect to the numbers of bodies, then of joints.
 
 use super::Bodies;
 use super::friction::{JOINT, JointNumbers};
@@ -7,53 +7,53 @@ use crate::training::{ChunkRows, Failed, NormalEquations, Residuals};
 use leastaction_models::tree::{INERTIAL, LogCholesky, Tree};
 use std::ops::Range;
 
-/// How the numbers of a body come from what is learned.
+/// Map from the learned numbers of a body to its inertial numbers.
 #[derive(Clone, Debug)]
 pub(super) enum Chart {
     /// Log-Cholesky numbers around the prior.
     Consistent(LogCholesky),
-    /// The ten numbers themselves, less the prior's, each over a unit of its own.
+    /// The ten inertial numbers minus the prior's, each in a unit of its own.
     Free([f64; INERTIAL]),
 }
 
-/// A fit of these samples.
+/// A fit to these samples.
 pub(super) struct Problem<'a> {
     pub samples: &'a Samples,
-    /// Y of the bodies, \[samples · n\]\[10 bodies\], row by row.
+    /// Regressor Y of the bodies, \[samples · n\]\[10 bodies\], row by row.
     pub regressors: Vec<Vec<f64>>,
     pub charts: Vec<Chart>,
-    /// Of a torque's residual, by coordinate.
+    /// Scale of the torque residuals, by coordinate.
     pub scales: Vec<f64>,
 }
 
-/// Torques of the bodies, row by row, in numbers of their own.
+/// Torques of the bodies, row by row, as functions of some numbers.
 pub(super) trait Torques: Sync {
-    /// What all rows need of the numbers.
+    /// Values that all rows share.
     type At;
     /// The samples.
     fn problem(&self) -> &Problem<'_>;
-    /// How many numbers.
+    /// Number of variables.
     fn count(&self) -> usize;
-    /// At some numbers, for torques alone or for their derivatives too.
+    /// Evaluates the shared values, for torques alone or for their derivatives too.
     fn at(&self, numbers: &[f64], with_derivatives: bool) -> Self::At;
     /// The torque of a row.
     fn torque(&self, at: &Self::At, row: usize) -> f64;
-    /// Its derivatives in the numbers, which are 0 before.
+    /// Writes the derivatives of the torque of a row into `slopes`, which is 0 before.
     fn slopes(&self, at: &Self::At, row: usize, slopes: &mut [f64]);
 }
 
-/// Σ ((τ̂ − τ)/s)² + λ Σ θ², θ the numbers of the bodies, behind which those of the joints stand.
+/// The objective Σ ((τ̂ − τ)/s)² + λ Σ θ². θ are the numbers of the bodies; the numbers of the joints follow them.
 pub(super) struct Squares<'a, T> {
     pub torques: &'a T,
-    /// λ.
+    /// Strength λ of the prior.
     pub prior: f64,
     pub limits: &'a [[f64; 2]],
 }
 
-/// A relative fall of the sum of squares that is not worth another iteration.
+/// Relative decrease of the sum of squares below which another iteration is not worthwhile.
 const WORTH: f64 = 1e-7;
 
-/// Y of the bodies at all samples.
+/// Regressor Y of the bodies at all samples.
 pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
     let bodies = INERTIAL * tree.bodies().len();
     let states = samples.q.iter().zip(samples.v.iter().zip(samples.a.iter()));
@@ -65,7 +65,7 @@ pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
     .collect()
 }
 
-/// Charts around a tree's own bodies; the first body that cannot be, by name.
+/// Charts around a tree's own bodies; the error is the name of the first body that is not physically consistent.
 pub(super) fn charts(tree: &Tree, bodies: Bodies) -> Result<Vec<Chart>, String> {
     let of = |body: &leastaction_models::tree::Body| match bodies {
         Bodies::Consistent => {
@@ -97,7 +97,7 @@ impl Problem<'_> {
         self.scales.len()
     }
 
-    /// Numbers θ of all bodies.
+    /// Number of variables θ of all bodies.
     pub fn body_numbers(&self) -> usize {
         INERTIAL * self.charts.len()
     }
@@ -108,20 +108,20 @@ impl Problem<'_> {
         self.charts.iter().zip(thetas).flat_map(|(chart, theta)| chart.numbers(theta)).collect()
     }
 
-    /// What drives one row: coordinate, v, a, logged torque.
+    /// Data of one row: coordinate, v, a, logged torque.
     pub fn row(&self, row: usize) -> (usize, f64, f64, f64) {
         let of = |rows: &leastaction_data::Rows| rows.as_flat()[row];
         (row % self.n(), of(&self.samples.v), of(&self.samples.a), of(&self.samples.tau))
     }
 }
 
-/// Joints by their numbers, one joint after the other.
+/// Joints from their numbers, which are stored joint by joint.
 pub(super) fn joints(numbers: &[f64]) -> Vec<JointNumbers> {
     let (joints, _) = numbers.as_chunks();
     joints.iter().map(|numbers| JointNumbers::of_array(*numbers)).collect()
 }
 
-/// In the numbers of the charts.
+/// Torques as functions of the charts' numbers.
 impl Torques for Problem<'_> {
     type At = (Vec<f64>, Vec<[[f64; INERTIAL]; INERTIAL]>);
 

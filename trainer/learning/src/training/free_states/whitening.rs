@@ -1,16 +1,16 @@
-//! C = AAᵀ + σ² of rows side by side, and W with WᵀW = C⁻¹.
+//! The covariances C = AAᵀ + σ² of rows side by side, and W with WᵀW = C⁻¹.
 
 use leastaction_programs::{Row, WIDTH};
 
-/// The part of its largest diagonal that C is regular by.
+/// Regularisation of C, relative to its largest diagonal entry.
 const REGULAR: f64 = 1e-12;
 
-/// Numbers of a triangle of so many rows, its diagonal included; the place of the first number of the row after.
+/// Number of entries of a triangle with n rows, diagonal included; also the index of the first entry of row n.
 pub(super) fn numbers_below(n: usize) -> usize {
     n * (n + 1) / 2
 }
 
-/// W, lower triangular, row by row up to the diagonal; `columns` are those of A, n rows each. Where C = 0, W = 1.
+/// W, lower triangular, row by row up to the diagonal. `columns` are the columns of A, n rows each. If C = 0, W = 1.
 pub(super) fn whitening(columns: &[Row], n: usize, deviation: f64) -> Vec<Row> {
     let mut all = vec![Row::default(); numbers_below(n)];
     for lane in 0..WIDTH {
@@ -26,7 +26,7 @@ pub(super) fn whitening(columns: &[Row], n: usize, deviation: f64) -> Vec<Row> {
     all
 }
 
-/// L⁻¹ of C = LLᵀ, both lower triangular, row by row up to the diagonal.
+/// L⁻¹ for C = LLᵀ, both lower triangular, row by row up to the diagonal.
 fn inverse_root(n: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let at = |i: usize, j: usize| numbers_below(i) + j;
     let (mut root, mut inverse) = (vec![0.0; numbers_below(n)], vec![0.0; numbers_below(n)]);
@@ -65,7 +65,7 @@ pub(super) fn solve(w: &[Row], x: &[Row]) -> Vec<Row> {
 mod tests {
     use super::*;
 
-    /// 3 × 5 numbers, other ones in every lane.
+    /// 3 × 5 numbers, different in every lane.
     fn columns() -> Vec<Row> {
         (0..15).map(|k| Row(std::array::from_fn(|lane| (1.3 * k as f64 + lane as f64).sin()))).collect()
     }

@@ -6,22 +6,22 @@ use crate::windows::starts;
 use leastaction_programs::steps::State;
 use leastaction_programs::{Row, WIDTH};
 
-/// Steps of a new start state, from the guess of a parabola, at most.
+/// Largest number of steps of a new start state from the guess by a parabola.
 const FIRST_STEPS: usize = 8;
-/// Parts of a window that new start states are found over before they are found over all of it.
+/// Fractions of a window over which new start states are found before the whole window is used.
 const GROWING: [f64; 2] = [0.25, 0.5];
-/// Steps of such a part at least.
+/// Least number of steps in such a fraction.
 const FEWEST_STEPS: usize = 5;
 
 impl WindowLoss {
-    /// Their start states.
+    /// The start states of the windows from `first` on.
     pub(super) fn starts(&self, weights: &[f64], first: usize) -> State {
         let last = self.windows.len() - 1;
         let of = |lane: usize, i: usize| weights[self.start((first + lane).min(last))][i];
         (0..2 * self.n()).map(|i| Row(std::array::from_fn(|lane| of(lane, i)))).collect()
     }
 
-    /// Replaces the start states of all windows by those of their blocks.
+    /// Replaces the start states of all windows by those of the blocks.
     pub(super) fn set_starts<'s>(&self, weights: &mut [f64], blocks: impl Iterator<Item = &'s State>) {
         for (block, starts) in blocks.enumerate() {
             for window in (block * WIDTH..self.windows.len()).take(WIDTH) {
@@ -31,7 +31,8 @@ impl WindowLoss {
         }
     }
 
-    /// These shared numbers, or as many as are there, with scales as large as motion and start states of parabolas.
+    /// Completes these shared numbers with initial calibration numbers as needed, scales as large as the motion, and start states from
+    /// parabolas.
     pub(super) fn with_guessed_starts(&self, mut weights: Vec<f64>) -> Vec<f64> {
         let n = self.n();
         weights.truncate(self.layout.end());
@@ -50,7 +51,7 @@ impl WindowLoss {
         weights
     }
 
-    /// The same with the start states that are best, found over growing parts of the windows.
+    /// Replaces the start states by the best ones, found over growing parts of the windows.
     pub(super) fn with_best_starts(&self, mut weights: Vec<f64>) -> Vec<f64> {
         for steps in self.growing() {
             let solved = self.of_blocks(|first, _, stepper| {
@@ -62,8 +63,8 @@ impl WindowLoss {
         weights
     }
 
-    /// Steps of the parts of windows that start states are found over, one after the other, the whole at last: over a short part even a
-    /// rough guess leads to the best.
+    /// Numbers of steps over which start states are found, one after the other, the whole window last: over a short part even a rough guess
+    /// leads to the best state.
     fn growing(&self) -> impl Iterator<Item = usize> {
         let parts = GROWING.map(|part| self.pace.whole((part * self.steps as f64) as usize));
         let all = self.steps;

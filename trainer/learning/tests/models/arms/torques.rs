@@ -1,4 +1,4 @@
-//! Torques of models: how far off they are, behind drives, of networks, beside arms, and with friction that is known in part.
+//! Torque errors of models: with drives, with networks, with networks beside arms, and with partly known friction.
 
 use super::{H, LEARNED, N, bodies, config_of, data, data_of, data_with, description, motion, robot, write};
 use leastaction_learning::checkpoint::Trained;
@@ -27,7 +27,7 @@ impl Monitor for Silent {
     }
 }
 
-/// Some numbers of friction are known, one here, another there.
+/// Single friction numbers can be known while the rest is learned.
 #[test]
 fn friction_is_learned_beside_what_is_known_of_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -48,11 +48,11 @@ fn friction_is_learned_beside_what_is_known_of_it() {
         let pairs = [(own.viscous, 0.3), (dry(i).constant, 0.4), (dry(i).load, 0.2), (dry(i).width, 0.1)];
         assert!(pairs.iter().all(|(found, truth)| (found - truth).abs() < 0.04), "{own:?}");
     }
-    // What is left is what the filter does to friction that turns fast.
+    // The remaining error is the effect of the filter on friction that changes quickly.
     assert!(torque_errors(&trained.model(), &data_of(&robot), 20.0).unwrap().nmse < 1e-3);
 }
 
-/// A network of the same coordinates, with the friction of an arm, from the same filtered motion: from nothing, or from where the arm is.
+/// A network of the same coordinates, with the friction of an arm, learns from the same filtered motion, from scratch or from the arm.
 #[test]
 fn a_network_is_learned_from_the_same_torques() {
     let folder = tempfile::tempdir().unwrap();
@@ -76,7 +76,7 @@ fn a_network_is_learned_from_the_same_torques() {
     let (before, after, from_arm) = (loss("", 0), loss("", 5), loss("start_from = \"arm.postcard\"", 0));
     assert!(after.0 < 0.5 * before.0 && after.1 < before.1, "{before:?} {after:?}");
     assert!(from_arm.1 < 0.5 * before.1, "{before:?} {from_arm:?}");
-    // The loss is in deviations of the torque, and friction does not see the load: the same is found by inverse dynamics.
+    // The loss is in standard deviations of the torque, and friction does not depend on the load: inverse dynamics give the same error.
     let model = plan("", 5, &data()).unwrap().train().unwrap().model();
     let nmse = |logs: std::ops::Range<usize>| {
         let of = Dataset { trajectories: data().trajectories[logs].to_vec(), ..data() };
@@ -93,7 +93,7 @@ fn a_network_is_learned_from_the_same_torques() {
     assert!(error.contains("the data has none"), "{error}");
 }
 
-/// The shape of a robot, all of whose numbers are known.
+/// The shape of a robot with all numbers known.
 fn known(robot: &Arm) -> Architecture {
     let numbers =
         |joint: &JointNumbers| [joint.coulomb, joint.load, joint.smoothing, joint.width].map(Number::known);
@@ -106,8 +106,8 @@ fn known(robot: &Arm) -> Architecture {
     Architecture { friction, ..Architecture::from(family) }
 }
 
-/// Drives that are late and have another gain are judged by what they do with the logged commands; where one coordinate is not driven
-/// there is nothing to judge by.
+/// Drives with a delay and another gain are judged by the forces that they make of the logged commands; if a coordinate is not driven,
+/// there is no error.
 #[test]
 fn torques_are_judged_behind_the_drives() {
     const LATE: usize = 3;
@@ -146,7 +146,7 @@ fn torques_are_judged_behind_the_drives() {
     assert_eq!(errors(actuator, &data), None);
 }
 
-/// The programs' inverse dynamics are the arm's, with friction that grows with the torque that is asked for.
+/// The programs' inverse dynamics equal the arm's, with friction that grows with the requested torque.
 #[test]
 fn networks_and_arms_take_torques_alike() {
     let mut robot = robot();
@@ -166,7 +166,7 @@ fn networks_and_arms_take_torques_alike() {
     }
 }
 
-/// Air that brakes one joint and a spring at another, which no number of an arm is, by either loss.
+/// Air drag at one joint and a spring at another, which no number of an arm describes, are learned by networks under either loss.
 #[test]
 fn networks_beside_an_arm_are_learned_from_torques_and_over_windows() {
     let folder = tempfile::tempdir().unwrap();
@@ -185,7 +185,7 @@ fn networks_beside_an_arm_are_learned_from_torques_and_over_windows() {
     };
     let (alone, both) = (nmse("", &data), nmse(&format!("{networks}\n[training]\niterations = 40"), &data));
     assert!(both < 0.05 * alone, "{alone} {both}");
-    // The bodies are as they were, and the page has the torques of all of it.
+    // The bodies are unchanged, and the page reports the torques of the whole model.
     let report = folder.path().join("run");
     let plan_of_run = plan(&format!("{networks}\n[training]\niterations = 5"), &data);
     let mut run = Run::begin(plan_of_run, &report, true).unwrap();
@@ -198,13 +198,13 @@ fn networks_beside_an_arm_are_learned_from_torques_and_over_windows() {
     let described = parse_urdf(&description(2.6), Inertias::Required).unwrap();
     let tree = bodies(&trained.architecture, &trained.best.weights);
     assert!(tree.bodies().iter().zip(described.bodies()).all(|(own, given)| own.inertia == given.inertia));
-    // Over windows networks begin where the arm alone is.
+    // Over windows the networks start from the result of the arm alone.
     data = of(0.3);
     data.trajectories.truncate(2);
     let windows = "[training]\nloss = \"windows\"\nwindow = 0.4\nwarm_up = 0\niterations = 4";
     let (alone, both) = (nmse(windows, &data), nmse(&format!("{networks}\n{windows}"), &data));
     assert!(both < 0.5 * alone, "{alone} {both}");
-    // What torques cannot tell is refused.
+    // Numbers that torques cannot determine are refused.
     let rest = format!("[calibration]\ngain = \"learned\"\n{networks}");
     let refused = Plan::new(config_of(folder.path(), &rest).unwrap(), &data).err().unwrap().to_string();
     assert!(refused.contains("learns offset alone"), "{refused}");
