@@ -1,4 +1,4 @@
-//! Decides which loops are compiled: `cfg(arm_instructions)` where the target's processors have what they take.
+//! Build script that decides which loops are compiled: `cfg(arm_instructions)` if the target's processors have what the loops need.
 
 #[path = "src/choice.rs"]
 mod choice;

@@ -1,8 +1,7 @@
-//! Values that a check made earlier guarantees.
+//! Values guaranteed by an earlier check.
 //!
-//! Code for a controller may not hold a panic, so indexing and slicing return options even where a constructor has made sure
-//! that they succeed. These functions take the value out: a debug build stops where it is missing, a release build goes on
-//! without it.
+//! Code for a controller may not hold a panic, so indexing and slicing return options even if a constructor has made sure that they
+//! succeed. These functions take the value out: a debug build stops if it is missing, a release build goes on without it.
 
 /// The value of `option`, which is never `None`; a release build would go on with `fallback`.
 #[inline(always)]
@@ -11,7 +10,7 @@ pub(crate) fn expected<T>(option: Option<T>, fallback: T) -> T {
     present(option).unwrap_or(fallback)
 }
 
-/// `option` itself, which is never `None`, where a release build leaves out what needs the value.
+/// `option` itself, which is never `None`; a release build would skip the code that needs the value.
 #[inline(always)]
 #[track_caller]
 pub(crate) fn present<T>(option: Option<T>) -> Option<T> {
@@ -19,14 +18,14 @@ pub(crate) fn present<T>(option: Option<T>) -> Option<T> {
     option
 }
 
-/// The first `n` items of a slice that has at least as many.
+/// The first `n` items of a slice, which has at least `n`.
 #[inline(always)]
 #[track_caller]
 pub(crate) fn first<T>(items: &[T], n: usize) -> &[T] {
     expected(items.get(..n), &[])
 }
 
-/// The first `n` items of a slice that has at least as many, to be written.
+/// The first `n` items of a slice, which has at least `n`, mutable.
 #[inline(always)]
 #[track_caller]
 pub(crate) fn first_mut<T>(items: &mut [T], n: usize) -> &mut [T] {

@@ -1,4 +1,4 @@
-//! What the solvers see of a mechanical system: a Lagrangian L(q, v) = T − V with its derivatives.
+//! Interface between the solvers and a mechanical system: a Lagrangian L(q, v) = T − V with its derivatives.
 
 use crate::linear::multiply;
 use crate::scalar::Scalar;
@@ -7,9 +7,9 @@ use crate::scalar::Scalar;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies<S> {
-    /// T(q, v).
+    /// Kinetic energy T(q, v).
     pub kinetic: S,
-    /// V(q).
+    /// Potential energy V(q).
     pub potential: S,
 }
 
@@ -35,7 +35,7 @@ pub struct Dynamics<S, const N: usize> {
     pub l_vq_v: [S; N],
 }
 
-/// What a step of the discrete Euler–Lagrange equation needs of the Lagrangian: all first and second derivatives but L_qq.
+/// Derivatives for a step of the discrete Euler–Lagrange equation: all first and second derivatives of the Lagrangian except L_qq.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linearization<S, const N: usize> {
     /// L_q.
@@ -80,8 +80,8 @@ pub struct Hessian<S, const N: usize> {
 
 /// A Lagrangian in N coordinates, evaluated in the scalar S.
 ///
-/// A family implements this once; continuous and discrete dynamics, on the host and on the chip, use nothing else.
-/// Evaluation cannot fail: where the numbers leave the range of S the result is not finite, and the solvers say so.
+/// A family implements this once; continuous and discrete dynamics, on the host and on the chip, use nothing else. Evaluation cannot fail:
+/// if numbers leave the range of S, the result is not finite, and the solvers report it.
 pub trait Lagrangian<S: Scalar, const N: usize> {
     /// T(q, v) and V(q), J. L = T − V; the energy is T + V.
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S>;
@@ -91,8 +91,8 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         self.linearization(q, v).dynamics(v)
     }
-    /// First and second derivatives at (q, v) but L_qq: all that a step needs. A family has its own where this costs less than
-    /// the Hessian.
+    /// First and second derivatives at (q, v) except L_qq: all that a step needs. A family implements it if that costs less than the
+    /// Hessian.
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         self.hessian(q, v).into()
     }

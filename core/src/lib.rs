@@ -1,9 +1,9 @@
 //! Learned Lagrangians on a microcontroller.
 //!
-//! Evaluate the acceleration of a mechanical system from a learned Lagrangian L(q, v) = T − V, or step it by the
-//! discrete Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
+//! This crate evaluates the acceleration of a mechanical system from a learned Lagrangian L(q, v) = T − V, or steps it by the discrete
+//! Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
 //!
-//! Data flows one way through the rooms of this crate:
+//! Data flows one way through the modules of this crate:
 //! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`].
 //!
 //! # Notation

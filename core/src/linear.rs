@@ -1,5 +1,5 @@
-//! Small dense linear algebra in fixed-size arrays: just what a Newton step and a mass solve need, without a panic branch
-//! and in one order of operations on every target.
+//! Small dense linear algebra in fixed-size arrays: only what a Newton step and a solve with the mass matrix need, without a panic branch
+//! and with one order of operations on every target.
 
 use crate::scalar::{Real, Scalar};
 use core::fmt;
@@ -7,21 +7,21 @@ use core::fmt;
 /// A square matrix, row by row.
 pub type Matrix<S, const N: usize> = [[S; N]; N];
 
-/// Why a system of linear equations has no solution in numbers.
+/// Reason why a system of linear equations has no finite solution.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolveError {
-    /// The matrix is singular: no pivot but 0 was left.
+    /// The matrix is singular: all remaining pivots were 0.
     Singular {
         /// The column of the pivot, from 0.
         column: u8,
     },
-    /// The matrix, the right-hand side or the solution has infinite entries or some that are not numbers.
+    /// The matrix, the right-hand side or the solution has entries that are infinite or NaN.
     NotFinite,
 }
 
 impl SolveError {
-    /// Of a pivot that cannot be divided by.
+    /// Error for a pivot that cannot be divided by.
     fn of_pivot<R: Real>(pivot: R, column: usize) -> Self {
         if pivot.is_finite() { Self::Singular { column: column as u8 } } else { Self::NotFinite }
     }
@@ -58,7 +58,7 @@ pub fn transpose<S: Scalar, const N: usize>(a: &[[S; N]; N]) -> [[S; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
 }
 
-/// The matrix with these entries in its diagonal.
+/// The matrix with the given entries on its diagonal.
 pub fn diagonal<S: Scalar, const N: usize>(entries: [S; N]) -> Matrix<S, N> {
     let mut matrix = [[S::zero(); N]; N];
     for (i, (row, entry)) in matrix.iter_mut().zip(entries).enumerate() {
@@ -109,8 +109,8 @@ pub fn solve_many<R: Real, const N: usize, const C: usize>(
     Ok(rhs)
 }
 
-/// A⁻¹b for each b of `rhs` and a symmetric A that is positive (or negative) definite: elimination without pivoting, LDLᵀ,
-/// N divisions and no branch but the check of pivots.
+/// A⁻¹b for each b of `rhs` and a symmetric A that is positive (or negative) definite: elimination without pivoting, LDLᵀ, with N divisions
+/// and no branch except the check of pivots.
 #[inline]
 pub fn solve_definite<R: Real, const N: usize, const C: usize>(
     mut a: [[R; N]; N],

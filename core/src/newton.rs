@@ -1,34 +1,34 @@
-//! Newton's method: one iteration for all equations that are solved here.
+//! Newton's method: one iteration for all equations of this crate.
 
 use crate::linear::SolveError;
 use crate::scalar::Real;
 use core::fmt;
 
-/// The bounds of Newton's method.
+/// Bounds of Newton's method.
 ///
-/// Residuals are relative, each to the size of the terms that it is the sum of: they have no unit. Between `accept` and `stop`
-/// the iteration also ends where an update no longer halves the residual: rounding allows no more.
+/// Residuals are relative, each to the size of the terms in its sum, and have no unit. Between `accept` and `stop` the iteration also ends
+/// if an update no longer halves the residual: rounding allows no more.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton<R> {
-    /// Updates at most; at least one is taken. 0 only checks the guess.
+    /// Maximum number of updates; at least one is taken. 0 only checks the guess.
     pub max_iterations: u8,
-    /// Stop early at this residual; 0 always takes `max_iterations`, for a constant running time.
+    /// Residual at which to stop early; 0 always takes `max_iterations`, for a constant running time.
     pub stop: R,
-    /// A solution whose residual stays above is an error.
+    /// Largest accepted residual; a solution above it is an error.
     pub accept: R,
 }
 
 impl<R: Real> Newton<R> {
     /// At most 50 updates, stopping at 2 rounding units, accepting up to the square root of one.
     ///
-    /// In f32 one or two updates are taken up to h = 10 ms and seldom more than four at 50 ms; in f64 three to four and five to
-    /// ten. Only far beyond, where the step is no longer of use, do they become many.
+    /// Updates in f32 are one or two up to h = 10 ms and seldom more than four at 50 ms; in f64, three to four and five to ten. They become
+    /// many only far beyond, where the step is no longer of use.
     pub fn new() -> Self {
         Self { max_iterations: 50, stop: R::constant(2.0) * R::EPSILON, accept: R::EPSILON.sqrt() }
     }
 
-    /// Measure, update, measure: until the residual is small or no longer falls.
+    /// Measures, updates and measures again, until the residual is small or no longer falls.
     #[inline(always)]
     pub(crate) fn solve<E: Equations<R>>(&self, equations: &mut E) -> Result<Report<R>, E::Error> {
         let mut report = Report::nothing();
@@ -44,14 +44,13 @@ impl<R: Real> Newton<R> {
         }
     }
 
-    /// Whether another update would be in vain: the residual is small enough, or acceptable and an update no longer
-    /// halves it.
+    /// Whether another update would be in vain: the residual is small enough, or it is acceptable and the last update did not halve it.
     fn settled(&self, before: R, after: R) -> bool {
         let floor = after <= self.accept && after > before.half();
         self.stop > R::zero() && (after <= self.stop || floor)
     }
 
-    /// An error unless the residual is small enough.
+    /// Returns an error unless the residual is small enough.
     pub(crate) fn accepted(&self, report: Report<R>) -> Result<Report<R>, StepError<R>> {
         if report.residual <= self.accept {
             Ok(report)
@@ -71,15 +70,15 @@ impl<R: Real> Default for Newton<R> {
 
 /// Equations that Newton's method solves, with the present values of their unknowns.
 pub(crate) trait Equations<R> {
-    /// Why an update can fail, or a solution be refused.
+    /// Reason why an update can fail, or a solution be refused.
     type Error: From<StepError<R>>;
-    /// Evaluates the equations: the largest residual relative to the size of its terms; not a number where any is not finite.
+    /// Evaluates the equations: the largest residual relative to the size of its terms; NaN if any is not finite.
     fn residual(&mut self) -> R;
-    /// Moves the unknowns to where the linearised equations hold.
+    /// Moves the unknowns to the solution of the linearised equations.
     fn update(&mut self) -> Result<(), Self::Error>;
 }
 
-/// A residual relative to the size of its terms: 0 where all vanish, not a number where any is not finite.
+/// A residual relative to the size of its terms: 0 if all vanish, NaN if any is not finite.
 #[inline(always)]
 pub(crate) fn relative<R: Real>(residual: R, size: R) -> R {
     // Smaller than any size in any unit.
@@ -89,23 +88,23 @@ pub(crate) fn relative<R: Real>(residual: R, size: R) -> R {
     if size.is_finite() { residual / size } else { size * R::zero() }
 }
 
-/// How Newton's method went.
+/// Report of Newton's method.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report<R> {
-    /// Updates taken.
+    /// Number of updates taken.
     pub iterations: u8,
     /// Largest relative residual at the end.
     pub residual: R,
 }
 
 impl<R: Real> Report<R> {
-    /// Of nothing to solve.
+    /// Report if there is nothing to solve.
     pub(crate) fn nothing() -> Self {
         Self { iterations: 0, residual: R::zero() }
     }
 
-    /// The more iterations and the larger residual of two.
+    /// The larger number of iterations and the larger residual of two reports.
     pub(crate) fn worse(self, other: Self) -> Self {
         let residual = if other.residual > self.residual { other.residual } else { self.residual };
         Self { iterations: self.iterations.max(other.iterations), residual }
@@ -113,7 +112,7 @@ impl<R: Real> Report<R> {
 }
 
 impl<R: fmt::Display> Report<R> {
-    /// Says that this is not good enough.
+    /// Writes the message for a residual that is too large.
     pub(crate) fn not_converged(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { iterations, residual } = self;
         write!(
@@ -123,18 +122,18 @@ impl<R: fmt::Display> Report<R> {
     }
 }
 
-/// Why equations were not solved. A state is as it was before.
+/// Reason why equations were not solved; the state is unchanged.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepError<R> {
     /// The matrix of the equations is singular.
     Singular {
-        /// The column in which no pivot but 0 was left, from 0.
+        /// The column in which only zero pivots were left, from 0.
         column: u8,
     },
-    /// Positions, momenta, controls or energies are infinite or not numbers.
+    /// Positions, momenta, controls or energies are infinite or NaN.
     NotFinite,
-    /// The residual stayed above what is accepted.
+    /// The residual stayed above the accepted one.
     NotConverged(Report<R>),
 }
 

@@ -1,24 +1,23 @@
 //! Particles: systems in Cartesian coordinates with any number of nodes, over slices that the caller owns.
 //!
-//! L(q, v) = Σ T_i(v_i) − V(q). Masses are blocks of one node each, and forces are sums over nodes and edges, so time and
-//! memory grow linearly with the system.
+//! L(q, v) = Σ T_i(v_i) − V(q). The mass matrix has one block per node, and forces are sums over nodes and edges, so time and memory grow
+//! linearly with the system.
 
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::scalar::Real;
 
-/// What the solvers see of a system of particles in `D` dimensions.
+/// Interface between the solvers and a system of particles in `D` dimensions.
 ///
-/// Slices of nodes have [`Particles::nodes`] items, in the order of the nodes. Evaluation cannot fail: where the numbers leave
-/// the range of R the result is not finite, and the solvers return an error.
+/// Slices of nodes have [`Particles::nodes`] items, in the order of the nodes. Evaluation cannot fail: if numbers leave the range of R, the
+/// result is not finite, and the solvers return an error.
 ///
-/// The methods on neighbouring nodes exist for systems that evaluate several nodes side by side faster; their results have the
-/// same bits as those of one node after the other.
+/// The methods on neighbouring nodes exist for systems that evaluate several nodes faster side by side; their results have the same bits as
+/// those of one node at a time.
 pub trait Particles<R: Real, const D: usize> {
     /// Number of nodes.
     fn nodes(&self) -> usize;
-    /// Length of the workspace that [`Particles::energies`] and [`Particles::l_q`] need; its contents between calls do not
-    /// matter.
+    /// Length of the workspace for [`Particles::energies`] and [`Particles::l_q`]; its contents between calls do not matter.
     fn workspace(&self) -> usize;
     /// T(v) and V(q), J.
     fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R>;
@@ -28,12 +27,12 @@ pub trait Particles<R: Real, const D: usize> {
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D];
     /// M_i = ∂²T_i/∂v_i² of one node, kg: symmetric.
     fn mass(&self, node: usize, v: &[R; D]) -> [[R; D]; D];
-    /// Q_i(v_i), N, of one node, each component of v on its own; drag opposes v.
+    /// Q_i(v_i), N, of one node, for each component of v on its own; drag opposes v.
     fn drag(&self, node: usize, v: &[R; D]) -> [R; D];
     /// ∂Q_i/∂v_i, component by component, N s/m.
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D];
 
-    /// [`Particles::l_v`] of neighbouring nodes, from `first` on, one for each velocity.
+    /// [`Particles::l_v`] of neighbouring nodes, starting at `first`, one per velocity.
     fn momenta(&self, first: usize, v: &[[R; D]], l_v: &mut [[R; D]]) {
         each(first, v, l_v, |node, v| self.l_v(node, v));
     }
@@ -51,7 +50,7 @@ pub trait Particles<R: Real, const D: usize> {
     }
 }
 
-/// Writes `of(node, v)` of one node after the other.
+/// Writes `of(node, v)` for one node after the other.
 #[inline(always)]
 fn each<V, T>(first: usize, v: &[V], to: &mut [T], of: impl Fn(usize, &V) -> T) {
     for (node, (v, to)) in (first..).zip(v.iter().zip(to)) {

@@ -1,9 +1,9 @@
 //! nalgebra's static vectors and matrices at the public interface, with the feature `nalgebra`.
 //!
-//! Inside, vectors and matrices are plain arrays, matrices row by row. nalgebra converts vectors from and to arrays itself, but
-//! takes the arrays of a matrix for its **columns**: [`matrix`] and [`rows`] keep rows rows. States, derivatives and controls
-//! convert by methods of their own, and [`acceleration`] and [`inverse_dynamics`] take and give vectors. Every conversion is a
-//! copy on the stack; no number changes.
+//! Internally, vectors and matrices are plain arrays, matrices row by row. nalgebra converts vectors from and to arrays itself, but takes
+//! the arrays of a matrix for its **columns**: [`matrix`] and [`rows`] keep rows as rows. States, derivatives and controls have conversion
+//! methods of their own; [`acceleration`] and [`inverse_dynamics`] take and return vectors. Every conversion is a copy on the stack; no
+//! number changes.
 //!
 //! ```
 //! use leastaction_core::discrete::{Control, Del, Midpoint, State};
@@ -35,7 +35,7 @@ use crate::linear::SolveError;
 use crate::scalar::{Real, Scalar};
 use nalgebra::{SMatrix, SVector, Scalar as Entry};
 
-/// The matrix of these rows.
+/// Creates a matrix from its rows.
 pub fn matrix<S: Copy + Entry, const R: usize, const C: usize>(rows: &[[S; C]; R]) -> SMatrix<S, R, C> {
     SMatrix::from_fn(|i, j| rows[i][j])
 }
@@ -48,7 +48,7 @@ pub fn rows<S: Copy + Entry, const R: usize, const C: usize>(matrix: &SMatrix<S,
 /// [`continuous::acceleration`] at vectors q, v under the control force u, N or N m.
 ///
 /// # Errors
-/// Where the mass matrix is singular, and where a number is not finite.
+/// An error if the mass matrix is singular or a number is not finite.
 pub fn acceleration<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
     system: &System<L, F>,
     q: &SVector<R, N>,
@@ -61,7 +61,7 @@ pub fn acceleration<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, const
 /// [`continuous::inverse_dynamics`] at vectors: the control force, N or N m, that gives the acceleration.
 ///
 /// # Errors
-/// Where forces leave no control that could.
+/// An error if the forces leave no such control.
 pub fn inverse_dynamics<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
     system: &System<L, F>,
     q: &SVector<R, N>,
@@ -76,17 +76,17 @@ fn array<S: Copy + Entry, const N: usize>(x: &SVector<S, N>) -> [S; N] {
 }
 
 impl<R: Real + Entry, const N: usize> ContinuousState<R, N> {
-    /// The state at q and v.
+    /// Creates the state at q and v.
     pub fn from_vectors(q: &SVector<R, N>, v: &SVector<R, N>) -> Self {
         Self { q: array(q), v: array(v) }
     }
 
-    /// q.
+    /// Position q.
     pub fn q_vector(&self) -> SVector<R, N> {
         self.q.into()
     }
 
-    /// v.
+    /// Velocity v.
     pub fn v_vector(&self) -> SVector<R, N> {
         self.v.into()
     }
@@ -96,7 +96,7 @@ impl<R: Real + Entry, const N: usize> State<R, N> {
     /// [`State::new`] at vectors q and v.
     ///
     /// # Errors
-    /// Where a number is not finite.
+    /// An error if a number is not finite.
     pub fn from_vectors<L: Lagrangian<R, N>>(
         lagrangian: &L,
         q: &SVector<R, N>,
@@ -105,12 +105,12 @@ impl<R: Real + Entry, const N: usize> State<R, N> {
         Self::new(lagrangian, array(q), array(v))
     }
 
-    /// q.
+    /// Position q.
     pub fn q_vector(&self) -> SVector<R, N> {
         self.q().into()
     }
 
-    /// p.
+    /// Momentum p.
     pub fn p_vector(&self) -> SVector<R, N> {
         self.p().into()
     }
@@ -129,14 +129,14 @@ impl<S: Scalar + Entry, const N: usize> Gradient<S, N> {
 }
 
 impl<S: Scalar + Entry, const N: usize> Dynamics<S, N> {
-    /// M.
+    /// Mass matrix M.
     pub fn mass_matrix(&self) -> SMatrix<S, N, N> {
         matrix(&self.mass)
     }
 }
 
 impl<S: Scalar + Entry, const N: usize> Hessian<S, N> {
-    /// M = L_vv.
+    /// Mass matrix M = L_vv.
     pub fn mass_matrix(&self) -> SMatrix<S, N, N> {
         matrix(&self.l_vv)
     }
@@ -152,7 +152,7 @@ impl<S: Scalar + Entry, const N: usize> Hessian<S, N> {
     }
 }
 
-/// The control held over a step.
+/// Control held over a step.
 impl<R: Real + Entry, const N: usize> From<SVector<R, N>> for Control<R, N> {
     fn from(u: SVector<R, N>) -> Self {
         Self::held(array(&u))

@@ -15,7 +15,7 @@
 //! | other ARM targets `…eabihf` (Cortex-R, Cortex-A, Linux) | plain Rust, for a Cortex-R5F or A8 has no half precision; instructions where a nightly compiler lists `vfp4` |
 //! | all others | plain Rust |
 //!
-//! `LEASTACTION_FPU=arm` or `=portable` in the environment of the build overrules it.
+//! `LEASTACTION_FPU=arm` or `=portable` in the environment of the build overrules this choice.
 #![no_std]
 
 #[cfg(arm_instructions)]
@@ -28,7 +28,7 @@ pub use ::half::f16;
 #[cfg(arm_instructions)]
 use arm as chosen;
 pub use rounding::{FpuError, check_fpu};
-/// The portable loops by the names of the instructions'.
+/// The portable loops under the names of the instruction loops.
 #[cfg(not(arm_instructions))]
 mod chosen {
     pub use crate::portable::{sin_cos, sqrt, widened};
@@ -66,14 +66,14 @@ pub fn sqrt(x: f32) -> f32 {
     chosen::sqrt(x)
 }
 
-/// (sin x, cos x), x in radians; NaN where x is not a number in ±65,536. At most 2 ulp off for |x| ≤ 8192 except where the result
-/// itself vanishes next to a multiple of π/2, and 1.2e-7 there.
+/// (sin x, cos x), x in radians; NaN if x is not within ±65,536. The error is at most 2 ulp for |x| ≤ 8192, except next to a multiple of
+/// π/2, where the result itself vanishes: 1.2e-7 there.
 #[inline(always)]
 pub fn sin_cos(x: f32) -> (f32, f32) {
     chosen::sin_cos(x)
 }
 
-/// The same number in single precision.
+/// Converts a number to single precision, exactly.
 #[inline(always)]
 pub fn widened(w: f16) -> f32 {
     chosen::widened(w)
@@ -90,7 +90,7 @@ macro_rules! loops {
                 chosen::accumulate_8(rows, x, sum);
             }
 
-            /// The same for four outputs.
+            /// `accumulate_8` for four outputs.
             pub fn accumulate_4(rows: &[[$weight; 4]], x: &[f32], sum: &mut [f32; 4]) {
                 chosen::accumulate_4(rows, x, sum);
             }
@@ -100,7 +100,7 @@ macro_rules! loops {
                 chosen::transposed_8(rows, y_bar, x_bar);
             }
 
-            /// The same over four outputs.
+            /// `transposed_8` over four outputs.
             pub fn transposed_4(rows: &[[$weight; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
                 chosen::transposed_4(rows, y_bar, x_bar);
             }

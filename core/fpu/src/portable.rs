@@ -1,4 +1,4 @@
-//! The loops in plain Rust, for any scalar and panels of any width: what the instructions are held against.
+//! The loops in plain Rust, for any scalar and panels of any width: the reference for the instruction loops.
 
 pub use crate::trigonometry::sin_cos;
 use core::ops::{AddAssign, Mul};
@@ -15,7 +15,7 @@ pub fn widened(w: crate::f16) -> f32 {
     w.to_f32()
 }
 
-/// See [`accumulate_8`](crate::single::accumulate_8); `scalar` makes a number of a stored weight.
+/// See [`accumulate_8`](crate::single::accumulate_8); `scalar` converts a stored weight.
 #[inline(always)]
 pub fn accumulate<S, W, const P: usize>(rows: &[[W; P]], x: &[S], sum: &mut [S; P], scalar: impl Fn(W) -> S)
 where
@@ -27,7 +27,7 @@ where
             *sum += scalar(*w) * *x;
         }
     };
-    // One sum is all too short a body for a loop: four inputs a turn.
+    // A single sum is too short a body for a loop: take four inputs per turn.
     let (row_fours, row_rest) = if P == 1 { rows.as_chunks::<4>() } else { (&[][..], rows) };
     let (x_fours, x_rest) = if P == 1 { x.as_chunks::<4>() } else { (&[][..], x) };
     for (rows, x) in row_fours.iter().zip(x_fours) {
@@ -36,7 +36,7 @@ where
     row_rest.iter().zip(x_rest).for_each(|(row, x)| add(row, x));
 }
 
-/// See [`transposed_8`](crate::single::transposed_8); `scalar` makes a number of a stored weight.
+/// See [`transposed_8`](crate::single::transposed_8); `scalar` converts a stored weight.
 #[inline(always)]
 pub fn transposed<S, W, const P: usize>(
     rows: &[[W; P]],
@@ -52,7 +52,7 @@ pub fn transposed<S, W, const P: usize>(
     }
 }
 
-/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order that vector registers fold in.
+/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order in which vector registers fold.
 #[inline(always)]
 pub fn dot<S: Copy + Mul<Output = S> + AddAssign, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
     let mut product = *a;

@@ -1,24 +1,24 @@
-//! How the floating-point unit rounds, which the same bits everywhere rest on.
+//! Rounding mode of the floating-point unit, on which equal bits everywhere rest.
 
 use core::fmt;
 use core::hint::black_box;
 
-/// Why results have other bits than on other processors.
+/// Reason why results have other bits than on other processors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FpuError {
-    /// It does not round to the nearest number, to the even one of two (ARM: FPSCR bits 22 and 23, RMode, are not 0).
+    /// The unit does not round to nearest, ties to even (ARM: FPSCR bits 22 and 23, RMode, are not 0).
     Rounding,
-    /// It takes numbers below 2⁻¹²⁶ for 0, or makes them 0 (ARM: FPSCR bit 24, FZ, is 1; x86: MXCSR bits 6 and 15).
+    /// The unit takes numbers below 2⁻¹²⁶ for 0, or flushes them to 0 (ARM: FPSCR bit 24, FZ, is 1; x86: MXCSR bits 6 and 15).
     FlushToZero,
-    /// It gives one NaN for all (ARM: FPSCR bit 25, DN, is 1).
+    /// The unit gives one NaN for all (ARM: FPSCR bit 25, DN, is 1).
     DefaultNan,
-    /// It reads numbers in half precision without infinities (ARM: FPSCR bit 26, AHP, is 1).
+    /// The unit reads numbers in half precision without infinities (ARM: FPSCR bit 26, AHP, is 1).
     AlternativeHalf,
 }
 
 impl FpuError {
-    /// Its number, for programs that have no words: 1 and up.
+    /// Number of the error, for programs without words: 1 and up.
     pub const fn code(self) -> u8 {
         match self {
             Self::Rounding => 1,
@@ -44,20 +44,20 @@ impl fmt::Display for FpuError {
 
 impl core::error::Error for FpuError {}
 
-/// Whether the floating-point unit works as IEEE 754 says by default: the first thing that it does not do.
+/// Checks that the floating-point unit works as IEEE 754 prescribes by default, and reports the first deviation.
 ///
-/// On a Cortex-M whose loops are in its instructions FPSCR is read as well. An interrupt's handler does not inherit FPSCR: the
-/// processor gives it the bits of FPDSCR (0xE000EF3C). Call this where steps are taken. It takes some thirty instructions.
+/// FPSCR is read as well on a Cortex-M whose loops are in its instructions. An interrupt's handler does not inherit FPSCR: the processor
+/// gives it the bits of FPDSCR (0xE000EF3C). Call this where steps are taken. It takes some thirty instructions.
 ///
 /// # Errors
-/// [`FpuError`].
+/// [`FpuError`] for the first deviation.
 pub fn check_fpu() -> Result<(), FpuError> {
     #[cfg(arm_instructions)]
     of_register(crate::arm::fpscr())?;
     by_arithmetic()
 }
 
-/// What the bits of ARM's FPSCR say.
+/// Checks the bits of ARM's FPSCR.
 #[cfg_attr(not(any(arm_instructions, test)), allow(dead_code, reason = "only a Cortex-M has the register"))]
 const fn of_register(fpscr: u32) -> Result<(), FpuError> {
     const ROUNDING: u32 = 3 << 22;
@@ -76,7 +76,7 @@ const fn of_register(fpscr: u32) -> Result<(), FpuError> {
     if fpscr & ALTERNATIVE_HALF != 0 { Err(FpuError::AlternativeHalf) } else { Ok(()) }
 }
 
-/// What arithmetic shows, on any processor.
+/// Checks by arithmetic, on any processor.
 fn by_arithmetic() -> Result<(), FpuError> {
     // Half a unit and three halves: to nearest, ties to even, both signs.
     let half = black_box(f32::EPSILON / 2.0);
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(check_fpu(), Ok(()));
     }
 
-    /// As a library that was compiled with `-ffast-math` leaves a process.
+    /// Settings that a library compiled with `-ffast-math` leaves in a process.
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn another_mode_of_this_machine_is_found() {

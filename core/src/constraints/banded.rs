@@ -1,29 +1,29 @@
 use crate::scalar::Real;
 use core::num::NonZero;
 
-/// A square matrix with `band` diagonals on either side of the main one, over the caller's workspace, and then its factors LU.
+/// A band matrix with `band` diagonals on either side of the main one, in the caller's workspace; [`Banded::factor`] replaces it by its LU
+/// factors.
 ///
-/// Rows are stored one after the other: the 2 `band` + 1 entries around the diagonal, and the size of the diagonal entry
-/// before elimination. Without pivoting: A₁ M⁻¹ A₀ᵀ is symmetric and positive definite where both Jacobians are of one
-/// position, and where a step turns no constraint by much its symmetric part still is; the factors of a symmetric matrix
-/// are LDLᵀ.
+/// Rows are stored one after another: the 2 `band` + 1 entries around the diagonal, then the size of the diagonal entry before elimination.
+/// Elimination does not pivot: A₁ M⁻¹ A₀ᵀ is symmetric positive definite if both Jacobians are taken at one position, and its symmetric
+/// part stays so as long as a step turns no constraint by much; the factors of a symmetric matrix are LDLᵀ.
 pub(crate) struct Banded<'a, R> {
     band: usize,
     entries: &'a mut [R],
 }
 
-/// Numbers in a row, 2 `band` + 2; never 0, so that no division by it can fail.
+/// Number of numbers in a row, 2 `band` + 2; never 0, so no division by it can fail.
 const fn width(band: usize) -> NonZero<usize> {
     NonZero::<usize>::MIN.saturating_add(band.saturating_mul(2).saturating_add(1))
 }
 
 impl<'a, R: Real> Banded<'a, R> {
-    /// Numbers of workspace for a matrix.
+    /// Workspace length of a matrix.
     pub const fn workspace(equations: usize, band: usize) -> usize {
         equations * width(band).get()
     }
 
-    /// A matrix in this workspace, of meaningless entries.
+    /// Creates a matrix with undefined entries in the given workspace.
     pub fn new(band: usize, entries: &'a mut [R]) -> Self {
         Self { band, entries }
     }
@@ -47,10 +47,10 @@ impl<'a, R: Real> Banded<'a, R> {
         }
     }
 
-    /// Factors the matrix in place; the row whose pivot is rounding, or not a number, as an error.
+    /// Factors the matrix in place. Fails with the row whose pivot is mere rounding, or not finite.
     pub fn factor(&mut self) -> Result<(), usize> {
         let (band, width) = (self.band, width(self.band));
-        // Of a redundant row the elimination leaves some units of rounding of its diagonal entry.
+        // Elimination leaves a few rounding units of the diagonal entry in a redundant row.
         let smallest = R::constant(64.0) * R::EPSILON;
         for k in 0..self.entries.len() / width {
             let Some((upper, lower)) = self.entries.split_at_mut_checked((k + 1) * width.get()) else {
@@ -73,7 +73,7 @@ impl<'a, R: Real> Banded<'a, R> {
         Ok(())
     }
 
-    /// Replaces b by the solution; after [`Banded::factor`].
+    /// Replaces b by the solution; call after [`Banded::factor`].
     pub fn solve(&self, b: &mut [R]) {
         debug_assert!(b.len() * width(self.band).get() == self.entries.len(), "{} numbers", b.len());
         let (band, width) = (self.band, width(self.band));

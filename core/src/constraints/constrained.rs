@@ -3,7 +3,7 @@ use crate::particles::Particles;
 use crate::scalar::Real;
 use core::marker::PhantomData;
 
-/// A system of particles with its constraints: checked, and the band of A M⁻¹ Aᵀ known.
+/// A system of particles with its constraints, checked, and the band of A M⁻¹ Aᵀ.
 #[derive(Debug)]
 pub struct Constrained<'a, R, S, C: ?Sized, const D: usize> {
     system: &'a S,
@@ -18,10 +18,10 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Checks nodes and lengths, and finds the band: the largest distance in the list between two equations that share a
-    /// node. Quadratic in their number, once.
+    /// Checks nodes and lengths, and finds the band: the largest distance in the list between two equations that share a node. Takes time
+    /// quadratic in the number of equations, once.
     ///
-    /// List constraints along the chain: the step costs (nodes) + (equations)(band + 1)².
+    /// List constraints along the chain: a step takes time in proportion to (nodes) + (equations)(band + 1)².
     pub fn new(system: &'a S, constraints: &'a C) -> Result<Self, ConstraintError<R>> {
         for equation in 0..constraints.equations() {
             check(constraints, equation, system.nodes())?;
@@ -29,7 +29,7 @@ where
         Ok(Self { system, constraints, band: band(constraints), scalar: PhantomData })
     }
 
-    /// System whose constraints [`Constrained::new`] has checked, and found to have this band.
+    /// A system whose constraints and band [`Constrained::new`] has already checked and found.
     pub(crate) const fn known(system: &'a S, constraints: &'a C, band: usize) -> Self {
         Self { system, constraints, band, scalar: PhantomData }
     }
@@ -44,7 +44,7 @@ where
         self.constraints
     }
 
-    /// Diagonals of A M⁻¹ Aᵀ on either side of the main one.
+    /// Number of diagonals of A M⁻¹ Aᵀ on either side of the main one.
     pub fn band(&self) -> usize {
         self.band
     }
@@ -54,29 +54,29 @@ where
         self.constraints.equations()
     }
 
-    /// Numbers of workspace of the matrix A M⁻¹ Aᵀ.
+    /// Workspace length of the matrix A M⁻¹ Aᵀ.
     pub(crate) fn matrix_workspace(&self) -> usize {
         Banded::<R>::workspace(self.equations(), self.band)
     }
 
-    /// An error unless a slice of nodes has the right length.
+    /// Checks that a slice has one item per node.
     pub(crate) fn check_nodes<T>(&self, slice: &[T]) -> Result<(), ConstraintError<R>> {
         check_length(slice, self.system.nodes())
     }
 
-    /// An error unless a slice of multipliers has the right length.
+    /// Checks that a slice has one multiplier per equation.
     pub(crate) fn check_equations<T>(&self, slice: &[T]) -> Result<(), ConstraintError<R>> {
         check_length(slice, self.equations())
     }
 }
 
-/// An error unless a slice has the right length.
+/// Checks the length of a slice.
 pub(crate) fn check_length<R, T>(slice: &[T], expected: usize) -> Result<(), ConstraintError<R>> {
     let given = slice.len();
     if given == expected { Ok(()) } else { Err(ConstraintError::Shape { expected, given }) }
 }
 
-// Once a start: small rather than fast.
+// Called once per start: small rather than fast.
 #[inline(never)]
 fn check<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
     constraints: &C,

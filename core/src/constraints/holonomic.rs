@@ -2,17 +2,17 @@ use super::{Constraints, Positions, at};
 use crate::linear::dot;
 use crate::scalar::{Real, product, sum};
 
-/// One holonomic constraint of particles; a slice of them implements [`Constraints`], one equation each.
+/// One holonomic constraint of particles. A slice of them implements [`Constraints`], with one equation each.
 ///
-/// A distance d is kept at ℓ by φ = (|d|² − ℓ²)/(2ℓ), which is |d| − ℓ to first order but needs no square root: its
-/// gradient d/ℓ is smooth everywhere and its curvature |ḋ|²/ℓ has no projection to compute.
+/// A distance d is kept at ℓ by φ = (|d|² − ℓ²)/(2ℓ), which equals |d| − ℓ to first order but needs no square root: its gradient d/ℓ is
+/// smooth everywhere, and its curvature |ḋ|²/ℓ needs no projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Holonomic<R, const D: usize> {
     /// A massless rod between two nodes.
     Rod {
         /// The nodes.
         nodes: [usize; 2],
-        /// ℓ, m.
+        /// Length ℓ, m.
         length: R,
     },
     /// A massless rod from a node to a fixed point.
@@ -21,21 +21,21 @@ pub enum Holonomic<R, const D: usize> {
         node: usize,
         /// The fixed point, m.
         to: [R; D],
-        /// ℓ, m.
+        /// Length ℓ, m.
         length: R,
     },
-    /// One coordinate of a node is held; [`Holonomic::held`] holds all of them.
+    /// One held coordinate of a node; [`Holonomic::held`] holds all coordinates.
     Held {
         /// The node.
         node: usize,
         /// The coordinate, from 0.
         axis: usize,
-        /// Its value, m.
+        /// Value of the coordinate, m.
         at: R,
     },
 }
 
-/// Coordinate 0 of node 0 held at 0: what the places of a list hold before it is filled.
+/// Coordinate 0 of node 0 held at 0: a placeholder for the unfilled places of a list.
 impl<R: Real, const D: usize> Default for Holonomic<R, D> {
     fn default() -> Self {
         Self::Held { node: 0, axis: 0, at: R::zero() }
@@ -43,7 +43,7 @@ impl<R: Real, const D: usize> Default for Holonomic<R, D> {
 }
 
 impl<R: Real, const D: usize> Holonomic<R, D> {
-    /// A node held at a fixed point: one equation for each coordinate.
+    /// Holds a node at a fixed point: one equation per coordinate.
     pub fn held(node: usize, at: [R; D]) -> [Self; D] {
         core::array::from_fn(|axis| Self::Held { node, axis, at: at[axis] })
     }
@@ -63,7 +63,7 @@ impl<R: Real, const D: usize> Holonomic<R, D> {
         }
     }
 
-    /// d and the rest of it, from the second node or the fixed point to the first; not of a held coordinate.
+    /// Vector d from the second node or the fixed point to the first, and its remainder; 0 for a held coordinate.
     #[inline(always)]
     fn distance(&self, x: Positions<R, D>) -> ([R; D], [R; D]) {
         match self {
@@ -116,14 +116,14 @@ fn minus<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> [R; D] {
     core::array::from_fn(|i| a[i] - b[i])
 }
 
-/// A component that is there: the size of an equation of any other is 0, and it is refused.
+/// Component `axis` of x, which exists: an equation with any other axis has size 0 and is refused.
 #[inline(always)]
 fn component<R: Real, const D: usize>(x: &[R; D], axis: usize) -> R {
     debug_assert!(axis < D, "axis {axis} of {D}");
     x.get(axis).copied().unwrap_or(R::zero())
 }
 
-/// (|d|² − ℓ²)/(2ℓ) to twice the precision of R where it is near zero.
+/// (|d|² − ℓ²)/(2ℓ), to twice the precision of R near zero.
 #[inline(always)]
 fn stretch<R: Real, const D: usize>((d, rest): ([R; D], [R; D]), length: R) -> R {
     let (square, error) = product(length, length);
@@ -137,7 +137,7 @@ fn stretch<R: Real, const D: usize>((d, rest): ([R; D], [R; D]), length: R) -> R
     (high + low).half() / length
 }
 
-/// An equation that is there: callers count up to [`Constraints::equations`].
+/// An equation of the list, which exists: callers count up to [`Constraints::equations`].
 #[inline(always)]
 fn equation_of<R, const D: usize>(list: &[Holonomic<R, D>], equation: usize) -> Option<&Holonomic<R, D>> {
     debug_assert!(equation < list.len(), "equation {equation} of {}", list.len());

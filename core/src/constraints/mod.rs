@@ -1,8 +1,8 @@
 //! Holonomic constraints φ(q) = 0 between particles: rods, anchors and held coordinates, and the multipliers λ that keep them.
 //!
-//! With A = ∂φ/∂q the constraint forces are Aᵀλ, and everything that keeps a constraint solves (A M⁻¹ Aᵀ) λ = b. Masses are
-//! blocks of one node each and an equation touches few nodes, so the matrix has a band: of width 1 for a chain in order, and
-//! then time and memory are linear in its length. The band is found once, by [`Constrained::new`].
+//! With A = ∂φ/∂q, the constraint forces are Aᵀλ, and every method that keeps a constraint solves (A M⁻¹ Aᵀ) λ = b. The mass matrix has one
+//! block per node and an equation touches few nodes, so the matrix is banded: its band is 1 for a chain in order, and time and memory are
+//! then linear in the length of the chain. [`Constrained::new`] finds the band once.
 //!
 //! Sources: LGNN (its equation 2, corrected); Hairer, Lubich, Wanner, "Geometric Numerical Integration", section VII.1.
 
@@ -25,29 +25,29 @@ use crate::newton::{Report, StepError};
 use crate::scalar::{Real, sum};
 use core::fmt;
 
-/// Holonomic constraints φ_k(q) = 0, each of a few nodes in `D` dimensions.
+/// Holonomic constraints φ_k(q) = 0, each on a few nodes in `D` dimensions.
 ///
 /// φ is scaled to a length near φ = 0: its gradient with respect to a node is about a unit vector. Then A M⁻¹ Aᵀ is well
 /// scaled and λ is a force in newtons.
 pub trait Constraints<R: Real, const D: usize> {
     /// Number of equations.
     fn equations(&self) -> usize;
-    /// The nodes that an equation touches, in a fixed order: few, and each once.
+    /// The nodes that an equation touches, in a fixed order: few, and each only once.
     fn nodes(&self, equation: usize) -> &[usize];
-    /// The length, m, that |φ| is to be small against; positive.
+    /// Reference length for a small |φ|, m; positive.
     fn size(&self, equation: usize) -> R;
-    /// φ, m.
+    /// Value φ, m.
     fn value(&self, equation: usize, x: Positions<R, D>) -> R;
-    /// ∂φ/∂q of the node at place `slot` of [`Constraints::nodes`].
+    /// ∂φ/∂q for the node at index `slot` of [`Constraints::nodes`].
     fn gradient(&self, equation: usize, slot: usize, x: Positions<R, D>) -> [R; D];
     /// (Ȧ v) = vᵀ φ_qq v, m/s².
     fn curvature(&self, equation: usize, x: Positions<R, D>, v: &[[R; D]]) -> R;
 }
 
-/// Positions q + carry, where carry is what rounding took from q.
+/// Positions q + carry; the carry is the part of q lost to rounding.
 ///
-/// A step divides φ by h: what rounding does to φ, it does to the velocity 1/h times. So φ should use both parts, and keep more
-/// digits than R has where it can ([`Positions::between`] does for differences); at least φ(q) + A carry.
+/// A step divides φ by h, so a rounding error of φ appears in the velocity, multiplied by 1/h. φ should therefore use both parts and keep
+/// more digits than R has if it can ([`Positions::between`] does so for differences); at least φ(q) + A carry.
 #[derive(Clone, Copy, Debug)]
 pub struct Positions<'a, R, const D: usize> {
     q: &'a [[R; D]],
@@ -55,12 +55,12 @@ pub struct Positions<'a, R, const D: usize> {
 }
 
 impl<'a, R: Real, const D: usize> Positions<'a, R, D> {
-    /// Positions as they are, m.
+    /// Positions without a carry, m.
     pub const fn new(q: &'a [[R; D]]) -> Self {
         Self { q, carry: &[] }
     }
 
-    /// Positions with what rounding took from them, m.
+    /// Positions with their carry, m.
     pub const fn with_carry(q: &'a [[R; D]], carry: &'a [[R; D]]) -> Self {
         Self { q, carry }
     }
@@ -68,24 +68,24 @@ impl<'a, R: Real, const D: usize> Positions<'a, R, D> {
     /// (q, carry) of a node.
     #[inline(always)]
     pub fn node(&self, node: usize) -> ([R; D], [R; D]) {
-        // Positions as they are carry nothing.
+        // Positions without a carry have an empty slice.
         (at(self.q, node), self.carry.get(node).copied().unwrap_or([R::zero(); D]))
     }
 
-    /// From node b to node a: the difference d and the rest, d + rest being exact to twice the precision of R.
+    /// Difference d from node b to node a, and its remainder; their sum is exact to twice the precision of R.
     #[inline(always)]
     pub fn between(&self, a: usize, b: usize) -> ([R; D], [R; D]) {
         difference(self.node(a), self.node(b))
     }
 
-    /// From a point to node a, as [`Positions::between`].
+    /// Difference from a point to node a, like [`Positions::between`].
     #[inline(always)]
     pub fn from_point(&self, a: usize, point: &[R; D]) -> ([R; D], [R; D]) {
         difference(self.node(a), (*point, [R::zero(); D]))
     }
 }
 
-/// a − b of values with carries, as value and rest.
+/// a − b of values with carries, as value and remainder.
 #[inline(always)]
 fn difference<R: Real, const D: usize>(a: ([R; D], [R; D]), b: ([R; D], [R; D])) -> ([R; D], [R; D]) {
     let (mut d, mut rest) = ([R::zero(); D], [R::zero(); D]);
@@ -97,7 +97,7 @@ fn difference<R: Real, const D: usize>(a: ([R; D], [R; D]), b: ([R; D], [R; D]))
     (d, rest)
 }
 
-/// Why constrained motion was refused; a state is as it was before.
+/// Reason for refusing constrained motion; the state is unchanged.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConstraintError<R> {
@@ -105,37 +105,37 @@ pub enum ConstraintError<R> {
     Node {
         /// The equation.
         constraint: usize,
-        /// The node it names.
+        /// The node that the constraint names.
         node: usize,
         /// Number of nodes.
         nodes: usize,
     },
-    /// The length of a constraint is not positive and finite; it is 0 of a held coordinate that is not one of the dimensions.
+    /// The length of a constraint is not positive and finite; a held coordinate beyond the dimensions has length 0.
     Length {
         /// The equation.
         constraint: usize,
-        /// Its length, m.
+        /// Length of the equation, m.
         length: R,
     },
-    /// A slice of nodes, of multipliers or of a saved state is not as long as it should be.
+    /// A slice of nodes, of multipliers or of a saved state has the wrong length.
     Shape {
-        /// The length it should have.
+        /// Expected length.
         expected: usize,
-        /// The length it has.
+        /// Given length.
         given: usize,
     },
     /// The workspace is too short.
     Workspace {
-        /// Numbers needed.
+        /// Length needed.
         needed: usize,
-        /// Numbers given.
+        /// Length given.
         given: usize,
     },
     /// Positions at the start do not satisfy a constraint.
     Off {
-        /// The equation that is furthest off.
+        /// The equation with the largest violation.
         constraint: usize,
-        /// |φ| relative to its length.
+        /// |φ| relative to the equation's length.
         residual: R,
     },
     /// A constraint follows from the ones before it, or contradicts them: A M⁻¹ Aᵀ has no usable pivot.
@@ -148,9 +148,9 @@ pub enum ConstraintError<R> {
         /// The node.
         node: usize,
     },
-    /// Positions, momenta, forces or energies are infinite or not numbers.
+    /// Positions, momenta, forces or energies are infinite or NaN.
     NotFinite,
-    /// The equations of a step were not solved within the bound of iterations.
+    /// The equations of a step were not solved within the allowed iterations.
     NotConverged(Report<R>),
 }
 
@@ -194,7 +194,7 @@ impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
 
 impl<R: fmt::Debug + fmt::Display> core::error::Error for ConstraintError<R> {}
 
-/// The vector of a node, which is there: [`Constrained::new`] checks the nodes of constraints, and every entry its slices.
+/// The vector of a node, which exists: [`Constrained::new`] checks the nodes of constraints, and every entry point its slices.
 #[inline(always)]
 pub(crate) fn at<R: Real, const D: usize>(x: &[[R; D]], node: usize) -> [R; D] {
     debug_assert!(node < x.len(), "node {node} of {}", x.len());

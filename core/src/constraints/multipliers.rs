@@ -2,7 +2,7 @@ use super::{Constraints, Positions, at};
 use crate::linear::{Matrix, dot, multiply, solve_definite};
 use crate::scalar::Real;
 
-/// The Jacobian A = ∂φ/∂q at positions, row by row and never stored.
+/// The Jacobian A = ∂φ/∂q at given positions, row by row and never stored.
 pub(crate) struct Rows<'a, R, C: ?Sized, const D: usize> {
     pub constraints: &'a C,
     pub x: Positions<'a, R, D>,
@@ -17,7 +17,7 @@ impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
         })
     }
 
-    /// (A W A₀ᵀ)_kl with the blocks W_i of the nodes.
+    /// (A W A₀ᵀ)_kl with the Jacobian A₀ of `other` and the blocks W_i of the nodes.
     #[inline(always)]
     pub fn coupling(&self, k: usize, weights: &[Matrix<R, D>], other: &Self, l: usize) -> R {
         let (rows, columns) = (self.constraints, other.constraints);
@@ -40,7 +40,7 @@ impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
     }
 }
 
-/// M⁻¹ of a node's symmetric block; none where a pivot vanishes.
+/// M⁻¹ of a node's symmetric block; `None` if a pivot vanishes.
 #[inline(always)]
 pub(crate) fn inverse<R: Real, const D: usize>(mass: Matrix<R, D>) -> Option<Matrix<R, D>> {
     let unit = |i| core::array::from_fn(|j| if i == j { R::one() } else { R::zero() });

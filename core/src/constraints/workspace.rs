@@ -1,17 +1,17 @@
 use super::ConstraintError;
 use crate::linear::Matrix;
 
-/// The caller's workspace, handed out piece by piece.
+/// The caller's workspace, handed out in pieces.
 pub(crate) struct Workspace<'a, R>(&'a mut [R]);
 
 impl<'a, R> Workspace<'a, R> {
-    /// An error where the workspace has less than `needed` numbers.
+    /// Wraps the workspace; an error if it has fewer than `needed` numbers.
     pub fn new(needed: usize, workspace: &'a mut [R]) -> Result<Self, ConstraintError<R>> {
         let given = workspace.len();
         if given < needed { Err(ConstraintError::Workspace { needed, given }) } else { Ok(Self(workspace)) }
     }
 
-    /// The next numbers; all are there, as [`Workspace::new`] was told how many are needed.
+    /// Takes the next numbers, which exist: [`Workspace::new`] was told how many are needed.
     pub fn numbers(&mut self, count: usize) -> &'a mut [R] {
         let workspace = core::mem::take(&mut self.0);
         debug_assert!(count <= workspace.len(), "{count} numbers of {}", workspace.len());
@@ -20,12 +20,12 @@ impl<'a, R> Workspace<'a, R> {
         piece
     }
 
-    /// A vector for each node.
+    /// Takes one vector per node.
     pub fn vectors<const D: usize>(&mut self, nodes: usize) -> &'a mut [[R; D]] {
         self.numbers(nodes * D).as_chunks_mut().0
     }
 
-    /// A block for each node.
+    /// Takes one block per node.
     pub fn blocks<const D: usize>(&mut self, nodes: usize) -> &'a mut [Matrix<R, D>] {
         self.vectors(nodes * D).as_chunks_mut().0
     }

@@ -5,12 +5,12 @@ use crate::linear::{Matrix, add_scaled, multiply};
 use crate::particles::Particles;
 use crate::scalar::{Real, all_finite};
 
-/// Feedback that pulls a continuous simulation back to its constraints: φ̈ = −2ζω φ̇ − ω² φ (Baumgarte 1972).
+/// Feedback that drives a continuous simulation back to its constraints: φ̈ = −2ζω φ̇ − ω² φ (Baumgarte 1972).
 ///
-/// Only explicit integrators need it: they let φ grow. [`crate::discrete::rattle::Rattle`] keeps φ = 0 by itself.
+/// Only explicit integrators need it, which let φ grow. [`crate::discrete::rattle::Rattle`] keeps φ = 0 by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baumgarte<R> {
-    /// ω ≥ 0, rad/s; of no use beyond about 1/h.
+    /// Rate ω ≥ 0, rad/s; useless beyond about 1/h.
     pub omega: R,
     /// Damping ratio ζ ≥ 0; 1 is critical.
     pub zeta: R,
@@ -23,23 +23,23 @@ impl<R: Real> Baumgarte<R> {
     }
 }
 
-/// What drives a constrained acceleration beside the system itself.
+/// Inputs of a constrained acceleration beside the system itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive<'a, R, const D: usize> {
-    /// External force of each node, N.
+    /// External force on each node, N.
     pub force: Option<&'a [[R; D]]>,
     /// Feedback of the constraints.
     pub baumgarte: Baumgarte<R>,
 }
 
 impl<R: Real, const D: usize> Drive<'_, R, D> {
-    /// Nothing.
+    /// No force and no feedback.
     pub fn none() -> Self {
         Self { force: None, baumgarte: Baumgarte::none() }
     }
 }
 
-/// Numbers of workspace that [`constrained_acceleration`] needs.
+/// Workspace length of [`constrained_acceleration`].
 pub fn constrained_workspace<R, S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
 where
     R: Real,
@@ -53,7 +53,7 @@ where
 /// Writes the acceleration v̇ = M⁻¹(r + Aᵀλ), m/s², and the multipliers λ = −(A M⁻¹ Aᵀ)⁻¹(A M⁻¹ r + Ȧ v), N, with
 /// r = L_q + Q + external force.
 ///
-/// Positions need not satisfy the constraints (φ̈ = 0 holds where they are). On error what is written has no meaning.
+/// Positions need not satisfy the constraints (φ̈ = 0 holds wherever they are). After an error the outputs have no meaning.
 pub fn constrained_acceleration<R, S, C, const D: usize>(
     mechanism: &Constrained<R, S, C, D>,
     (q, v): (&[[R; D]], &[[R; D]]),
@@ -94,11 +94,11 @@ where
     check_finite(acceleration, lambda)
 }
 
-/// Writes the external force u = M a − L_q − Q of each node, N, that gives the acceleration a, m/s², without help of the
-/// constraints: inverse dynamics. Where a keeps them they carry nothing then; what else has the same effect differs from u
-/// by some Aᵀλ.
+/// Writes the external force u = M a − L_q − Q on each node, N, that gives the acceleration a, m/s², without help from the constraints:
+/// inverse dynamics. If a satisfies the constraints, they then carry no load; any other force with the same effect differs from u by some
+/// Aᵀλ.
 ///
-/// The workspace is that of [`constrained_acceleration`]. On error what is written has no meaning.
+/// The workspace is that of [`constrained_acceleration`]. After an error the output has no meaning.
 pub fn constrained_inverse_dynamics<R, S, C, const D: usize>(
     mechanism: &Constrained<R, S, C, D>,
     [q, v, a]: [&[[R; D]]; 3],
@@ -133,7 +133,7 @@ fn check_finite<R: Real, const D: usize>(
     if finite { Ok(()) } else { Err(ConstraintError::NotFinite) }
 }
 
-/// Replaces L_q by M⁻¹ r, and keeps the M⁻¹.
+/// Replaces L_q by M⁻¹ r, and stores the blocks of M⁻¹.
 fn free_acceleration<R: Real, S: Particles<R, D>, const D: usize>(
     system: &S,
     v: &[[R; D]],

@@ -8,14 +8,14 @@ use crate::scalar::Real;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuousState<R, const N: usize> {
-    /// q.
+    /// Position q, m or rad.
     pub q: [R; N],
-    /// v.
+    /// Velocity v, m/s or rad/s.
     pub v: [R; N],
 }
 
 impl<R: Real, const N: usize> ContinuousState<R, N> {
-    /// This state moved by c along the rate (v, v̇).
+    /// Moves the state by c along the rate (v, v̇).
     fn moved(&self, c: R, rate: &Self) -> Self {
         Self { q: add_scaled(&self.q, c, &rate.q), v: add_scaled(&self.v, c, &rate.v) }
     }
@@ -25,7 +25,7 @@ impl<R: Real, const N: usize> ContinuousState<R, N> {
     }
 }
 
-/// (v, v̇) at a state.
+/// Rate (v, v̇) of a state.
 fn rate<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     state: &ContinuousState<R, N>,
@@ -41,7 +41,7 @@ where
 /// One classical Runge–Kutta step of order 4 with τ held over the step h (s).
 ///
 /// # Errors
-/// As [`acceleration`]; and where the state at the end is not finite.
+/// See [`acceleration`]; also if the final state is not finite.
 pub fn rk4_step<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     state: &ContinuousState<R, N>,
@@ -64,7 +64,7 @@ where
 /// One explicit midpoint step of order 2 with τ held over the step h (s).
 ///
 /// # Errors
-/// As [`acceleration`]; and where the state at the end is not finite.
+/// See [`acceleration`]; also if the final state is not finite.
 pub fn midpoint_step<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     state: &ContinuousState<R, N>,

@@ -19,7 +19,7 @@ use crate::scalar::{Real, all_finite, max_abs};
 /// v̇ = M⁻¹(L_q − L_vq v + Q + τ), m/s² or rad/s².
 ///
 /// # Errors
-/// Where M is singular, or a number is not finite.
+/// [`SolveError`] if M is singular or a number is not finite.
 #[inline]
 pub fn acceleration<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
@@ -36,7 +36,7 @@ where
     finite(linear::solve(d.mass, core::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + force[i] + tau[i]))?)
 }
 
-/// An error where a number is not finite.
+/// Fails if a number is not finite.
 #[inline(always)]
 fn finite<R: Real, const N: usize>(x: [R; N]) -> Result<[R; N], SolveError> {
     if all_finite(&x) { Ok(x) } else { Err(SolveError::NotFinite) }
@@ -44,12 +44,12 @@ fn finite<R: Real, const N: usize>(x: [R; N]) -> Result<[R; N], SolveError> {
 
 /// The control force τ that produces the acceleration v̇ (inverse dynamics): τ + Q(q, v, τ) = M v̇ − L_q + L_vq v.
 ///
-/// Where Q sees τ the equation is implicit. It has one solution where friction grows more slowly than the load, |∂Q/∂τ| < 1;
-/// [`Forces::control`] gives it where one law sees τ, and Newton's method with ∂Q/∂τ starts there: at least one update, which
-/// takes away rounding, and at most 16, of which several laws that see τ need more.
+/// If Q depends on τ, the equation is implicit. It has exactly one solution if friction grows more slowly than the load, |∂Q/∂τ| < 1.
+/// [`Forces::control`] gives it if a single law depends on τ; Newton's method with ∂Q/∂τ starts there. It takes at least one update, which
+/// removes rounding errors, and at most 16, for the case that several laws depend on τ.
 ///
 /// # Errors
-/// Where 1 + ∂Q/∂τ is singular, a number is not finite, or 16 updates do not solve the equation.
+/// An error if 1 + ∂Q/∂τ is singular, a number is not finite, or 16 updates do not solve the equation.
 pub fn inverse_dynamics<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     q: &[R; N],
@@ -70,16 +70,16 @@ where
     Ok(finite(load.tau)?)
 }
 
-/// τ + Q(q, v, τ) = `total` in τ.
+/// The equation τ + Q(q, v, τ) = `total` in τ.
 struct Load<'a, R, F, const N: usize> {
     forces: &'a F,
     q: &'a [R; N],
     v: &'a [R; N],
     total: [R; N],
-    /// Of the terms of `total`.
+    /// Size of the terms of `total`.
     size: [R; N],
     tau: [R; N],
-    /// What is left of the equation.
+    /// Residual of the equation.
     left: [R; N],
 }
 

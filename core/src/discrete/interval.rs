@@ -5,7 +5,7 @@ use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
 use crate::scalar::Real;
 use core::marker::PhantomData;
 
-/// One step's path: where it starts, its increment w and bubble s, and the control along it.
+/// The path of one step: its start q₀, increment w and bubble s, and the control along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<R, P, const N: usize> {
     q0: [R; N],
@@ -16,14 +16,14 @@ pub struct Interval<R, P, const N: usize> {
     path: PhantomData<P>,
 }
 
-/// The sums over an interval that the step is made of.
+/// Sums over an interval that make up the equations of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance<R, const N: usize> {
     /// D₁L_d + f⁻ = Σ b [h(1 − c)F − L_v].
     pub d1_ld: [R; N],
-    /// D_mL_d + f_m = Σ b [hβF + γL_v], to vanish; zero without a bubble.
+    /// D_mL_d + f_m = Σ b [hβF + γL_v], which must vanish; zero without a bubble.
     pub dm_ld: [R; N],
-    /// h Σ b F, what the momentum gains: D₁L_d + D₂L_d with their forces.
+    /// h Σ b F, the gain of momentum: D₁L_d + D₂L_d with their forces.
     pub impulse: [R; N],
 }
 
@@ -38,7 +38,7 @@ impl<R: Real, const N: usize> Balance<R, N> {
         core::array::from_fn(|i| self.impulse[i] - self.d1_ld[i])
     }
 
-    /// Adds a Gauss point's share. The step multiplies last, so that no constant such as h(1 − c) is rounded once for all steps.
+    /// Adds the share of a Gauss point. The step h multiplies last, so no constant such as h(1 − c) is rounded once for all steps.
     #[inline(always)]
     fn add(&mut self, point: &GaussPoint<R>, h: R, force: &[R; N], l_v: &[R; N], bubble: bool) {
         let (b, early) = (point.weight, R::one() - point.c);
@@ -53,24 +53,24 @@ impl<R: Real, const N: usize> Balance<R, N> {
     }
 }
 
-/// The balance of an interval with the derivatives of its equations in w and s.
+/// The balance of an interval, and the derivatives of its equations in w and s.
 #[derive(Clone, Copy, Debug)]
 pub struct Linearised<R: Real, P: Path, const N: usize> {
-    /// The equations.
+    /// The sums of the equations.
     pub balance: Balance<R, N>,
     /// ∂ d1_ld/∂w.
     pub momentum_w: Matrix<R, N>,
-    /// The derivatives that a bubble adds, where the path has one.
+    /// Derivatives that a bubble adds, if the path has one.
     pub bubble: P::Bubbles<BubbleDerivatives<R, N>>,
-    /// Σ b [Σ_j |M_ij| (|v_j| + √ε |q_j|/h) + Σ_j |∂L_v,i/∂q_j q_j|] + h Σ b (|L_q,i| + |Q_i| + |τ_i| + Σ_j |∂Q_i/∂q_j q_j|):
-    /// the size of the terms that rounding acts on, also where they cancel. With √ε it takes a residual as solved that would
-    /// carry the system by no more than the rounding of its position: at rest nothing else is left of the terms.
+    /// Σ b [Σ_j |M_ij| (|v_j| + √ε |q_j|/h) + Σ_j |∂L_v,i/∂q_j q_j|] + h Σ b (|L_q,i| + |Q_i| + |τ_i| + Σ_j |∂Q_i/∂q_j q_j|): the size of
+    /// the terms that rounding acts on, even if they cancel. The term with √ε accepts a residual that would move the system by no more than
+    /// the rounding of its position: at rest no other term is left.
     ///
-    /// Every term has the unit of the momentum p_i, in whatever units coordinates are measured.
+    /// Every term has the unit of the momentum p_i, whatever the units of the coordinates.
     pub scale: [R; N],
 }
 
-/// The derivatives of the equations of a step that a bubble adds.
+/// Derivatives of the equations of a step that a bubble adds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BubbleDerivatives<R, const N: usize> {
     /// ∂ d1_ld/∂s.
@@ -89,7 +89,7 @@ impl<R: Real, P: Path, const N: usize> Linearised<R, P, N> {
     }
 }
 
-/// How a first variation weighs F and L_v at a Gauss point: Σ b (force · F + momentum · L_v).
+/// Weights of F and L_v in a first variation at a Gauss point: Σ b (force · F + momentum · L_v).
 #[derive(Clone, Copy, Debug)]
 pub struct Variation<R> {
     /// Weight of F = L_q + Q + u.
@@ -99,26 +99,26 @@ pub struct Variation<R> {
 }
 
 impl<R: Real> Variation<R> {
-    /// D₁: of the start position.
+    /// D₁, variation of the start position.
     #[inline(always)]
     pub fn start(point: &GaussPoint<R>, h: R) -> Self {
         Self { force: h * (R::one() - point.c), momentum: -R::one() }
     }
 
-    /// D₂: of the end position; also how position and velocity at the point move with hw.
+    /// D₂, variation of the end position; also the change of position and velocity at the point with w.
     #[inline(always)]
     pub fn end(point: &GaussPoint<R>, h: R) -> Self {
         Self { force: h * point.c, momentum: R::one() }
     }
 
-    /// D_m: of the bubble; also how position and velocity at the point move with s.
+    /// D_m, variation of the bubble; also the change of position and velocity at the point with s.
     #[inline(always)]
     pub fn bubble(point: &GaussPoint<R>, h: R) -> Self {
         Self { force: h * point.bubble(), momentum: point.bubble_rate() }
     }
 }
 
-/// The derivatives of F and L_v at a Gauss point, from those of L and of the forces.
+/// Derivatives of F and L_v at a Gauss point, from the derivatives of L and of the forces.
 struct PointDerivatives<'a, R, const N: usize> {
     l: &'a Linearization<R, N>,
     l_qq: Option<&'a Matrix<R, N>>,
@@ -127,8 +127,8 @@ struct PointDerivatives<'a, R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> PointDerivatives<'_, R, N> {
-    /// Entry i of (∂F, ∂L_v) when coordinate j of the point moves by `column`: its position by the `force` part, its velocity by
-    /// the `momentum` part.
+    /// Entry i of (∂F, ∂L_v) if coordinate j of the point moves by `column`: its position by the `force` part, its velocity by the
+    /// `momentum` part.
     #[inline(always)]
     fn entry(&self, (i, j): (usize, usize), column: Variation<R>) -> (R, R) {
         let (q_q, q_v) = (self.forces.0[i][j], self.forces.1[i][j]);
@@ -138,7 +138,7 @@ impl<R: Real, const N: usize> PointDerivatives<'_, R, N> {
         (mix(force_q, force_v), mix(self.l.l_vq[i][j], self.l.l_vv[i][j]))
     }
 
-    /// Adds b(row.force · ∂F + row.momentum · ∂L_v), the point moving by `column`, to the block of every row.
+    /// Adds b(row.force · ∂F + row.momentum · ∂L_v) to the block of every row, for a motion of the point by `column`.
     #[inline(always)]
     fn add<const C: usize>(
         &self,
@@ -165,36 +165,36 @@ fn sizes<R: Real, const N: usize>(a: &[R; N], x: &[R; N]) -> R {
 }
 
 impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
-    /// A straight path from q₀ with increment w.
+    /// Creates a straight path from q₀ with increment w.
     pub fn new(q0: [R; N], w: [R; N], h: R, u: Control<R, N>) -> Self {
         Self { q0, w, s: [R::zero(); N], h, u, path: PhantomData }
     }
 
-    /// w.
+    /// Increment w.
     pub fn increment(&self) -> [R; N] {
         self.w
     }
 
-    /// s; zero at order 2.
+    /// Bubble s; zero at order 2.
     pub fn bubble(&self) -> [R; N] {
         self.s
     }
 
-    /// The path with w and s changed by these amounts.
+    /// The path with w and s changed by dw and ds.
     #[must_use]
     pub fn moved(&self, dw: &[R; N], ds: &[R; N]) -> Self {
         self.moved_by(R::one(), dw, ds)
     }
 
-    /// The path with w and s changed by a part of these amounts.
+    /// The path with w and s changed by `part` times dw and ds.
     #[must_use]
     #[inline(always)]
     pub(super) fn moved_by(&self, part: R, dw: &[R; N], ds: &[R; N]) -> Self {
         Self { w: add_scaled(&self.w, part, dw), s: add_scaled(&self.s, part, ds), ..*self }
     }
 
-    /// The part of a change (dw, ds) after which Newton's method looks again, by what the laws of force say of the velocities at
-    /// some Gauss points.
+    /// The part of a change (dw, ds) after which Newton's method evaluates again, as the laws of force limit it by the velocities at the
+    /// Gauss points that `at` selects.
     #[inline(always)]
     pub(super) fn trusted_part<F: Forces<R, N>>(
         &self,
@@ -209,7 +209,7 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         })
     }
 
-    /// What the forces' change with the velocity at the early Gauss points adds to ∂dm_ld/∂s.
+    /// Part of ∂dm_ld/∂s from the forces' dependence on velocity at the early Gauss points.
     pub(super) fn early_force_s<F: Forces<R, N>>(&self, forces: &F) -> Matrix<R, N> {
         let mut sum = [[R::zero(); N]; N];
         for point in P::points().as_ref().iter().filter(|point| point.is_early()) {
@@ -276,8 +276,8 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         sum
     }
 
-    /// The balance and its derivatives but for what L_qq adds to them: of a relative size of (hω)²/4 where ω is the fastest
-    /// rate, rad/s, at which the system oscillates. One evaluation of [`Lagrangian::linearization`] at each Gauss point.
+    /// The balance, and its derivatives without the terms of L_qq, which have a relative size of (hω)²/4, with ω the fastest rate, rad/s,
+    /// at which the system oscillates. Takes one evaluation of [`Lagrangian::linearization`] at each Gauss point.
     pub fn linearise_without_l_qq<L, F>(&self, system: &System<L, F>) -> Linearised<R, P, N>
     where
         L: Lagrangian<R, N>,
@@ -292,7 +292,7 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         sum
     }
 
-    /// Adds a Gauss point's share, from the derivatives of L there; without L_qq where it is not given.
+    /// Adds the share of a Gauss point from the derivatives of L there; without L_qq if it is not given.
     #[inline(always)]
     fn add_point<L, F: Forces<R, N>>(
         &self,
@@ -320,7 +320,7 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         }
     }
 
-    /// The terms of [`Linearised::scale`] of a coordinate at a Gauss point on which forces of this size act.
+    /// Terms of [`Linearised::scale`] for coordinate i at a Gauss point; `forces` is the size of the forces there.
     #[inline(always)]
     fn scale(&self, d: &PointDerivatives<R, N>, i: usize, (q, v): &([R; N], [R; N]), forces: R) -> R {
         let rounding = R::EPSILON.sqrt() / self.h.abs();
@@ -328,7 +328,7 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         moved + sizes(&d.l.l_vq[i], q) + self.h.abs() * (forces + sizes(&d.forces.0[i], q))
     }
 
-    /// ∂(D₂L_d + f⁺)/∂s: how the momentum at the end moves with the bubble.
+    /// ∂(D₂L_d + f⁺)/∂s: derivative of the momentum at the end in the bubble.
     pub fn end_momentum_s<L, F>(&self, system: &System<L, F>) -> Matrix<R, N>
     where
         L: Lagrangian<R, N>,

@@ -7,20 +7,20 @@
 //! - momentum: p₀ + Σ b_i [h(1 − c_i) F_i − L_v,i] = 0, that is p₀ + D₁L_d + f⁻ = 0;
 //! - bubble (order 4): Σ b_i [hβ_i F_i + γ_i L_v,i] = 0, that is D_mL_d + f_m = 0;
 //!
-//! and then p₁ = p₀ + h Σ b_i F_i, which is D₂L_d + f⁺ where the momentum equation holds, and conserves the momentum of a
-//! cyclic coordinate exactly. Order 2 has one point, the midpoint; with u linear between u₀ and u₁ its forces are SyMo's
-//! (h/4)(u₀ + u₁). Eliminating p gives the three-point equation of SyMo (its equations 9 and 10).
+//! and then p₁ = p₀ + h Σ b_i F_i. This equals D₂L_d + f⁺ if the momentum equation holds, and conserves the momentum of a cyclic coordinate
+//! exactly. Order 2 has one point, the midpoint; with u linear between u₀ and u₁ its forces are SyMo's (h/4)(u₀ + u₁). Eliminating p gives
+//! SyMo's three-point equation (its equations 9 and 10).
 //!
 //! The unknown is w, not q₁: in f32 the residual then falls to about 1e-6 instead of 1e-4.
 //!
 //! # Newton's matrix
 //!
-//! The matrix of the two equations leaves L_qq out. What is missing is of a relative size of (hω)²/4, ω being the fastest rate
-//! at which the system oscillates, so that an update still divides the error by the inverse of that. In return one evaluation,
-//! [`Lagrangian::linearization`], gives the residual after an update and the matrix of the next; an acceleration of up to two
-//! coordinates is the same evaluation; and no family needs second derivatives of its potential on a controller. Measured on
-//! the exact systems of [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links
-//! ([`modular`](crate::energy::modular)), at speeds up to 10 rad/s, order 2; updates until rounding, mean and most:
+//! The matrix of the two equations leaves out L_qq. The missing part has a relative size of (hω)²/4, with ω the fastest rate at which the
+//! system oscillates, and an update multiplies the error by about that. In return, one evaluation of [`Lagrangian::linearization`] gives
+//! both the residual after an update and the matrix of the next; the acceleration of up to two coordinates takes the same evaluation; and
+//! no family needs second derivatives of its potential on a controller. Measured on the exact systems of
+//! [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links ([`modular`](crate::energy::modular)), at
+//! speeds up to 10 rad/s, order 2; number of updates down to rounding, mean and maximum:
 //!
 //! | h | with L_qq, f32 | without, f32 | with L_qq, f64 | without, f64 |
 //! |---|---|---|---|---|
@@ -30,9 +30,9 @@
 //! | 10 ms, learned links | 1.0, 2 | 1.2, 3 | 2.1, 3 | 4.0, 8 |
 //! | 50 ms, learned links | 2.0, 5 | 2.9, 8 | 3.2, 6 | 7.5, 33 |
 //!
-//! "Exact" is the cart-pole where the systems differ; the worst of the three needs 6.2 updates on average instead of 5.9, and as many
-//! at most. A fixed number of updates leaves more at long steps: of the learned links in f32 two updates are off by 9e-6 at 10 ms
-//! (relative to w), by 7e-4 at 20 ms, where three are to be taken.
+//! "Exact" gives the cart-pole where the systems differ; the worst of the three needs 6.2 updates on average instead of 5.9, with the same
+//! maximum. A fixed number of updates leaves a larger error at long steps: for the learned links in f32, two updates leave 9e-6 (relative
+//! to w) at 10 ms, and 7e-4 at 20 ms, where three should be taken.
 //!
 //! For a cart-pole of 2 × 32 units on a Cortex-M4F (`firmware-sim/chip/README.md`), two updates of order 2 take 54,500 instructions,
 //! 1.9 kB of stack and, in an image with nothing else, 14.6 kB of code; with L_qq in the first of two updates they took 58,500, 3.1 kB and
@@ -41,18 +41,18 @@
 //! # Friction
 //!
 //! Forces Q(q, v, τ) are taken at the Gauss points, f⁻ = h Σ b_i (1 − c_i) Q_i and f⁺ = h Σ b_i c_i Q_i: at order 2 once, at the mean
-//! velocity w. A step therefore never gains energy by friction, but where friction is stiff the velocity dies out too slowly: about
-//! rest a midpoint step turns v into v(1 − a)/(1 + a), a = h c (M⁻¹)_ii/(2ε)
-//! ([`Coulomb::stiffness`](crate::forces::Coulomb::stiffness)), which for a > 1 changes its sign every time, it rings; a step of order 4 turns
-//! it into v(1 − a + a²/3)/(1 + a + a²/3), which keeps its sign and is smallest at a = √3. The increment w, and with it the position,
-//! stays near 0 as it should; the momentum, and a velocity that is computed from it, does not for a ≫ 1. Where they are used, as in
-//! control, keep a ≤ 1 (order 4: 3) by a shorter step or a wider change of sign, ε ≥ h c (M⁻¹)_ii/2.
+//! velocity w. A step therefore never gains energy by friction, but under stiff friction the velocity decays too slowly. Near rest, a
+//! midpoint step turns v into v(1 − a)/(1 + a), a = h c (M⁻¹)_ii/(2ε) ([`Coulomb::stiffness`](crate::forces::Coulomb::stiffness)): for a >
+//! 1 the sign changes at every step, the velocity rings. A step of order 4 turns v into v(1 − a + a²/3)/(1 + a + a²/3), which keeps its
+//! sign and is smallest at a = √3. The increment w, and with it the position, stays near 0 as it should; the momentum, and any velocity
+//! computed from it, does not for a ≫ 1. If these are used, as in control, keep a ≤ 1 (order 4: a ≤ 3) by a shorter step or a wider change
+//! of sign, ε ≥ h c (M⁻¹)_ii/2.
 //!
-//! Newton's method alone fails through the change of sign from about a = 2 on: tanh is flat on both sides, and updates jump
-//! between them for ever. So an update that turns a velocity round ends at rest
-//! ([`Forces::trusted_part`]), from where the method converges whatever a is. Updates
-//! until rounding, mean and most, of steps in which a velocity changes its sign (4 s from six starts, coordinate 0 driven; friction of
-//! 0.5 N m of a pendulum, of 0.3 N and 0.02 N m of a cart-pole; the larger of the two systems):
+//! Newton's method alone fails at the change of sign from about a = 2 on: tanh is flat on both sides, and updates jump between them
+//! forever. An update that reverses a velocity therefore ends at rest ([`Forces::trusted_part`]), from where the method converges for any
+//! a. The table gives the number of updates down to rounding, mean and maximum, of steps in which a velocity changes its sign (4 s from six
+//! starts, coordinate 0 driven; friction of 0.5 N m for a pendulum, of 0.3 N and 0.02 N m for a cart-pole; the larger number of the two
+//! systems):
 //!
 //! | h, a | order 2, f32 | order 4, f32 | order 2, f64 | order 4, f64 |
 //! |---|---|---|---|---|
@@ -68,13 +68,13 @@
 //! | 50 ms, 1 | 3.3, 5 | 3.3, 5 | 6.9, 9 | 6.3, 9 |
 //! | 50 ms, 5 | 3.4, 5 | 3.3, 6 | 7.0, 10 | 6.4, 9 |
 //!
-//! [`Del::start`] at order 4 has another equation, in the bubble alone between two given positions. Friction at the early Gauss point helps
-//! that bubble grow, and from about a = 3.5 on the equation turns back where it bends; updates then go without the derivative
-//! of that friction and reach a solution.
+//! [`Del::start`] at order 4 solves another equation, for the bubble alone between two given positions. Friction at the early Gauss point
+//! helps that bubble grow, and from about a = 3.5 on the equation turns back where friction bends; updates then leave out the derivative of
+//! that friction, and reach a solution.
 //!
-//! At a = 50 they are 7 at most in f32 and 10 in f64. Without friction, or away from rest, they are those of the table above. A bound on
-//! updates ([`Newton::max_iterations`]) stays a bound: a step that it leaves unsolved is an error. With friction of a ≤ 1 allow four at
-//! 10 ms, where a system without would take two.
+//! At a = 50, the maximum is 7 updates in f32 and 10 in f64. Without friction, or away from rest, the numbers are those of the first table.
+//! The bound on updates ([`Newton::max_iterations`]) stays a bound: a step that is not solved within it is an error. With friction of a ≤
+//! 1, allow four updates at 10 ms, where a system without friction would take two.
 //!
 //! Systems of any number of particles, with or without constraints, are stepped by [`rattle`].
 //!
@@ -101,7 +101,7 @@ use crate::lagrangian::Lagrangian;
 use crate::scalar::Real;
 use core::marker::PhantomData;
 
-/// A variational integrator: the step h, the path (and with it the order), and the bounds of Newton's method.
+/// A variational integrator: the step h, the path (which sets the order), and the bounds of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub struct Del<R, P> {
     h: R,
@@ -110,24 +110,24 @@ pub struct Del<R, P> {
 }
 
 impl<R: Real, P: Path> Del<R, P> {
-    /// An integrator of step h > 0, s, with the default bounds of Newton's method.
+    /// Creates an integrator of step h > 0, s, with the default bounds of Newton's method.
     pub fn new(h: R) -> Self {
         Self::with_newton(h, Newton::default())
     }
 
-    /// An integrator with the caller's bounds of Newton's method.
+    /// Creates an integrator with the caller's bounds of Newton's method.
     pub const fn with_newton(h: R, newton: Newton<R>) -> Self {
         Self { h, newton, path: PhantomData }
     }
 
-    /// h, s.
+    /// Step size h, s.
     pub const fn h(&self) -> R {
         self.h
     }
 
     /// Advances `state` by one step under the control `u`: initial guess → residual → Newton → update.
     ///
-    /// On error the state is what it was.
+    /// An error leaves the state unchanged.
     pub fn step<L, F, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -144,8 +144,8 @@ impl<R: Real, P: Path> Del<R, P> {
         Ok(solved.report)
     }
 
-    /// The state at q₁ that two consecutive positions and the control between them determine:
-    /// p₁ = D₂L_d(q₀, q₁) + f⁺. No velocity is needed.
+    /// Returns the state at q₁ that follows from two consecutive positions and the control between them: p₁ = D₂L_d(q₀, q₁) + f⁺. No
+    /// velocity is needed.
     pub fn start<L, F, const N: usize>(
         &self,
         system: &System<L, F>,

@@ -12,17 +12,16 @@ use crate::scalar::{Real, max_abs};
 pub struct Solved<R, P, const N: usize> {
     /// The path.
     pub interval: Interval<R, P, N>,
-    /// Its balance.
+    /// Sums of the path's equations.
     pub balance: Balance<R, N>,
-    /// How it was found.
+    /// Report of Newton's method.
     pub report: Report<R>,
-    /// What is left of its equations.
+    /// Residual of the equations.
     pub(super) left: Residual<R, N>,
 }
 
 impl<R: Real, P: Path, const N: usize> Linearised<R, P, N> {
-    /// (dw, ds) with momentum_w dw + momentum_s ds = −r_momentum and bubble_w dw + bubble_s ds = −r_bubble, by eliminating
-    /// ds.
+    /// Solves momentum_w dw + momentum_s ds = −r_momentum and bubble_w dw + bubble_s ds = −r_bubble for (dw, ds), eliminating ds.
     #[inline(always)]
     fn update(&self, r: &Residual<R, N>) -> Result<Update<R, N>, SolveError> {
         let minus = -R::one();
@@ -39,7 +38,7 @@ impl<R: Real, P: Path, const N: usize> Linearised<R, P, N> {
 }
 
 impl<R: Real, const N: usize> BubbleDerivatives<R, N> {
-    /// X = bubble_s⁻¹ bubble_w (the bubble follows as ds = −X dw) and the reduced matrix momentum_w − momentum_s X.
+    /// X = bubble_s⁻¹ bubble_w (the bubble follows by ds = −X dw), and the reduced matrix momentum_w − momentum_s X.
     pub fn reduced(&self, momentum_w: &Matrix<R, N>) -> Result<(Matrix<R, N>, Matrix<R, N>), SolveError> {
         let columns = solve_many(self.bubble_s, transpose(&self.bubble_w))?;
         let product = core::array::from_fn(|i| multiply(&columns, &self.momentum_s[i]));
@@ -51,7 +50,7 @@ impl<R: Real> Newton<R> {
     /// Finds w and s such that p₀ + d1_ld = 0 and dm_ld = 0, from a guess.
     ///
     /// # Errors
-    /// As [`Del::step`](super::Del::step).
+    /// See [`Del::step`](super::Del::step).
     pub fn solve_step<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -65,7 +64,7 @@ impl<R: Real> Newton<R> {
         self.solve_target(system, guess, &Target { p0: *p0, left: Residual::zero() })
     }
 
-    /// [`Newton::solve_step`] with what the step before left.
+    /// [`Newton::solve_step`] with the residual that the previous step left.
     pub(super) fn solve_target<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -79,10 +78,10 @@ impl<R: Real> Newton<R> {
         StepEquations::<_, _, _, _, N, false>::new(system, guess, target).solved(self)
     }
 
-    /// Finds s such that dm_ld = 0 on an interval whose two ends are given.
+    /// Finds s such that dm_ld = 0 on an interval with both ends given.
     ///
     /// # Errors
-    /// As [`Del::step`](super::Del::step).
+    /// See [`Del::step`](super::Del::step).
     pub fn solve_bubble<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -94,7 +93,7 @@ impl<R: Real> Newton<R> {
     {
         if !P::BUBBLE {
             let balance = guess.balance(system);
-            // 0, or NaN where a number is not finite.
+            // 0, or NaN if a number is not finite.
             let residual = max_abs(&balance.end_momentum()) * R::zero();
             let report = self.accepted(Report { iterations: 0, residual })?;
             return Ok(Solved { interval: guess, balance, report, left: Residual::zero() });
@@ -104,7 +103,7 @@ impl<R: Real> Newton<R> {
     }
 }
 
-/// The equations of a step in w and s; with `ENDS` both ends are given, and s alone is unknown.
+/// The equations of a step in w and s; with `ENDS`, both ends are given and s alone is unknown.
 struct StepEquations<'a, R: Real, L, F, P: Path, const N: usize, const ENDS: bool> {
     system: &'a System<L, F>,
     target: &'a Target<R, N>,
@@ -140,11 +139,12 @@ where
     F: Forces<R, N>,
     P: Path,
 {
-    /// ds between two given ends.
+    /// The change ds between two given ends.
     ///
-    /// A bubble that grows speeds up the early Gauss point and slows down the late one. Friction at the late one therefore works against
-    /// it, as inertia does, but at the early one with it: where it bends sharply the equation turns back there, and an update
-    /// may lead the wrong way. It is then repeated without the early friction's derivative, and so goes the right way, if not as fast.
+    /// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point therefore works against it,
+    /// as inertia does, but friction at the early point works for it: where friction bends sharply, the equation turns back, and an update
+    /// may lead the wrong way. It is then repeated without the derivative of the early friction, which leads the right way, if less
+    /// quickly.
     fn between_ends(&self) -> Result<[R; N], SolveError> {
         let right = self.left.bubble.map(|r| -r);
         let Some(BubbleDerivatives { bubble_s: matrix, .. }) = self.linearised.bubble.as_ref().first() else {
@@ -168,7 +168,7 @@ where
 {
     type Error = StepError<R>;
 
-    /// Evaluates the equations and their matrix: the evaluation that measures one update is the one that makes the next.
+    /// Evaluates the equations and their matrix: the evaluation that measures one update also serves the next.
     #[inline(always)]
     fn residual(&mut self) -> R {
         self.linearised = self.interval.linearise_without_l_qq(self.system);
@@ -193,10 +193,10 @@ where
     }
 }
 
-/// (dw, ds).
+/// An update (dw, ds).
 type Update<R, const N: usize> = ([R; N], [R; N]);
 
-/// What is left of the two equations of a step.
+/// Residuals of the two equations of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Residual<R, const N: usize> {
     pub momentum: [R; N],
@@ -209,9 +209,9 @@ impl<R: Real, const N: usize> Residual<R, N> {
     }
 }
 
-/// What a step starts from: p₀, and what is added to its two equations: the rounding of p₀ and what Newton's method left of
-/// the step before. Taken up one step later, neither adds up; lost, it has the sign of the force at every step, and over
-/// 10⁶ steps in f32 the energy drifts.
+/// Starting data of a step: p₀, and additions to the two equations: the rounding error of p₀, and the residual that Newton's method left in
+/// the step before. Carried over to the next step, these errors do not add up; dropped, they have the sign of the force at every step, and
+/// over 10⁶ steps in f32 the energy drifts.
 pub(super) struct Target<R, const N: usize> {
     pub p0: [R; N],
     pub left: Residual<R, N>,

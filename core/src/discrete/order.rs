@@ -20,7 +20,7 @@ impl Order {
         }
     }
 
-    /// The order of that number, where there is one.
+    /// The order with the given number, if there is one.
     pub const fn from_number(number: u8) -> Option<Self> {
         match number {
             2 => Some(Self::Two),

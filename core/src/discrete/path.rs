@@ -5,20 +5,20 @@ use core::fmt::Debug;
 /// A Gauss point of the unit interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussPoint<S> {
-    /// c, between 0 and 1.
+    /// Position c, between 0 and 1.
     pub c: S,
-    /// b; the weights of a path sum to 1.
+    /// Weight b; the weights of a path sum to 1.
     pub weight: S,
 }
 
 impl<S: Scalar> GaussPoint<S> {
-    /// β(c) = 4c(1 − c), the bubble.
+    /// Bubble β(c) = 4c(1 − c).
     #[inline(always)]
     pub fn bubble(&self) -> S {
         S::constant(4.0) * self.c * (S::one() - self.c)
     }
 
-    /// Whether it lies in the first half of the step, where γ > 0.
+    /// Whether the point lies in the first half of the step, where γ > 0.
     #[inline(always)]
     pub(super) fn is_early(&self) -> bool
     where
@@ -27,7 +27,7 @@ impl<S: Scalar> GaussPoint<S> {
         self.bubble_rate() > S::zero()
     }
 
-    /// γ(c) = β′ = 4(1 − 2c).
+    /// Rate of the bubble, γ(c) = β′ = 4(1 − 2c).
     #[inline(always)]
     pub fn bubble_rate(&self) -> S {
         S::constant(4.0) * (S::one() - (self.c + self.c))
@@ -40,15 +40,15 @@ pub trait Path: Copy {
     const ORDER: Order;
     /// Whether the path has a bubble.
     const BUBBLE: bool;
-    /// What is kept for the bubble: one of it, or none where there is no bubble.
+    /// Container for data of the bubble: one item, or none for a path without a bubble.
     type Bubbles<T: Copy + Debug>: Copy + Debug + AsRef<[T]> + AsMut<[T]>;
     /// The Gauss points.
     fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]>;
-    /// `value` for the bubble, where there is one.
+    /// Wraps `value` for the bubble, if there is one.
     fn bubbles<T: Copy + Debug>(value: T) -> Self::Bubbles<T>;
 }
 
-/// A straight path, the action taken at its midpoint: order 2.
+/// A straight path, with the action taken at its midpoint: order 2.
 #[derive(Clone, Copy, Debug)]
 pub struct Midpoint;
 
@@ -68,7 +68,7 @@ impl Path for Midpoint {
     }
 }
 
-/// A quadratic path, the action summed over two Gauss points: order 4.
+/// A quadratic path, with the action summed over two Gauss points: order 4.
 #[derive(Clone, Copy, Debug)]
 pub struct Galerkin;
 
@@ -79,8 +79,8 @@ impl Path for Galerkin {
 
     #[inline(always)]
     fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]> {
-        // ½ ± √3/6. The first is 1 − c of the second, which is exact: the two mirror each other in every scalar, and D₁L_d
-        // and D₂L_d remain the derivatives of one function (else the energy drifts, by 1e-10 J a step in f32).
+        // ½ ± √3/6. The first c is exactly 1 minus the second: the points mirror each other in every scalar, and D₁L_d and D₂L_d remain
+        // derivatives of one function (else the energy drifts, by 1e-10 J per step in f32).
         let late = S::constant(0.788_675_134_594_812_9);
         let point = |c| GaussPoint { c, weight: S::constant(0.5) };
         [point(S::one() - late), point(late)]

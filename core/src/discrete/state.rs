@@ -4,22 +4,22 @@ use crate::lagrangian::Lagrangian;
 use crate::linear;
 use crate::scalar::{Compensated, Real, all_finite};
 
-/// Steps that the initial guess extrapolates from.
+/// Number of steps from which the initial guess extrapolates.
 const HISTORY: usize = 3;
 
-/// Where a discrete trajectory is: position and momentum, both summed with compensation, and the last increments.
+/// State of a discrete trajectory: position and momentum, both summed with compensation, and the last increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<R, const N: usize> {
     q: [Compensated<R>; N],
     p: [Compensated<R>; N],
-    /// Increment and bubble of the last steps, newest first; the first `known` are real.
+    /// Increment and bubble of the last steps, newest first; only the first `known` are real.
     history: [Increment<R, N>; HISTORY],
     known: u8,
-    /// What Newton's method left of the last step's equations.
+    /// Residual that Newton's method left in the last step.
     left: Residual<R, N>,
 }
 
-/// w and s of a step.
+/// Increment w and bubble s of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Increment<R, const N: usize> {
     w: [R; N],
@@ -27,12 +27,12 @@ struct Increment<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> State<R, N> {
-    /// Position q and velocity v; p = L_v(q, v). An error where a number is not finite.
+    /// Creates a state at position q with velocity v; p = L_v(q, v). An error if a number is not finite.
     pub fn new<L: Lagrangian<R, N>>(lagrangian: &L, q: [R; N], v: [R; N]) -> Result<Self, StepError<R>> {
         Self::with_momentum(q, lagrangian.linearization(&q, &v).l_v, v)
     }
 
-    /// Position q, momentum p, and a guess of the next increment (about the velocity). An error where a number is not
+    /// Creates a state from position q, momentum p, and a guess of the next increment (about the velocity). An error if a number is not
     /// finite.
     pub fn with_momentum(q: [R; N], p: [R; N], w: [R; N]) -> Result<Self, StepError<R>> {
         let (q, p) = (q.map(Compensated::new), p.map(Compensated::new));
@@ -41,8 +41,8 @@ impl<R: Real, const N: usize> State<R, N> {
         Ok(Self { q, p, history, known: 1, left: Residual::zero() })
     }
 
-    /// A state of which nothing is known: position and momentum are not numbers, and every step is refused.
-    // Once a program: small rather than fast.
+    /// Creates an unknown state: position and momentum are NaN, and every step is refused.
+    // Called once per program: small rather than fast.
     #[inline(never)]
     pub(crate) fn unknown() -> Self {
         let unknown = [Compensated::new(R::constant(f64::NAN)); N];
@@ -50,38 +50,38 @@ impl<R: Real, const N: usize> State<R, N> {
         Self { q: unknown, p: unknown, history, known: 1, left: Residual::zero() }
     }
 
-    /// q.
+    /// Position q, m or rad.
     pub fn q(&self) -> [R; N] {
         self.q.map(|q| q.value())
     }
 
-    /// p.
+    /// Momentum p, kg m/s or kg m²/s.
     pub fn p(&self) -> [R; N] {
         self.p.map(|p| p.value())
     }
 
-    /// v = M⁻¹p, T being taken as ½vᵀM(q)v.
+    /// Velocity v = M⁻¹p, with T taken as ½vᵀM(q)v.
     ///
     /// # Errors
-    /// [`StepError::Singular`] where M is, [`StepError::NotFinite`] where a number of it is not finite.
+    /// [`StepError::Singular`] if M is singular, [`StepError::NotFinite`] if one of its numbers is not finite.
     pub fn velocity<L: Lagrangian<R, N>>(&self, lagrangian: &L) -> Result<[R; N], StepError<R>> {
         let mass = lagrangian.linearization(&self.q(), &[R::zero(); N]).l_vv;
         Ok(linear::solve(mass, self.p())?)
     }
 
-    /// What the next step starts from.
+    /// Starting data of the next step.
     pub(super) fn target(&self) -> Target<R, N> {
         let Residual { momentum, bubble } = self.left;
         let momentum = core::array::from_fn(|i| self.p[i].carry() + momentum[i]);
         Target { p0: self.p(), left: Residual { momentum, bubble } }
     }
 
-    /// The last increment (q_k − q_{k−1})/h, or the guess the state was made with.
+    /// The last increment (q_k − q_{k−1})/h, or the guess with which the state was created.
     pub fn last_increment(&self) -> [R; N] {
         self.history[0].w
     }
 
-    /// The next path, its increment and bubble extrapolated by the polynomials through the last ones.
+    /// Guess of the next path: increment and bubble extrapolated by the polynomials through the last ones.
     pub(super) fn initial_guess<P: Path>(&self, h: R, u: &Control<R, N>) -> Interval<R, P, N> {
         let [a, b, c] = &self.history;
         let w = core::array::from_fn(|i| self.extrapolated(a.w[i], b.w[i], c.w[i]));
@@ -98,7 +98,7 @@ impl<R: Real, const N: usize> State<R, N> {
         }
     }
 
-    /// Goes one step on; on error the state is what it was.
+    /// Advances by one step; an error leaves the state unchanged.
     pub(super) fn advance<P: Path>(&mut self, h: R, solved: &Solved<R, P, N>) -> Result<(), StepError<R>> {
         let (w, s) = (solved.interval.increment(), solved.interval.bubble());
         let q = core::array::from_fn(|i| self.q[i].plus(h * w[i]));
@@ -112,7 +112,7 @@ impl<R: Real, const N: usize> State<R, N> {
         Ok(())
     }
 
-    /// An error where a number is not finite.
+    /// Checks that all numbers are finite.
     #[inline(always)]
     fn checked(q: &[Compensated<R>; N], p: &[Compensated<R>; N], w: &[R; N]) -> Result<(), StepError<R>> {
         let finite = [q, p].iter().all(|sums| all_finite(&sums.map(|sum| sum.value())));

@@ -10,7 +10,7 @@ pub struct Control<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Control<R, N> {
-    /// The same force at both ends (zero-order hold).
+    /// Held control: one force at both ends (zero-order hold).
     pub const fn held(u: [R; N]) -> Self {
         Self { start: u, end: u }
     }

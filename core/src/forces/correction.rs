@@ -6,13 +6,13 @@ use crate::linear::Matrix;
 use crate::network::{Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 
-/// A potential V_c(q) of a few coordinates from a network, beside that of the Lagrangian: Q = −∂V_c/∂q, N or N m. It corrects
-/// what the energies lack: a cable, a spring, the ripple of a drive.
+/// A potential V_c(q) of a few coordinates from a network, beside the potential of the Lagrangian: Q = −∂V_c/∂q, N or N m. It corrects what
+/// the energies lack: a cable, a spring, the ripple of a drive.
 ///
-/// It is a force like others, so that every family has it, and none pays for it that has it not. A step takes forces in where
-/// it takes L_q in, so that it is the variational step of L − V_c. [`Forces::potential`] is V_c, J.
+/// It is a force like all laws, so every family can have it, and models without it pay nothing. A step uses forces wherever it uses L_q, so
+/// it remains the variational step of L − V_c. [`Forces::potential`] is V_c, J.
 ///
-/// The network gets the positions of the coordinates that it sees: lengths, then the cosines of all angles, then their sines. At
+/// Inputs of the network are the positions of the seen coordinates: lengths, then the cosines of all angles, then their sines. It has at
 /// most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
 pub struct PotentialCorrection<'a, W, const N: usize, const H: usize, const L: usize> {
@@ -33,11 +33,11 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize>
         Self { of: None }
     }
 
-    /// Takes the network from the front of `block`. `None` where the block is too short, or the network has not the inputs and the
-    /// one output that it needs.
+    /// Takes the network from the front of `block`. `None` if the block is too short, or the network does not have the required inputs and
+    /// one output.
     ///
     /// # Errors
-    /// [`SizeError`] where the network has more than `L` hidden layers or `H` units in one.
+    /// [`SizeError`] if the network has more than `L` hidden layers or `H` units in a layer.
     pub fn take(block: &mut &'a [W], seen: Seen<N>, shape: &NetworkShape) -> Result<Option<Self>, SizeError> {
         shape.check_size::<H, L>()?;
         let network = if shape.serves(seen.features(), 1) { shape.take(block) } else { None };
@@ -66,7 +66,7 @@ impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting<'_,
         features.adjoint(slots, &[]).map(|slope| slope.value)
     }
 
-    /// ∂²V_c/∂q²: the network's part, and the features'.
+    /// ∂²V_c/∂q²: the part of the network, and the part of the features.
     #[inline(never)]
     fn hessian<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> Matrix<S, N> {
         let features = Features::new(self.seen.kinds(), q);

@@ -2,16 +2,16 @@ use super::{Forces, smaller};
 use crate::linear::{Matrix, SolveError, diagonal, solve_many};
 use crate::scalar::{Real, Scalar};
 
-/// Dry friction of every coordinate, with a smooth sign and growing with the load:
-/// Q_i = −(c_i + c_load,i (√(τ_i² + τ_s,i²) − τ_s,i)) tanh(v_i/ε_i), N or N m.
+/// Dry friction of every coordinate, with a smooth sign and growing with the load: Q_i = −(c_i + c_load,i (√(τ_i² + τ_s,i²) − τ_s,i))
+/// tanh(v_i/ε_i), N or N m.
 ///
-/// It only dissipates, v·Q ≤ 0. It does not stick: below ε a coordinate under a constant force creeps. True stiction is a
-/// set-valued law, out of reach of a smooth solver.
+/// It only dissipates, v·Q ≤ 0, and does not stick: below ε a coordinate creeps under a constant force. True stiction is a set-valued law,
+/// out of reach of a smooth solver.
 ///
-/// A step of order 2 sees the friction at the mean velocity, and so turns v into v(1 − a)/(1 + a) near v = 0, with
-/// a = h c (M⁻¹)_ii/(2ε): beyond a = 1 the velocity (not the increment) changes its sign at every step, and it dies out
-/// more slowly the larger a is. [`Coulomb::stiffness`] is a; keep it at most 1 (3 at order 4) by a shorter step or a larger
-/// width. Energy is lost whatever a is: see [`crate::discrete`].
+/// A step of order 2 sees the friction at the mean velocity, and so turns v into v(1 − a)/(1 + a) near v = 0, with a = h c (M⁻¹)_ii/(2ε):
+/// for a > 1 the velocity (not the increment) changes its sign at every step, and the larger a is, the more slowly it decays.
+/// [`Coulomb::stiffness`] computes a; keep it at most 1 (3 at order 4) by a shorter step or a larger width. Energy is lost for any a: see
+/// [`crate::discrete`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb<S, const N: usize> {
     /// The friction of each coordinate.
@@ -21,13 +21,13 @@ pub struct Coulomb<S, const N: usize> {
 /// Dry friction of one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DryFriction<S> {
-    /// c ≥ 0, the friction at no load, N or N m.
+    /// Friction c ≥ 0 at no load, N or N m.
     pub constant: S,
-    /// 0 ≤ c_load < 1, by how much friction grows with the load.
+    /// Growth of friction with the load, 0 ≤ c_load < 1.
     pub load: S,
-    /// τ_s > 0, the load below which it hardly grows, N or N m.
+    /// Load τ_s > 0 below which friction hardly grows, N or N m.
     pub smoothing: S,
-    /// ε > 0, the width of the change of sign, m/s or rad/s.
+    /// Width ε > 0 of the change of sign, m/s or rad/s.
     pub width: S,
 }
 
@@ -43,7 +43,7 @@ impl<S: Scalar> DryFriction<S> {
         (v / self.width).tanh()
     }
 
-    /// √(τ² + τ_s²), not below τ_s where squares vanish.
+    /// √(τ² + τ_s²), at least τ_s even if the squares underflow.
     #[inline(always)]
     fn smooth_load(&self, tau: S) -> S {
         (tau * tau + self.smoothing * self.smoothing).sqrt().max(self.smoothing)
@@ -74,11 +74,11 @@ impl<S: Scalar> DryFriction<S> {
 }
 
 impl<R: Real> DryFriction<R> {
-    /// The τ with τ + Q(v, τ) = `total`.
+    /// Solves τ + Q(v, τ) = `total` for τ.
     ///
-    /// With k = c_load tanh(v/ε), ρ = total + c tanh(v/ε) and σ = ρ − kτ_s it is τ = σ + k√(τ² + τ_s²), and squared
-    /// (1 − k²)τ² − 2στ + σ² − k²τ_s² = 0. Of its roots (σ ± kr)/(1 − k²), r = √(σ² + (1 − k²)τ_s²), the one with + is meant;
-    /// where kσ < 0 it is written ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots over the other, so that nothing cancels.
+    /// With k = c_load tanh(v/ε), ρ = total + c tanh(v/ε) and σ = ρ − kτ_s, the equation is τ = σ + k√(τ² + τ_s²), squared (1 − k²)τ² − 2στ
+    /// + σ² − k²τ_s² = 0. Its roots are (σ ± kr)/(1 − k²) with r = √(σ² + (1 − k²)τ_s²); the root with + is the solution. If kσ < 0 it is
+    /// computed as ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots over the other root, so nothing cancels.
     fn control(&self, v: R, total: R) -> R {
         let direction = self.direction(v);
         let (k, rho, s) = (self.load * direction, total + self.constant * direction, self.smoothing);
@@ -91,8 +91,9 @@ impl<R: Real> DryFriction<R> {
         }
     }
 
-    /// tanh(v/ε) is convex on one side of 0 and concave on the other: Newton's method converges from 0 itself, but may jump to
-    /// and fro between the flat parts on both sides. So a change of sign from beyond half the width ends at 0.
+    /// Cuts a change of velocity short at 0. tanh(v/ε) is convex on one side of 0 and concave on the other: Newton's method converges from
+    /// 0 itself, but may jump back and forth between the flat parts on both sides. A change of sign from beyond half the width therefore
+    /// ends at 0.
     fn trusted_part(&self, v: R, dv: R) -> R {
         let acts = self.constant + self.load > R::zero();
         let turns = (v > R::zero()) != (v + dv > R::zero());
@@ -108,10 +109,10 @@ impl<S: Scalar, const N: usize> Coulomb<S, N> {
 }
 
 impl<R: Real, const N: usize> Coulomb<R, N> {
-    /// a_i = h c_i (M⁻¹)_ii/(2ε_i) at the load τ, c_i with what it grew by: how stiff friction is for steps of h seconds.
+    /// a_i = h c_i (M⁻¹)_ii/(2ε_i) at the load τ, with c_i as grown by the load: the stiffness of friction for steps of h seconds.
     ///
     /// # Errors
-    /// Where M is singular, or a number is not finite.
+    /// [`SolveError`] if M is singular or a number is not finite.
     pub fn stiffness(&self, h: R, mass: Matrix<R, N>, tau: &[R; N]) -> Result<[R; N], SolveError> {
         let inverse = solve_many(mass, diagonal([R::one(); N]))?;
         Ok(core::array::from_fn(|i| {
@@ -131,7 +132,7 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Coulomb<S, N> {
         force
     }
 
-    /// Like the force a loop without closures, which is inlined: a step then computes tanh once for both.
+    /// Loops without closures, like `force`, and is inlined: a step then computes tanh once for both.
     #[inline(always)]
     fn derivatives(&self, _: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         let (zero, mut slopes) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);

@@ -6,12 +6,12 @@ use crate::linear::Matrix;
 use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
 
-/// Dissipation of a few coordinates from a network: Q = −D v with D(q, v) = LLᵀ, so that v·Q = −|Lᵀv|² ≤ 0 whatever the network
-/// gives. It expresses friction that depends on the position, falls before it rises (Stribeck), or couples coordinates.
+/// Dissipation of a few coordinates from a network: Q = −D v with D(q, v) = LLᵀ, so v·Q = −|Lᵀv|² ≤ 0 whatever the network returns. It
+/// expresses friction that depends on the position, falls before it rises (Stribeck), or couples coordinates.
 ///
-/// Of the m coordinates that it sees, the network gets the positions as features (lengths, then the cosines of all angles,
-/// then their sines) and then the velocities, each divided by a scale s > 0, m/s or rad/s. Its m(m + 1)/2 outputs are L row by
-/// row, lower triangular: N s/m or N m s/rad under the root. It does not stick: Q = 0 at rest.
+/// Inputs of the network, for the m coordinates that it sees, are the positions as features (lengths, then the cosines of all angles, then
+/// their sines) and then the velocities, each divided by a scale s > 0, m/s or rad/s. The m(m + 1)/2 outputs are L row by row, lower
+/// triangular, √(N s/m) or √(N m s/rad). It does not stick: Q = 0 at rest.
 ///
 /// At most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
@@ -35,11 +35,11 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Dissip
         Self { of: None }
     }
 
-    /// Takes the scales of the velocities and the network from the front of `block`. `None` where the block is too short, or
-    /// the network has not the inputs and outputs that it needs.
+    /// Takes the scales of the velocities and the network from the front of `block`. `None` if the block is too short, or the network does
+    /// not have the required inputs and outputs.
     ///
     /// # Errors
-    /// [`SizeError`] where the network has more than `L` hidden layers or `H` units in one.
+    /// [`SizeError`] if the network has more than `L` hidden layers or `H` units in a layer.
     pub fn take(block: &mut &'a [W], seen: Seen<N>, shape: &NetworkShape) -> Result<Option<Self>, SizeError> {
         shape.check_size::<H, L>()?;
         Ok(Acting::take(block, seen, shape).map(|of| Self { of: Some(of) }))
@@ -57,7 +57,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting
         Some(Self { seen, scales, network: shape.take(block)? })
     }
 
-    /// Visits the entries of L with the coordinate of their row and with their column.
+    /// Visits the entries of L, each with the coordinate of its row and with its column.
     #[inline(always)]
     fn each_entry<S: Scalar, const T: usize>(
         &self,
@@ -72,7 +72,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting
         }
     }
 
-    /// Q with its tangents, from the features of the positions and the velocities with theirs.
+    /// Q with tangents, from the features of the positions and from the velocities, both with tangents.
     #[inline]
     fn force<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
@@ -104,7 +104,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting
         force
     }
 
-    /// (∂Q/∂q, ∂Q/∂v): one pass with the positions moving and one with the velocities.
+    /// (∂Q/∂q, ∂Q/∂v): one pass with moving positions and one with moving velocities.
     #[inline(never)]
     fn derivatives<S: Scalar<Weight = W::Wide>>(
         &self,

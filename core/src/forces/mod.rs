@@ -1,11 +1,11 @@
-//! Generalised forces that no potential gives: friction and damping, with their derivatives, and the actuator between a
-//! command and the force that acts.
+//! Generalised forces beside the Lagrangian: friction, damping and corrections with their derivatives, and the actuator between a command
+//! and the acting force.
 //!
-//! The equation of motion is M v̇ = L_q − L_vq v + τ + Q(q, v, τ). τ is the control force at the actuator's output, which the
-//! solvers are given; [`Actuator`] makes it from the commands u. Q may see it: friction grows with the load.
+//! The equation of motion is M v̇ = L_q − L_vq v + τ + Q(q, v, τ). τ is the control force at the actuator's output, an input of the
+//! solvers; [`Actuator`] computes it from the commands u. Q may depend on τ: friction grows with the load.
 //!
-//! Several laws act together as a pair `(A, B)`, which is a law again: Q = Q_A + Q_B. Beside friction with a formula there are
-//! networks that correct: [`Dissipation`], which only takes energy away, and [`PotentialCorrection`], which only stores it.
+//! Several laws act together as a pair `(A, B)`, which is again a law: Q = Q_A + Q_B. Beside friction by formula there are corrections by
+//! networks: [`Dissipation`], which only takes energy away, and [`PotentialCorrection`], which only stores it.
 
 mod actuator;
 mod control;
@@ -30,24 +30,24 @@ use crate::scalar::{Real, Scalar};
 
 /// A force Q(q, v, τ) beside the control force τ, with its derivatives.
 ///
-/// Signs are those of a force: damping opposes v. Evaluation cannot fail: where the numbers leave the range of S the result
-/// is not finite, and the solvers say so.
+/// Signs are those of a force: damping opposes v. Evaluation cannot fail: if numbers leave the range of S, the result is not finite, and
+/// the solvers report it.
 pub trait Forces<S: Scalar, const N: usize> {
     /// Q, N or N m.
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N];
-    /// (∂Q/∂q, ∂Q/∂v), entry \[i\]\[j\] = ∂Q_i/∂x_j: what Newton's method needs of a step, in which τ is given.
+    /// (∂Q/∂q, ∂Q/∂v), entry \[i\]\[j\] = ∂Q_i/∂x_j: used by Newton's method in a step, where τ is given.
     fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>);
-    /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: what inverse dynamics needs, in which τ is the unknown.
+    /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: used by inverse dynamics, where τ is the unknown.
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N>;
 
-    /// The potential energy that it stores, J: of a force Q = −∂V/∂q its V, 0 of others.
+    /// Potential energy that the force stores, J: V of a force Q = −∂V/∂q, 0 of any other force.
     #[inline(always)]
     fn potential(&self, _q: &[S; N]) -> S {
         S::zero()
     }
 
-    /// A τ with τ + Q(q, v, τ) = `total`, from which inverse dynamics starts: total − Q(q, v, 0), which is exact where Q does not
-    /// see τ. A law that does has the solution for itself, and together with laws that do not see τ it remains exact.
+    /// A τ with τ + Q(q, v, τ) = `total`, from which inverse dynamics starts: total − Q(q, v, 0), which is exact if Q does not depend on τ.
+    /// A law that does depend on τ returns its own solution, which stays exact beside laws that do not.
     fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
     where
         S: Real,
@@ -55,8 +55,8 @@ pub trait Forces<S: Scalar, const N: usize> {
         add_scaled(total, -S::one(), &self.force(q, v, &[S::zero(); N]))
     }
 
-    /// The part of a change dv of the velocity, in (0, 1], after which Newton's method looks again: 1, but for a law that
-    /// bends so sharply that its derivatives would lead past the solution for ever.
+    /// The part of a change dv of the velocity, in (0, 1], after which Newton's method evaluates again: 1, except for a law that bends so
+    /// sharply that its derivatives would overshoot the solution forever.
     #[inline(always)]
     fn trusted_part(&self, _v: &[S; N], _dv: &[S; N]) -> S
     where
@@ -66,7 +66,7 @@ pub trait Forces<S: Scalar, const N: usize> {
     }
 }
 
-/// The smaller of two numbers; `a` where `b` is none.
+/// The smaller of two numbers; `a` if `b` is NaN.
 #[inline(always)]
 fn smaller<R: Real>(a: R, b: R) -> R {
     if b < a { b } else { a }
@@ -106,17 +106,17 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
     }
 }
 
-/// A Lagrangian with the forces that act beside it: what the solvers step.
+/// A Lagrangian and the forces beside it: the system that the solvers step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct System<L, F> {
     /// L = T − V.
     pub lagrangian: L,
-    /// Q beside the control force.
+    /// Forces Q beside the control force.
     pub forces: F,
 }
 
 impl<L, F> System<L, F> {
-    /// T and V, J, with the potentials that forces store.
+    /// T and V, J, including the potentials that forces store.
     pub fn energies<S: Scalar, const N: usize>(&self, q: &[S; N], v: &[S; N]) -> Energies<S>
     where
         L: Lagrangian<S, N>,

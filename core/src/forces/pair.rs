@@ -25,7 +25,7 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
         self.0.potential(q) + self.1.potential(q)
     }
 
-    /// Each in turn, the other's force taken away: exact where at most one of them sees τ, whichever it is.
+    /// Solves for each law in turn with the other's force subtracted: exact if at most one of the two depends on τ.
     fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
     where
         S: Real,

@@ -2,21 +2,21 @@ use crate::energy::SizeError;
 use crate::energy::inertia_network::{Coordinate, feature_count};
 use crate::expected::expected;
 
-/// The coordinates that the network of a law sees and acts on, of N: a few of them, in order.
+/// Coordinates, out of N, that the network of a law sees and acts on: a few, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Seen<const N: usize> {
-    /// How their positions enter; those that are not seen are [`Coordinate::Cyclic`].
+    /// Kinds of the seen coordinates; unseen ones are [`Coordinate::Cyclic`].
     kinds: [Coordinate; N],
-    /// Their numbers, in front.
+    /// Indices of the seen coordinates, at the front.
     coordinates: [u8; N],
     count: usize,
 }
 
 impl<const N: usize> Seen<N> {
-    /// Coordinates by their kinds, `None` for one that is not seen; those behind the last kind are not seen either.
+    /// Creates the list from the kind of every coordinate, `None` for an unseen one; coordinates after the last kind are unseen, too.
     ///
     /// # Errors
-    /// [`SizeError`] where there are more kinds than N.
+    /// [`SizeError`] if there are more than N kinds.
     pub fn new(kinds: impl IntoIterator<Item = Option<Coordinate>>) -> Result<Self, SizeError> {
         let mut seen = Self { kinds: [Coordinate::Cyclic; N], coordinates: [0; N], count: 0 };
         let mut found = 0;
@@ -34,25 +34,25 @@ impl<const N: usize> Seen<N> {
         Ok(seen)
     }
 
-    /// How positions enter.
+    /// Kinds of the coordinates as network inputs.
     #[inline(always)]
     pub(super) fn kinds(&self) -> &[Coordinate; N] {
         &self.kinds
     }
 
-    /// Their number m.
+    /// Number m of seen coordinates.
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// What a network gets of their positions: one number a length, two an angle.
+    /// Number of position features for a network: one per length, two per angle.
     #[inline(always)]
     pub fn features(&self) -> usize {
         feature_count(&self.kinds)
     }
 
-    /// Their numbers in order.
+    /// Indices of the seen coordinates, in order.
     #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = usize> {
         expected(self.coordinates.get(..self.count), &[]).iter().map(|i| usize::from(*i))

@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 /// Linear viscous damping in every coordinate, Q_i = −c_i v_i, c_i ≥ 0 in N s/m or N m s/rad. All zero: no damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viscous<S, const N: usize> {
-    /// c.
+    /// Coefficients c.
     pub coefficients: [S; N],
 }
 

@@ -4,10 +4,10 @@ use crate::scalar::Scalar;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// The smooth functions that hidden units apply to their input z.
+/// Smooth functions that hidden units apply to their input z.
 ///
-/// Derivatives are exact. `Squareplus` and `Isru` need only a square root, which a floating-point unit has; they
-/// square z, so |z| must stay below the root of the largest number (1.8e19 in f32), beyond which their slope is 0.
+/// Derivatives are exact. `Squareplus` and `Isru` need only a square root, which a floating-point unit has. They square z, so |z| must stay
+/// below the root of the largest number (1.8e19 in f32); beyond it their slope is 0.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activation {
@@ -50,7 +50,7 @@ impl Activation {
         }
     }
 
-    /// σ‴(z), from z and the curve there.
+    /// σ‴(z), from z and the curve at z.
     #[inline(always)]
     pub fn third<S: Scalar>(self, z: S, c: &Curve<S>) -> S {
         let minus_two = S::constant(-2.0);
@@ -96,7 +96,7 @@ impl Activation {
         tangents.iter_mut().for_each(|rates| scale(rates, slopes));
     }
 
-    /// Writes σ(z) with its tangents into `units` and σ″(z) into `curvatures`; of z the tangents stay and the value becomes σ′(z).
+    /// Writes σ(z) with its tangents into `units` and σ″(z) into `curvatures`; in `z` the tangents stay, and the values become σ′(z).
     #[inline(always)]
     pub(super) fn apply_second_order<S: Scalar, const T: usize, const H: usize>(
         self,
@@ -114,8 +114,8 @@ impl Activation {
         }
     }
 
-    /// Replaces every z by σ(z), and writes σ′(z) into `slopes` and, as far as it reaches, σ″(z) into `curvatures`. A function of
-    /// its own: there is one copy for any number of tangents.
+    /// Replaces every z by σ(z), and writes σ′(z) into `slopes` and, up to its length, σ″(z) into `curvatures`. A separate function, so one
+    /// copy serves any number of tangents.
     #[inline(never)]
     fn curves<S: Scalar>(self, z: &mut [S], slopes: &mut [S], curvatures: &mut [S]) {
         match self {
@@ -128,7 +128,7 @@ impl Activation {
     }
 }
 
-/// ln(1 + e^z) of N numbers with their tangents, and σ′ with its tangents.
+/// Softplus ln(1 + e^z) of N numbers with their tangents, and σ′ with its tangents.
 pub(crate) fn softplus_jets<S: Scalar, const T: usize, const N: usize>(
     z: &[Jet<S, T>; N],
 ) -> [[Jet<S, T>; N]; 2] {
@@ -142,13 +142,13 @@ pub(crate) fn softplus_jets<S: Scalar, const T: usize, const N: usize>(
     both
 }
 
-/// Number of units that σ is applied to side by side, where there are vector registers.
+/// Number of units to which σ is applied side by side, if there are vector registers.
 const BLOCK: usize = 8;
 
 #[inline(always)]
 fn curves<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &mut [S], slopes: &mut [S], curvatures: &mut [S]) {
     let mut done = 0;
-    // Where code size matters more, one loop serves all lengths.
+    // One loop serves all lengths if code size matters more.
     if !S::COMPONENTWISE {
         let (z, slopes) = (z.as_chunks_mut().0, slopes.as_chunks_mut().0);
         for (z, slopes) in z.iter_mut().zip(slopes) {
@@ -166,7 +166,7 @@ fn curves<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &mut [S], slopes: &mut [S
     }
 }
 
-/// A full block has a length that the compiler knows and arrays of its own, so it becomes vector instructions.
+/// Applies σ to a full block: its length is known to the compiler and it has its own arrays, so it becomes vector instructions.
 #[inline(always)]
 fn block<S: Scalar>(
     sigma: impl Fn(S) -> Curve<S>,
@@ -186,7 +186,7 @@ fn block<S: Scalar>(
     }
 }
 
-/// As [`slice::copy_from_slice`], which would panic where the lengths differ.
+/// Copies like [`slice::copy_from_slice`], which would panic if the lengths differ.
 #[inline(always)]
 fn copy<S: Copy>(x: &mut [S], y: &[S]) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x = *y);

@@ -3,9 +3,9 @@ use crate::scalar::{Scalar, WeightFormat};
 
 /// A fully connected layer y = Wx + b over borrowed weights.
 ///
-/// Weights lie in *panels*, so that both the product and its transpose read them once, in order: outputs are taken eight
-/// at a time, then four, then one; a panel of P outputs holds, input by input, the P weights of that input. Every output
-/// is the sum ((b + w₀x₀) + w₁x₁) + … in this order, on every target and at every vector width.
+/// Weights lie in *panels*, so both the product and its transpose read them once, in order. Outputs are taken eight at a time, then four,
+/// then one; a panel of P outputs holds, input by input, the P weights of that input. Every output is the sum ((b + w₀x₀) + w₁x₁) + … in
+/// this order, on every target and at every vector width.
 #[derive(Clone, Copy, Debug)]
 pub struct Dense<'a, W> {
     pub(super) weights: &'a [W],
@@ -14,7 +14,7 @@ pub struct Dense<'a, W> {
 }
 
 impl<'a, W: WeightFormat> Dense<'a, W> {
-    /// Numbers that a layer of this shape takes from the weight block.
+    /// Length of a layer of this shape in the weight block, in numbers.
     pub const fn parameters(inputs: usize, outputs: usize) -> Option<usize> {
         match inputs.checked_add(1) {
             Some(columns) => columns.checked_mul(outputs),
@@ -22,8 +22,8 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         }
     }
 
-    /// Takes the layer from the front of `block`: its weights in panels, then its biases; the rest is left in `block`.
-    /// `None` where the block is too short.
+    /// Takes the layer from the front of `block`, its weights in panels and then its biases, and leaves the rest there. `None` if the block
+    /// is too short.
     pub fn take(block: &mut &'a [W], inputs: usize, outputs: usize) -> Option<Self> {
         let (weights, rest) = block.split_at_checked(inputs.checked_mul(outputs)?)?;
         let (bias, rest) = rest.split_at_checked(outputs)?;
@@ -31,17 +31,17 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         Some(Self { weights, bias, inputs })
     }
 
-    /// Inputs.
+    /// Number of inputs.
     pub fn inputs(&self) -> usize {
         self.inputs
     }
 
-    /// Outputs.
+    /// Number of outputs.
     pub fn outputs(&self) -> usize {
         self.bias.len()
     }
 
-    /// Numbers of the layer in the weight block.
+    /// Length of the layer in the weight block, in numbers.
     pub fn len(&self) -> usize {
         self.weights.len() + self.bias.len()
     }
@@ -51,7 +51,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         self.bias.is_empty()
     }
 
-    /// Where the weight from input `j` to output `i` lies in a layer's weights.
+    /// Index of the weight from input `j` to output `i` among a layer's weights.
     pub fn position(inputs: usize, outputs: usize, i: usize, j: usize) -> usize {
         let eights = outputs / 8 * 8;
         let fours = outputs / 4 * 4;
@@ -69,7 +69,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         self.forward_into(x, y);
     }
 
-    /// x̄ = Wᵀȳ and the same for every tangent of the adjoint; `x_bar` is overwritten.
+    /// x̄ = Wᵀȳ, for the value and every tangent of the adjoint; `x_bar` is overwritten.
     #[inline]
     pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,

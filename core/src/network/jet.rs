@@ -5,9 +5,9 @@ use crate::scalar::Scalar;
 /// `T` = 0 is a plain value, `T` = 1 carries one directional derivative, `T` = N a whole gradient or row of a Hessian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet<S, const T: usize> {
-    /// x.
+    /// Value x.
     pub value: S,
-    /// ẋ_k, the derivative along direction k.
+    /// Derivatives ẋ_k along directions k.
     pub tangent: [S; T],
 }
 
@@ -24,7 +24,7 @@ impl<S: Scalar, const T: usize> Jet<S, T> {
         Self { value, tangent: self.tangent.map(|x| slope * x) }
     }
 
-    /// The product rule: xy and ẋ_k y + x ẏ_k, for as many tangents as `self` has; `other` has at least as many.
+    /// The product rule: xy and ẋ_k y + x ẏ_k for every tangent of `self`; `other` has at least as many.
     #[inline(always)]
     pub fn times<const U: usize>(&self, other: &Jet<S, U>) -> Self {
         let mut product = Self { value: self.value * other.value, tangent: [S::zero(); T] };
@@ -40,13 +40,13 @@ impl<S: Scalar, const T: usize> Jet<S, T> {
         Self { value, tangent: [S::zero(); T] }
     }
 
-    /// The parameter t of a curve: its first derivative along the curve is 1, the others are 0.
+    /// The parameter t of a curve: its first derivative along the curve is 1, all higher ones are 0.
     #[inline(always)]
     pub fn parameter(t: S) -> Self {
         Self::series(t, [S::one()])
     }
 
-    /// f(t) along a curve, with as many of its derivatives as are carried; those that are not given are 0.
+    /// f(t) along a curve, with as many derivatives as the jet carries; missing derivatives are 0.
     #[inline(always)]
     pub fn series<const K: usize>(value: S, derivatives: [S; K]) -> Self {
         let mut series = Self::constant(value);
@@ -56,7 +56,7 @@ impl<S: Scalar, const T: usize> Jet<S, T> {
         series
     }
 
-    /// The vector x moving along its own N axes, which are the directions `first` to `first + N - 1`.
+    /// The vector x moving along its own N axes, as directions `first` to `first + N - 1`.
     #[inline(always)]
     pub fn along_axes<const N: usize>(x: &[S; N], first: usize) -> [Self; N] {
         let mut moving = x.map(Self::constant);
@@ -85,7 +85,7 @@ impl<S: Scalar, const T: usize> Jet<S, T> {
         self.chain(c * self.value, c)
     }
 
-    /// The value alone.
+    /// Drops the tangents.
     #[inline(always)]
     pub fn without_tangents(&self) -> Jet<S, 0> {
         Jet { value: self.value, tangent: [] }

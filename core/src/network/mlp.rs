@@ -11,8 +11,7 @@ pub struct Mlp<'a, W, const H: usize, const L: usize> {
     activation: Activation,
 }
 
-/// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer with tangents, for widths
-/// up to `H`.
+/// Record of a forward pass for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer, with tangents, for widths up to `H`.
 #[derive(Clone, Debug)]
 pub struct Tape<S, const T: usize, const H: usize, const L: usize> {
     units: [Units<S, T, H>; L],
@@ -25,12 +24,12 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape
     }
 }
 
-/// Vectors with tangents at one side of a layer: a network's own inputs or outputs, or the units of a hidden layer.
+/// Vectors with tangents on one side of a layer: a network's inputs or outputs, or the units of a hidden layer.
 #[derive(Debug)]
 pub(super) enum Vectors<'v, S, const T: usize, const H: usize> {
-    /// Of the network.
+    /// Inputs or outputs of the network.
     Jets(&'v [Jet<S, T>]),
-    /// Of a hidden layer.
+    /// Units of a hidden layer.
     Units(&'v Units<S, T, H>),
 }
 
@@ -43,8 +42,8 @@ impl<S, const T: usize, const H: usize> Clone for Vectors<'_, S, T, H> {
 impl<S, const T: usize, const H: usize> Copy for Vectors<'_, S, T, H> {}
 
 impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
-    /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
-    /// block is too short, there are more than `L` hidden layers, or one has more than `H` units.
+    /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` if the block is too short,
+    /// there are more than `L` hidden layers, or a layer has more than `H` units.
     pub fn take(
         block: &mut &'a [W],
         inputs: usize,
@@ -65,7 +64,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         Some(Self { hidden, output, activation })
     }
 
-    /// Numbers that such a network takes from the weight block; `None` on overflow.
+    /// Length of such a network in the weight block, in numbers; `None` on overflow.
     pub fn parameters(inputs: usize, widths: &[usize], outputs: usize) -> Option<usize> {
         let (mut fan_in, mut sum) = (inputs, 0usize);
         for width in widths.iter().chain([&outputs]) {
@@ -75,12 +74,12 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         Some(sum)
     }
 
-    /// Outputs.
+    /// Number of outputs.
     pub fn outputs(&self) -> usize {
         self.output.outputs()
     }
 
-    /// Numbers in the weight block.
+    /// Length in the weight block, in numbers.
     pub fn len(&self) -> usize {
         self.layers().map(Dense::len).sum()
     }
@@ -90,7 +89,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         self.len() == 0
     }
 
-    /// All layers, first to last.
+    /// All layers, in order.
     pub fn layers(&self) -> impl Iterator<Item = &Dense<'a, W>> {
         self.hidden.iter().flatten().chain([&self.output])
     }
@@ -100,7 +99,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         self.hidden.iter().flatten()
     }
 
-    /// Hidden layers.
+    /// Number of hidden layers.
     #[inline(always)]
     pub(super) fn depth(&self) -> usize {
         self.hidden().count()
@@ -116,7 +115,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         self.activation
     }
 
-    /// y(x) and its tangents along those of x; records on `tape` what [`Mlp::adjoint`] needs.
+    /// y(x) with tangents along those of x; records the data for [`Mlp::adjoint`] on `tape`.
     #[inline]
     pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
@@ -134,7 +133,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         self.output.forward_from(below, y);
     }
 
-    /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
+    /// y(x) with tangents along those of x, like [`Mlp::forward`] but without a tape.
     #[inline]
     pub fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
@@ -144,7 +143,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         self.evaluate_with(x, y, |units| self.activation.apply_forward(units));
     }
 
-    /// [`Mlp::evaluate`] with `apply` for the activation.
+    /// [`Mlp::evaluate`] with `apply` as the activation.
     #[inline(always)]
     pub(super) fn evaluate_with<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
@@ -164,7 +163,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         self.output.forward_from(below, y);
     }
 
-    /// x̄ = (∂y/∂x)ᵀȳ and its tangents: the tangents of ȳ, together with those on the tape, give the rows of a Hessian.
+    /// x̄ = (∂y/∂x)ᵀȳ with tangents: the tangents of ȳ, together with those on the tape, give the rows of a Hessian.
     ///
     /// `A` ≤ `T` tangents are carried (0: a plain gradient).
     #[inline]
@@ -188,7 +187,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     }
 }
 
-/// Layers inside a network.
+/// Products of layers inside a network.
 impl<W: WeightFormat> Dense<'_, W> {
     /// y = Wx + b.
     #[inline(always)]

@@ -1,7 +1,7 @@
-//! Products of a layer's weights with vectors that have tangents.
+//! Products of a layer's weights with vectors that carry tangents.
 //!
-//! A controller takes one component after the other ([`Scalar::COMPONENTWISE`]): it has registers for the sums of one vector, and
-//! one copy of the code serves any number of tangents. Elsewhere values and tangents share each weight that is read.
+//! A controller takes one component at a time ([`Scalar::COMPONENTWISE`]): its registers hold the sums of one vector, and one copy of the
+//! code serves any number of tangents. Elsewhere, values and tangents share each weight that is read.
 
 use super::units::{Panel, Sink, Source};
 use super::{Dense, Jet};
@@ -9,7 +9,7 @@ use crate::expected::expected;
 use crate::scalar::{Scalar, WeightFormat};
 
 impl<'a, W: WeightFormat> Dense<'a, W> {
-    /// y = Wx + b and ẏ_k = Wẋ_k; `y` has as many places as the layer has outputs.
+    /// y = Wx + b and ẏ_k = Wẋ_k; `y` has one place per output of the layer.
     #[inline(always)]
     pub(super) fn forward_into<S, const T: usize>(
         &self,
@@ -28,7 +28,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         rest.panels::<S, T, 1>(x, y);
     }
 
-    /// x̄ = Wᵀȳ and the same for every tangent of the adjoint; `x_bar` has as many places as the layer has inputs.
+    /// x̄ = Wᵀȳ, for the value and every tangent of the adjoint; `x_bar` has one place per input of the layer.
     #[inline(always)]
     pub(super) fn adjoint_into<S, const T: usize>(
         &self,
@@ -40,7 +40,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         self.by_components::<S, T, true>(y_bar, x_bar);
     }
 
-    /// Writes y = Wx + b, from x to y, one component after the other; with `ADJOINT` x̄ = Wᵀȳ, from ȳ to x̄.
+    /// Writes y = Wx + b, from x to y, one component at a time; with `ADJOINT`, x̄ = Wᵀȳ, from ȳ to x̄.
     #[inline(always)]
     fn by_components<S: Scalar<Weight = W::Wide>, const T: usize, const ADJOINT: bool>(
         &self,
@@ -50,7 +50,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         (0..=T).for_each(|k| self.component::<S, T, ADJOINT>(k, from, to));
     }
 
-    /// Component k of it. Rows are numbers of `to`, columns of `from`.
+    /// Component k of the product. Rows are indices of `to`, columns of `from`.
     #[inline(never)]
     fn component<S: Scalar<Weight = W::Wide>, const T: usize, const ADJOINT: bool>(
         &self,
@@ -83,16 +83,16 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
 
 /// The weights between some of a layer's outputs and some of its inputs.
 struct Part<'w, W> {
-    /// The weights from the first of these outputs on.
+    /// The weights, starting with the first of these outputs.
     weights: &'w [W],
     /// Number of inputs of the layer.
     inputs: usize,
-    /// Number of inputs before these.
+    /// Number of the layer's inputs before these.
     first: usize,
 }
 
 impl<'w, W: WeightFormat> Part<'w, W> {
-    /// Takes the next panel, and returns its rows of these inputs.
+    /// Takes the next panel, and returns its rows for these inputs.
     fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
         let (panel, rest) = expected(self.weights.split_at_checked(self.inputs * P), (&[], &[]));
         self.weights = rest;
@@ -120,7 +120,7 @@ impl<'w, W: WeightFormat> Part<'w, W> {
     }
 }
 
-/// The weights and biases of outputs that are still to be evaluated, and how many outputs have been.
+/// Weights and biases of the outputs still to be evaluated, and the number of outputs already evaluated.
 struct Rest<'w, W> {
     inputs: usize,
     weights: &'w [W],
@@ -144,7 +144,7 @@ impl<'w, W: WeightFormat> Rest<'w, W> {
     }
 }
 
-/// A function of its own, so that the sums stay in vectors and are not interleaved before the last is added.
+/// Evaluates one panel: a separate function, so the sums stay in vectors and are not interleaved before the last is added.
 #[inline(never)]
 fn panel<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     rows: &[[W; P]],

@@ -5,8 +5,8 @@ use super::{Jet, Mlp, Vectors};
 use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
-/// What the forward pass records of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
-/// up to `H`. It takes half the memory of a [`Tape`](super::Tape) with tangents.
+/// Record of a forward pass for the second derivatives: σ′(z), σ″(z) and the tangents ż of every hidden unit, for widths up to `H`. It
+/// takes half the memory of a [`Tape`](super::Tape) with tangents.
 #[derive(Clone, Debug)]
 pub struct SecondOrderTape<S, const T: usize, const H: usize, const L: usize> {
     /// σ′ with ż.
@@ -25,7 +25,7 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Seco
 }
 
 impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
-    /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
+    /// y(x) with tangents along those of x; records the data for [`Mlp::second_order`].
     #[inline]
     pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
@@ -38,15 +38,15 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let records = tape.slopes.iter_mut().zip(&mut tape.curvatures);
         for (layer, (slopes, curvatures)) in self.hidden().zip(records) {
             layer.forward_from(below, slopes);
-            // The layer has read the units below, which its own may replace.
+            // The layer has already read the units below, which its own units may replace.
             self.activation().apply_second_order(slopes, &mut units, curvatures);
             below = Vectors::Units(&units);
         }
         self.output().forward_from(below, y);
     }
 
-    /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
-    /// along straight lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
+    /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of directions of the forward pass, for x on straight lines: Σ
+    /// āσ″(z)ż_iż_j over all hidden units, with ā the adjoint of a unit.
     #[inline]
     pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,

@@ -1,5 +1,5 @@
-//! The numbers of a layer with their tangents, each component in an array of its own: values beside values, and the tangents along
-//! a direction beside each other. The loops over a layer's weights then read and write them where they lie.
+//! The numbers of a layer with their tangents, each component in an array of its own: the values together, and the tangents along each
+//! direction together. Loops over a layer's weights then read and write them in place.
 
 use super::Jet;
 use crate::expected::{expected, present};
@@ -13,8 +13,7 @@ pub struct Units<S, const T: usize, const H: usize> {
     tangents: [Vec<S, H>; T],
 }
 
-/// `n` ≤ `H` numbers, whatever they are: those that were there before, or zeros. [`Mlp::take`](super::Mlp::take) refuses wider
-/// layers.
+/// Resizes to `n` ≤ `H` numbers of unspecified value: earlier numbers or zeros. [`Mlp::take`](super::Mlp::take) refuses wider layers.
 #[inline(always)]
 pub(super) fn sized<S: Scalar, const H: usize>(numbers: &mut Vec<S, H>, n: usize) -> &mut [S] {
     let resized = numbers.resize(n, S::zero());
@@ -29,7 +28,7 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
         Self { value: Vec::new(), tangents: core::array::from_fn(|_| Vec::new()) }
     }
 
-    /// These jets; `None` for more than `H`.
+    /// Creates units from jets; `None` for more than `H`.
     pub fn of(jets: &[Jet<S, T>]) -> Option<Self> {
         let mut units = Self::new();
         for jet in jets {
@@ -39,7 +38,7 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
         Some(units)
     }
 
-    /// Takes room for `n` units, whose numbers are to be written.
+    /// Resizes to `n` units, whose numbers are still to be written.
     #[inline(always)]
     pub(super) fn resize(&mut self, n: usize) -> &mut Self {
         sized(&mut self.value, n);
@@ -49,7 +48,7 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
         self
     }
 
-    /// Values, and tangents along each direction, to be written.
+    /// Values, and tangents along each direction, for writing.
     #[inline(always)]
     pub(super) fn parts_mut(&mut self) -> (&mut [S], &mut [Vec<S, H>; T]) {
         (&mut self.value, &mut self.tangents)
@@ -81,7 +80,7 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
         }
     }
 
-    /// Multiplies by others, which have at least as many tangents: xy and ẋ_k y + x ẏ_k.
+    /// Multiplies by other units, which have at least as many tangents: xy and ẋ_k y + x ẏ_k.
     #[inline(always)]
     pub(super) fn multiply<const U: usize>(&mut self, other: &Units<S, U, H>) {
         for (x, y) in self.tangents.iter_mut().zip(&other.tangents) {
@@ -94,32 +93,32 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
     }
 }
 
-/// Jets of which a component is gathered at a time; a multiple of the widest panel.
+/// Number of jets of which a component is gathered at a time; a multiple of the widest panel.
 const GATHERED: usize = 32;
 
-/// P jets as vector registers hold them: their values side by side, and each of their tangents side by side.
+/// P jets as vector registers hold them: their values side by side, and the tangents along each direction side by side.
 pub(super) struct Panel<S, const T: usize, const P: usize> {
     pub value: [S; P],
     pub tangent: [[S; P]; T],
 }
 
-/// Vectors with T tangents that a layer reads.
+/// Source of a layer: vectors with T tangents.
 pub(super) trait Source<S, const T: usize> {
-    /// Visits component k (0: the values, then the tangents): the place of the first number, and as many as lie side by side or
-    /// are gathered at a time.
+    /// Visits component k (0: the values, then the tangents) in parts: the index of the first number, and as many numbers as lie side by
+    /// side or are gathered at a time.
     fn parts(&self, k: usize, visit: impl FnMut(usize, &[S]));
     /// Every jet.
     fn each(&self) -> impl Iterator<Item = Jet<S, T>>;
 }
 
-/// Vectors with T tangents that a layer writes.
+/// Sink of a layer: vectors with T tangents.
 pub(super) trait Sink<S, const T: usize> {
-    /// Visits component k of the `count` numbers that are written, each 0 before: the place of the first, and as many as lie side
-    /// by side or are scattered at a time.
+    /// Visits component k of the `count` numbers to be written, each 0 before, in parts: the index of the first number, and as many numbers
+    /// as lie side by side or are scattered at a time.
     fn parts(&mut self, k: usize, count: usize, visit: impl FnMut(usize, &mut [S]));
     /// Makes room for `count` numbers with their tangents.
     fn reserve(&mut self, count: usize);
-    /// Writes the P jets from `from` on, for which there is room.
+    /// Writes P jets, starting at `from`; there is room for them.
     fn put<const P: usize>(&mut self, from: usize, panel: &Panel<S, T, P>);
 }
 

@@ -2,10 +2,10 @@ use crate::forces::{Actuator, Control};
 use crate::scalar::Real;
 use heapless::Deque;
 
-/// Longest delay of a command, steps.
+/// Longest delay of a command, in steps.
 pub const MAX_DELAY: u8 = 8;
 
-/// Commands on their way: what goes in comes out a whole number of steps later.
+/// Delay line of commands: what goes in comes out a whole number of steps later.
 #[derive(Clone, Debug)]
 pub struct DelayLine<R, const N: usize> {
     pending: Deque<[R; N], { MAX_DELAY as usize + 1 }>,
@@ -13,7 +13,7 @@ pub struct DelayLine<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> DelayLine<R, N> {
-    /// A line of the given delay in steps (at most [`MAX_DELAY`]), at rest.
+    /// Creates a line at rest with the given delay in steps (at most [`MAX_DELAY`]).
     pub fn new(delay: u8) -> Self {
         let rest = [R::zero(); N];
         let mut pending = Deque::new();
@@ -25,7 +25,7 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
         Self { pending, last: rest }
     }
 
-    /// Takes this step's command, or the last one again where there is none, and gives the one of this step.
+    /// Takes this step's command, or the last one again if there is none, and returns the command that acts in this step.
     pub fn advance(&mut self, command: Option<[R; N]>) -> [R; N] {
         self.last = command.unwrap_or(self.last);
         let kept = self.pending.push_back(self.last);
@@ -33,22 +33,22 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
         self.pending.pop_front().unwrap_or(self.last)
     }
 
-    /// Takes all commands so far to have been this one.
+    /// Assumes that all commands so far were this one.
     pub fn take_past(&mut self, command: [R; N]) {
         self.last = command;
         self.pending.iter_mut().for_each(|pending| *pending = command);
     }
 
-    /// The commands of the coming steps that are already decided, soonest first: one for every step of delay.
+    /// The commands of the coming steps that are already decided, soonest first: one per step of delay.
     pub fn decided(&self) -> impl Iterator<Item = &[R; N]> {
         self.pending.iter()
     }
 }
 
-/// The actuators as the observer mirrors them: from commands to the force over each step, delayed by any part of a step.
+/// Actuators as the observer mirrors them: from commands to the force over each step, with a delay of any part of a step.
 ///
-/// A delay of d steps is ⌊d⌋ steps in a [`DelayLine`] and the rest in an [`Actuator`], whose force over a step has the impulse of the two
-/// commands that act in it.
+/// A delay of d steps is ⌊d⌋ steps in a [`DelayLine`] and the remaining fraction in an [`Actuator`], whose force over a step has the
+/// impulse of the two commands that act in it.
 #[derive(Clone, Debug)]
 pub struct Commands<R, const N: usize> {
     line: DelayLine<R, N>,
@@ -58,18 +58,18 @@ pub struct Commands<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Commands<R, N> {
-    /// Actuators at rest whose commands are late by `whole` steps (at most [`MAX_DELAY`]) and the delay of `actuator`.
+    /// Creates actuators at rest; commands are late by `whole` steps (at most [`MAX_DELAY`]) plus the delay of `actuator`.
     pub fn new(whole: u8, actuator: Actuator<R, N>) -> Self {
         Self { line: DelayLine::new(whole), actuator, before: [R::zero(); N] }
     }
 
-    /// Takes all commands so far to have been this one: a log begins in the middle of a motion.
+    /// Assumes that all commands so far were this one: a log begins in the middle of a motion.
     pub fn take_past(&mut self, command: [R; N]) {
         self.line.take_past(command);
         self.before = command;
     }
 
-    /// Begins a step: takes its command, or the last one again where there is none, and gives the force over it.
+    /// Begins a step: takes its command, or the last one again if there is none, and returns the force over the step.
     pub fn advance(&mut self, command: Option<[R; N]>) -> Control<R, N> {
         let now = self.line.advance(command);
         let before = core::mem::replace(&mut self.before, now);
@@ -82,7 +82,7 @@ impl<R: Real, const N: usize> Commands<R, N> {
         self.line.decided().map(move |now| self.force(&core::mem::replace(&mut before, *now), now))
     }
 
-    /// The part of a step by which the next command is late after the decided ones, and the force meanwhile.
+    /// The fraction of a step by which the next command is late after the decided ones, and the force until then.
     pub fn rest(&self) -> (R, [R; N]) {
         let last = self.line.decided().last().unwrap_or(&self.before);
         (self.actuator.delay, self.actuator.output(last))

@@ -12,17 +12,17 @@ pub struct Integrator<R> {
 }
 
 impl<R: Real> Integrator<R> {
-    /// An integrator of step h > 0, s.
+    /// Creates an integrator of step h > 0, s.
     pub const fn new(order: Order, h: R, newton: Newton<R>) -> Self {
         Self { order, h, newton }
     }
 
-    /// h, s.
+    /// Step size h, s.
     pub const fn h(&self) -> R {
         self.h
     }
 
-    /// The same with another step, s.
+    /// Replaces the step size, s.
     #[must_use]
     pub const fn with_step(&self, h: R) -> Self {
         Self { order: self.order, h, newton: self.newton }
@@ -31,7 +31,7 @@ impl<R: Real> Integrator<R> {
     /// Advances `state` by one step.
     ///
     /// # Errors
-    /// As [`Del::step`]; the state is then what it was.
+    /// See [`Del::step`]; the state is then unchanged.
     pub fn step<L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -45,10 +45,10 @@ impl<R: Real> Integrator<R> {
         }
     }
 
-    /// The state at the second of two positions one step apart, and the force between them.
+    /// Returns the state at the second of two positions one step apart, given the force between them.
     ///
     /// # Errors
-    /// As [`Del::start`].
+    /// See [`Del::start`].
     pub fn start<L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
         &self,
         system: &System<L, F>,

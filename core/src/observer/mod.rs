@@ -1,27 +1,29 @@
-//! The state of a mechanism from its encoders' readings alone, by way of the model: positions, velocities, and the encoders' zeros.
+//! Observer: estimates the state of a mechanism (positions, velocities, and the encoders' zeros) from its encoders' readings alone, by the
+//! model.
 //!
-//! Between samples the estimate moves by the model's discrete Euler–Lagrange step under the force of the actuators, whose delay is
-//! mirrored by [`Commands`]. A sample y corrects it by its innovation
+//! Between samples the estimate moves by the model's discrete Euler–Lagrange step under the force of the actuators, whose delay
+//! [`Commands`] mirrors. A sample y corrects the estimate by its innovation
 //!
 //! e = y − ẑ − q̂   (the short way round, for an angle),   q̂ ← q̂ + αe,   v̂ ← v̂ + βe/h.
 //!
 //! The gains are those of the growing-memory filter over n samples, α = 2(2n + 1)/((n + 1)(n + 2)) and β = 6/((n + 1)(n + 2)), the
-//! least-squares fit to the samples so far; n stops growing at the configured memory. When as many samples in a row are missing, n shrinks
-//! by one with every further one, so that after a long gap the encoder is believed more than the model. No velocity is ever measured.
+//! least-squares fit to the samples so far; n stops growing at the configured memory. If more samples in a row are missing than the memory
+//! holds, n shrinks by one per missing sample, so that after a long gap the encoder is believed more than the model. No velocity is ever
+//! measured.
 //!
 //! # Zeros
 //!
-//! An encoder that is off by z shows the gravity of another place than the model's, and this pushes all innovations one way. Where they are
-//! to be learned, ẑ is the minimiser of Σ e² so far, found recursively by the derivative of the estimate, S = ∂(q̂, v̂)/∂ẑ, which is stepped
-//! and corrected beside it: with D = Q_v, K = L_qq + Q_q and ψ = −∂e_i/∂ẑ = 1_i + ∂q̂_i/∂ẑ,
+//! An encoder that is off by z shows the gravity of another place than the model's, which pushes all innovations one way. If zeros are to
+//! be learned, ẑ is the minimiser of Σ e² so far. It is found recursively from the derivative of the estimate, S = ∂(q̂, v̂)/∂ẑ, which is
+//! stepped and corrected along with it: with D = Q_v, K = L_qq + Q_q and ψ = −∂e_i/∂ẑ = 1_i + ∂q̂_i/∂ẑ,
 //!
 //! S_v ← S_v + h(M − hD)⁻¹(K S_q + D S_v),   S_q ← S_q + h S_v;   then at a sample   S_q,i ← S_q,i − αψ,   S_v,i ← S_v,i − βψ/h;
 //!
 //! δ = Pψ e/(σ² + ψᵀPψ),   ẑ ← ẑ + δ,   P ← P − Pψψᵀ P/(σ² + ψᵀPψ),   (q̂, v̂) ← (q̂, v̂) + Sδ,
 //!
-//! from P = σ_z² 1, with e limited to three of its deviations. Terms of S in the products of velocities are left out; e has them. A zero that
-//! nothing depends on, as of a cart on a level track, has ψ = 0 and stays 0. Where the model's forces are off, the zeros take up what they
-//! can of it.
+//! from P = σ_z² 1, with e limited to three of its standard deviations. Terms of S in the products of velocities are left out; e has them.
+//! A zero on which nothing depends, such as that of a cart on a level track, has ψ = 0 and stays 0. If the model's forces are off, the
+//! zeros take up what they can of the error.
 //!
 //! Sources: E. Brookner, "Tracking and Kalman Filtering Made Easy", 1998, section 1.2.10; L. Ljung and T. Söderström, "Theory and Practice
 //! of Recursive Identification", 1983, chapter 3.
@@ -41,21 +43,21 @@ use crate::lagrangian::Lagrangian;
 use crate::scalar::Real;
 use zeros::Zeros;
 
-/// How much an observer believes the model, and what it learns.
+/// Tuning of an observer: how far it trusts the model, and what it learns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning<R> {
-    /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
+    /// Maximum number of samples in memory, at least 1: a longer memory smooths the noise more and follows a wrong model longer.
     pub memory: u8,
-    /// Samples of one encoder missing in a row, or steps slept through, after which the estimate is not trusted any more.
+    /// Number of samples of one encoder missing in a row, or of steps slept through, after which the estimate is no longer trusted.
     pub patience: u8,
-    /// What is known of the encoders' zeros before the first sample; `None`: they are 0.
+    /// Prior knowledge of the encoders' zeros; `None`: they are 0.
     pub zeros: Option<ZerosPrior<R>>,
 }
 
-/// Samples from which a velocity is known, two for a difference and one to average its noise.
+/// Number of samples that make a velocity known: two for a difference, and one to average its noise.
 const VELOCITY_SAMPLES: u8 = 3;
 
-/// The growing-memory filter's (α, β) with n samples in memory.
+/// Gains (α, β) of the growing-memory filter with n samples in memory.
 fn gains<R: Real>(n: u8) -> (R, R) {
     let (one, two) = (R::one(), R::constant(2.0));
     let n = R::constant(f64::from(n));
@@ -66,7 +68,7 @@ fn gains<R: Real>(n: u8) -> (R, R) {
 
 /// The estimate of a mechanism's state.
 ///
-/// T is taken as ½vᵀM(q)v: of another kinetic energy, v is not M⁻¹p. Every call takes a bounded time; nothing is allocated.
+/// T is taken as ½vᵀM(q)v; for any other kinetic energy, v is not M⁻¹p. Every call takes a bounded time; nothing is allocated.
 #[derive(Clone, Debug)]
 pub struct Observer<'a, R, L, F, const N: usize> {
     system: &'a System<L, F>,
@@ -74,9 +76,9 @@ pub struct Observer<'a, R, L, F, const N: usize> {
     angle: [bool; N],
     tuning: Tuning<R>,
     trusted: bool,
-    /// Samples in memory, coordinate by coordinate.
+    /// Number of samples in memory, by coordinate.
     samples: [u8; N],
-    /// Samples missing in a row, coordinate by coordinate.
+    /// Number of samples missing in a row, by coordinate.
     missing: [u8; N],
     /// First readings, until every coordinate has one.
     first: [Option<R>; N],
@@ -85,7 +87,8 @@ pub struct Observer<'a, R, L, F, const N: usize> {
 }
 
 impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer<'a, R, L, F, N> {
-    /// An observer that steps `system` by an integrator; `angle` says which encoders forget whole turns. A memory of 0 is one of 1.
+    /// Creates an observer that steps `system` by an integrator; `angle` marks the encoders that forget whole turns. A memory of 0 is taken
+    /// as 1.
     pub fn new(
         system: &'a System<L, F>,
         integrator: Integrator<R>,
@@ -111,23 +114,23 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         self.state.as_ref()
     }
 
-    /// ẑ, what the encoders read more than there is, rad or m.
+    /// Zeros ẑ, by which the encoders read too much, rad or m.
     pub fn zeros(&self) -> [R; N] {
         self.zeros.estimate()
     }
 
-    /// Standard deviations of the zeros, as far as the innovations are noise; rad or m.
+    /// Standard deviations of the zeros, provided that the innovations are noise; rad or m.
     pub fn zeros_deviation(&self) -> [R; N] {
         self.zeros.deviation()
     }
 
-    /// Whether the estimate is fit to act on: every encoder has given three samples (as many as its memory holds, if that is
-    /// fewer), and none has been silent for longer than the configured patience since.
+    /// Whether the estimate is fit to act on: every encoder has given three samples (or as many as its memory holds, if fewer), and none
+    /// has since been silent for longer than the configured patience.
     pub fn trusted(&self) -> bool {
         self.trusted
     }
 
-    /// Forgets the state, but not the zeros, if nobody called for more steps than the configured patience, and starts anew.
+    /// Forgets the state, but not the zeros, and starts anew if the observer slept for more steps than the configured patience.
     pub fn wake(&mut self, slept: u32) {
         if slept > u32::from(self.tuning.patience) {
             (self.state, self.trusted) = (None, false);
@@ -138,7 +141,7 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
     /// Steps the model under the force that acted.
     ///
     /// # Errors
-    /// As the step; the estimate is then what it was.
+    /// The errors of the step; the estimate is then unchanged.
     pub fn predict(&mut self, u: &Control<R, N>) -> Result<Option<Report<R>>, StepError<R>> {
         let Some(mut state) = self.state else { return Ok(None) };
         let report = self.integrator.step(self.system, &mut state, u)?;
@@ -150,10 +153,10 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         Ok(Some(report))
     }
 
-    /// Takes the samples of a step, rad or m, `None` where one is missing.
+    /// Takes the samples of a step, rad or m; `None` for a missing one.
     ///
     /// # Errors
-    /// Where the estimate would not be finite, or the mass matrix is singular; the estimate is then what it was.
+    /// An error if the estimate would not be finite, or the mass matrix is singular; the estimate is then unchanged.
     pub fn correct(&mut self, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
         match self.state {
             None => self.begin(measured)?,
@@ -168,7 +171,7 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         Ok(())
     }
 
-    /// Keeps count of the samples of coordinate i in memory and missing.
+    /// Counts the samples of coordinate i in memory and those missing.
     fn remember(&mut self, i: usize, arrived: bool) {
         let (n, missing) = (&mut self.samples[i], &mut self.missing[i]);
         *missing = if arrived { 0 } else { missing.saturating_add(1) };
@@ -179,19 +182,18 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         }
     }
 
-    /// The estimate now.
+    /// The present estimate.
     ///
     /// # Errors
-    /// Where the mass matrix is singular.
+    /// An error if the mass matrix is singular.
     pub fn estimate(&self) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
         self.state.map(|state| self.continuous(&state)).transpose()
     }
 
-    /// The estimate at the time when the next command takes effect: after all steps that `commands` have decided, and the rest of
-    /// the delay.
+    /// The estimate at the time when the next command takes effect: after all steps that `commands` has decided, and the rest of the delay.
     ///
     /// # Errors
-    /// As the step.
+    /// The errors of the step.
     pub fn ahead(&self, commands: &Commands<R, N>) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
         let Some(mut state) = self.state else { return Ok(None) };
         for u in commands.decided() {
@@ -210,7 +212,7 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         Ok(ContinuousState { q: state.q(), v: state.velocity(&self.system.lagrangian)? })
     }
 
-    /// Starts at rest where every coordinate was first seen.
+    /// Starts at rest at the first reading of every coordinate.
     fn begin(&mut self, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
         for (first, sample) in self.first.iter_mut().zip(measured) {
             *first = sample.or(*first);
@@ -241,7 +243,7 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         Ok(())
     }
 
-    /// Takes one sample into an estimate.
+    /// Corrects an estimate by one sample.
     fn take(&self, i: usize, y: R, estimate: &mut ContinuousState<R, N>, zeros: &mut Zeros<R, N>) {
         let (alpha, beta) = gains(self.samples[i]);
         let apart = y - zeros.estimate()[i] - estimate.q[i];

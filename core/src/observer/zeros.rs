@@ -5,28 +5,28 @@ use crate::lagrangian::Lagrangian;
 use crate::linear::{Matrix, add_scaled, diagonal, dot, multiply, solve_many};
 use crate::scalar::{Real, all_finite};
 
-/// What is known of the encoders' zeros before the first sample.
+/// Prior knowledge of the encoders' zeros.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZerosPrior<R> {
-    /// σ_z > 0, how far off they may be, rad or m.
+    /// Standard deviation σ_z > 0 of the zeros, rad or m.
     pub deviation: R,
-    /// σ > 0, the standard deviation of an innovation, rad or m: larger learns more slowly.
+    /// Standard deviation σ > 0 of an innovation, rad or m; a larger one learns more slowly.
     pub innovation: R,
 }
 
-/// An innovation counts as at most so many of its deviations.
+/// Limit of an innovation, in standard deviations.
 const OUTLIER: f64 = 3.0;
 
-/// The zeros with their covariance, and how the estimate depends on them.
+/// The zeros with their covariance, and the derivatives of the estimate in the zeros.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Zeros<R, const N: usize> {
-    /// ẑ.
+    /// Zeros ẑ.
     estimate: [R; N],
-    /// P.
+    /// Covariance P.
     covariance: Matrix<R, N>,
     /// ∂q̂/∂ẑ, entry \[c\]\[i\] = ∂q̂_i/∂ẑ_c.
     positions: Matrix<R, N>,
-    /// ∂v̂/∂ẑ, as of positions.
+    /// ∂v̂/∂ẑ, indexed like `positions`.
     velocities: Matrix<R, N>,
 }
 
@@ -50,13 +50,13 @@ impl<R: Real, const N: usize> Zeros<R, N> {
         core::array::from_fn(|i| self.covariance[i][i].max(R::zero()).sqrt())
     }
 
-    /// The estimate begins at rest at y − ẑ.
+    /// Sets the derivatives for an estimate that begins at rest at y − ẑ.
     pub(super) fn follow_readings(&mut self) {
         self.positions = diagonal([-R::one(); N]);
         self.velocities = [[R::zero(); N]; N];
     }
 
-    /// After a step of h seconds to (q, v) under τ.
+    /// The zeros after a step of h seconds to (q, v) under τ.
     pub(super) fn stepped<L: Lagrangian<R, N>, F: Forces<R, N>>(
         &self,
         system: &System<L, F>,
@@ -78,7 +78,8 @@ impl<R: Real, const N: usize> Zeros<R, N> {
         Ok(Self { positions: sum(&self.positions, h, &velocities), velocities, ..*self })
     }
 
-    /// Takes in a correction of coordinate i by (α, β/h) of its innovation, and gives ψ, by which that falls when ẑ rises.
+    /// Applies a correction of coordinate i by (α, β/h) of its innovation, and returns ψ, the rate at which the innovation falls as ẑ
+    /// rises.
     pub(super) fn corrected(&mut self, i: usize, alpha: R, rate: R) -> [R; N] {
         let own = |c: usize| if c == i { R::one() } else { R::zero() };
         let direction: [R; N] = core::array::from_fn(|c| own(c) + self.positions[c][i]);
@@ -89,7 +90,7 @@ impl<R: Real, const N: usize> Zeros<R, N> {
         direction
     }
 
-    /// One step of recursive least squares along ψ, which moves the estimate along.
+    /// Takes one step of recursive least squares along ψ, and moves the estimate along.
     pub(super) fn learn(
         &mut self,
         direction: &[R; N],

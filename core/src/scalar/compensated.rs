@@ -1,10 +1,9 @@
 use super::Real;
 
-/// A running sum that remembers what rounding took from it, whichever of sum and increment is the larger (Kahan, with the
-/// two-sum of Knuth).
+/// A running sum that keeps what rounding takes from it, whether sum or increment is the larger (Kahan, with the two-sum of Knuth).
 ///
-/// Positions and momenta of a long simulation are sums of many small increments; with this carry the f32 trajectory of
-/// 3 s at h = 1 ms stays within about 2e-6 rad of the f64 one, instead of 1e-3 rad.
+/// Positions and momenta of a long simulation are sums of many small increments; with this carry, the f32 trajectory of 3 s at h = 1 ms
+/// stays within about 2e-6 rad of the f64 trajectory, instead of 1e-3 rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensated<R> {
     sum: R,
@@ -17,7 +16,7 @@ impl<R: Real> Compensated<R> {
         Self { sum: value, carry: R::zero() }
     }
 
-    /// A sum that was stored as its two parts.
+    /// Restores a sum from its two parts.
     pub const fn from_parts(value: R, carry: R) -> Self {
         Self { sum: value, carry }
     }
@@ -27,7 +26,7 @@ impl<R: Real> Compensated<R> {
         self.sum
     }
 
-    /// What rounding took so far: the exact sum is close to `value() + carry()`.
+    /// Carry, the rounding error so far: the exact sum is close to `value() + carry()`.
     pub const fn carry(&self) -> R {
         self.carry
     }
@@ -36,20 +35,20 @@ impl<R: Real> Compensated<R> {
     #[must_use]
     pub fn plus(self, increment: R) -> Self {
         let (total, lost) = sum(self.sum, increment);
-        // Not larger than the total, unless that is 0: the shorter way to the same two numbers (Dekker).
+        // `rest` is not larger than the total, unless that is 0: the shorter form gives the same two numbers (Dekker).
         let rest = lost + self.carry;
         let sum = total + rest;
         Self { sum, carry: rest - (sum - total) }
     }
 }
 
-/// Whether an addition of the target is a call: to compare two numbers is cheaper there.
+/// Whether an addition is a function call on the target: comparing two numbers is cheaper there.
 const SOFT_FLOAT: bool = cfg!(any(
     all(any(target_arch = "riscv32", target_arch = "riscv64"), not(target_feature = "f")),
     all(target_arch = "arm", target_abi = "eabi"),
 ));
 
-/// a + b rounded, and what rounding took: their sum is a + b exactly (Knuth, or Dekker; both give the same two numbers).
+/// a + b rounded, and the rounding error: they add up to a + b exactly (Knuth, or Dekker; both give the same two numbers).
 #[inline(always)]
 pub fn sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
@@ -61,7 +60,7 @@ pub fn sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - rest)) + (b - rest))
 }
 
-/// ab rounded, and what rounding took: their sum is ab exactly, unless a part underflows or overflows (Dekker, Veltkamp).
+/// ab rounded, and the rounding error: they add up to ab exactly, unless a part underflows or overflows (Dekker, Veltkamp).
 #[inline(always)]
 pub fn product<R: Real>(a: R, b: R) -> (R, R) {
     let product = a * b;
@@ -70,10 +69,10 @@ pub fn product<R: Real>(a: R, b: R) -> (R, R) {
     (product, error)
 }
 
-/// A number as the sum of two of half as many digits.
+/// Splits a number into two, each of half as many digits.
 #[inline(always)]
 fn halves<R: Real>(x: R) -> (R, R) {
-    // 2^⌈digits/2⌉ + 1, of 24 or 53 binary digits.
+    // 2^⌈digits/2⌉ + 1, for 24 or 53 binary digits.
     let single = R::EPSILON > R::constant(1e-10);
     let shifted = x * R::constant(if single { 4_097.0 } else { 134_217_729.0 });
     let high = shifted - (shifted - x);

@@ -2,15 +2,15 @@ use super::Scalar;
 use core::array;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// Samples that one [`Lanes`] value carries.
+/// Number of samples in one [`Lanes`] value.
 pub const LANES: usize = 8;
 
-/// Eight samples side by side, in double precision: the same operations in the same order as for one sample in `f64`,
-/// so every lane has the bits that the scalar evaluation of its sample has.
+/// Eight samples side by side, in double precision: the same operations in the same order as for one sample in `f64`, so every lane has the
+/// bits of its sample's scalar evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(
-    /// One value a lane.
+    /// One value per lane.
     pub [f64; LANES],
 );
 
@@ -27,7 +27,7 @@ impl Lanes {
     }
 }
 
-// Written out: these make up most of the trainer, and closures would double the time it takes to compile.
+// Written out: these operations make up most of the trainer, and closures would double its compile time.
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
         impl $trait for Lanes {

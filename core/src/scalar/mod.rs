@@ -1,4 +1,4 @@
-//! Scalars: `f32` for the chip, `f64` for the host, [`Lanes`] of f64 for the trainer, and whatever a test brings.
+//! Scalars: `f32` for the chip, `f64` for the host, [`Lanes`] of f64 for the trainer, and any type that a test defines.
 //!
 //! Addition, subtraction, multiplication, division and square root are exact IEEE operations on every target and Rust
 //! never contracts them; the elementary functions are software. One program therefore gives the same bits everywhere.
@@ -21,7 +21,7 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use leastaction_fpu::portable;
 
-/// What the energies are evaluated in: a field with the elementary functions.
+/// Number type of the energies: a field with the elementary functions.
 pub trait Scalar:
     Copy
     + Debug
@@ -38,7 +38,7 @@ pub trait Scalar:
 
     /// The weight as a scalar (broadcast to every lane).
     fn weight(w: Self::Weight) -> Self;
-    /// The nearest scalar to a constant; folded at compile time where the argument is a literal.
+    /// The nearest scalar to a constant; folded at compile time if the argument is a literal.
     fn constant(x: f64) -> Self;
     /// √x, correctly rounded; NaN for x < 0.
     fn sqrt(self) -> Self;
@@ -50,16 +50,15 @@ pub trait Scalar:
     fn tanh(self) -> Self;
     /// (sin x, cos x), x in radians.
     fn sin_cos(self) -> (Self, Self);
-    /// x − 2π⌊x/2π⌋, the angle x rad in [0, 2π): the largest number below 2π where rounding would give 2π itself. NaN where x is
-    /// not finite.
+    /// The angle x rad in [0, 2π), x − 2π⌊x/2π⌋; the largest number below 2π if rounding would give 2π itself. NaN if x is not finite.
     fn wrapped(self) -> Self;
-    /// The larger of the two; `other` where `self` is not a number.
+    /// The larger of the two; `other` if `self` is NaN.
     fn max(self, other: Self) -> Self;
     /// −|x|.
     fn neg_abs(self) -> Self;
 
-    /// Whether a layer evaluates its tangents one after the other, with [`Scalar::accumulate`] and [`Scalar::transposed`],
-    /// instead of side by side.
+    /// Whether a layer evaluates its tangents one after the other, by [`Scalar::accumulate`] and [`Scalar::transposed`], instead of side by
+    /// side.
     const COMPONENTWISE: bool = false;
 
     /// Called before the loops over each component of a layer's vectors (0: the values, then the tangents), for scalars that
@@ -104,7 +103,7 @@ pub trait Scalar:
     }
 }
 
-/// What the solvers run in: an ordered scalar whose rounding error is known.
+/// Number type of the solvers: an ordered scalar with a known rounding error.
 pub trait Real: Scalar + PartialOrd {
     /// The distance from 1 to the next larger number.
     const EPSILON: Self;
@@ -112,7 +111,7 @@ pub trait Real: Scalar + PartialOrd {
     fn abs(self) -> Self;
     /// x − 2π round(x/2π), the angle in [−π, π] (and by rounding a little beyond) that differs from x rad by whole turns.
     fn short_way(self) -> Self;
-    /// Neither infinite nor NaN.
+    /// Whether the number is neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The value in double precision, for reports on the host.
     fn to_f64(self) -> f64;
@@ -121,7 +120,7 @@ pub trait Real: Scalar + PartialOrd {
 /// Largest absolute value, NaN if any component is not finite.
 pub fn max_abs<R: Real, const N: usize>(x: &[R; N]) -> R {
     x.iter().fold(R::zero(), |largest, x| {
-        // 0x is 0, or NaN where x is not finite.
+        // 0x is 0, or NaN if x is not finite.
         let largest = largest + *x * R::zero();
         if largest.is_finite() { largest.max(x.abs()) } else { largest }
     })

@@ -1,16 +1,16 @@
 use super::{LANES, Lanes, Real, Scalar};
 
-/// A real number that is evaluated several at a time where that is faster: the same operations in the same order, so
-/// every lane has the bits that it has alone.
+/// A real number, evaluated several at a time if that is faster: the same operations in the same order, so every lane has the bits of its
+/// number alone.
 pub trait Packed: Real {
-    /// [`Packed::WIDTH`] of them side by side.
+    /// [`Packed::WIDTH`] numbers side by side.
     type Pack: Scalar<Weight = Self::Weight>;
-    /// Lanes of a pack, at least 1.
+    /// Number of lanes of a pack, at least 1.
     const WIDTH: usize;
 
-    /// The pack whose lane l is `lane(l)`.
+    /// The pack with `lane(l)` in lane l.
     fn pack(lane: impl FnMut(usize) -> Self) -> Self::Pack;
-    /// One lane of a pack; the last for those beyond.
+    /// One lane of a pack; the last lane for any number beyond.
     fn lane(pack: &Self::Pack, lane: usize) -> Self;
 }
 
@@ -20,7 +20,7 @@ impl Packed for f64 {
 
     #[inline(always)]
     fn pack(mut lane: impl FnMut(usize) -> Self) -> Lanes {
-        // Written out: not every call of a closure in a loop over an array is inlined.
+        // Written out: not every closure call in a loop over an array is inlined.
         Lanes([lane(0), lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7)])
     }
     #[inline(always)]
@@ -29,7 +29,7 @@ impl Packed for f64 {
     }
 }
 
-/// Alone: chips have no vector registers for them.
+/// A pack of one number: chips have no vector registers for more.
 impl Packed for f32 {
     type Pack = Self;
     const WIDTH: usize = 1;

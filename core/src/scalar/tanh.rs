@@ -4,12 +4,12 @@
 //! with y = k ln 2 + r, |r| ≤ ½ ln 2, and a Taylor polynomial for e^r − 1. At most 3 ulp; libm's takes two to three
 //! times as long and cannot be vectorised.
 
-/// Beyond it tanh is 1 in f32.
+/// Magnitude beyond which tanh is 1 in f32.
 const SATURATION_F32: f32 = 10.0;
-/// Beyond it tanh is 1 in f64.
+/// Magnitude beyond which tanh is 1 in f64.
 const SATURATION_F64: f64 = 20.0;
 
-/// ln 2 with a short high part: k times it is exact.
+/// High part of ln 2, so short that k times it is exact.
 const LN2_HIGH_F32: f32 = 0.693_359_4;
 const LN2_LOW_F32: f32 = -2.121_944_4e-4;
 const LN2_HIGH_F64: f64 = 6.931_471_803_691_238e-1;

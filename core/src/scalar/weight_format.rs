@@ -3,16 +3,16 @@ use bytemuck::AnyBitPattern;
 use core::fmt::Debug;
 use leastaction_fpu::f16;
 
-/// How a model's numbers are stored: `f32` in flash, [`struct@f16`] in half of it, `f64` in training. They are read as the wider type
+/// Storage format of a model's numbers: `f32` in flash, [`struct@f16`] in half of it, `f64` in training. They are read as the wider type
 /// that scalars know.
 pub trait WeightFormat: Copy + Debug + Default + PartialEq {
-    /// The type that holds each of them exactly.
+    /// Type that holds each number exactly.
     type Wide: Copy + Debug;
 
-    /// The same number.
+    /// The number in the wider type, unchanged.
     fn wide(self) -> Self::Wide;
 
-    /// The numbers as [`Weights`], where their type is one that a model file has.
+    /// The numbers as [`Weights`], if a model file can have their type.
     #[inline(always)]
     fn in_file(_: &[Self]) -> Option<Weights<'_>> {
         None
@@ -28,17 +28,17 @@ pub trait WeightFormat: Copy + Debug + Default + PartialEq {
 /// The weights of a model file, in the precision of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weights<'a> {
-    /// Two bytes a number.
+    /// Two bytes per number.
     Half(&'a [f16]),
-    /// Four bytes a number.
+    /// Four bytes per number.
     Single(&'a [f32]),
 }
 
 /// A type in which a model file stores its weights.
 pub trait FileWeightFormat: WeightFormat<Wide = f32> + AnyBitPattern {
-    /// Bits of a number.
+    /// Number of bits of a number.
     const BITS: u8;
-    /// Bits of a number of the other type.
+    /// Number of bits of a number of the other type.
     const OTHER_BITS: u8;
 
     /// The numbers as [`Weights`].
@@ -101,7 +101,7 @@ impl WeightFormat for f64 {
 }
 
 impl Weights<'_> {
-    /// Bits of a number.
+    /// Number of bits of a number.
     pub fn bits(&self) -> u8 {
         match self {
             Self::Half(_) => <f16 as FileWeightFormat>::BITS,
@@ -109,7 +109,7 @@ impl Weights<'_> {
         }
     }
 
-    /// How many numbers there are.
+    /// Number of weights.
     pub fn len(&self) -> usize {
         match self {
             Self::Half(w) => w.len(),

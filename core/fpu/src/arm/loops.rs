@@ -1,6 +1,6 @@
 //! Products with panels of a matrix: weights are loaded sixteen at a time.
 
-/// Both halves of a register; the upper first, for the lower may take the register's place.
+/// Widens both halves of a register; the upper first, for the lower may take the register's place.
 macro_rules! widen {
     ($from:ident, $lower:ident, $upper:ident) => {
         concat!(
@@ -10,7 +10,7 @@ macro_rules! widen {
     };
 }
 
-/// The next weights, as single precision, to s8 and up.
+/// Loads the next weights, as single precision, to s8 and up.
 macro_rules! load {
     (single, 4) => {
         "vldmia r0!, {{s8-s11}}"
@@ -45,8 +45,8 @@ macro_rules! load {
     };
 }
 
-/// Calls `pass(first, rows)` with all rows, where they begin at a multiple of four bytes, as loads of many registers ask for;
-/// else with copies of a few from number `first` on.
+/// Calls `pass(first, rows)` with all rows if they begin at a multiple of four bytes, as loads of many registers require; else with copies
+/// of a few rows at a time, the first being row `first`.
 #[inline(always)]
 fn aligned<W: Copy, const P: usize>(rows: &[[W; P]], mut pass: impl FnMut(usize, &[[W; P]])) {
     #[repr(align(4))]
@@ -63,10 +63,10 @@ fn aligned<W: Copy, const P: usize>(rows: &[[W; P]], mut pass: impl FnMut(usize,
     }
 }
 
-/// Rows at a time.
+/// Number of rows copied at a time.
 const COPIED: usize = 8;
 
-/// The loops, with weights of one precision.
+/// The loops, for weights of one precision.
 macro_rules! loops {
     ($precision:ident, $weight:ty) => {
         pub mod $precision {
@@ -157,8 +157,7 @@ macro_rules! loops {
                 aligned(rows, |first, rows| {
                     let x = x.get(first..).unwrap_or(&[]);
                     let inputs = rows.len().min(x.len());
-                    // SAFETY: it reads so many rows and numbers, which both slices have at least, and reads and writes
-                    // the sums.
+                    // SAFETY: it reads `inputs` rows and `inputs` numbers, which both slices have at least, and reads and writes the sums.
                     unsafe { accumulate_8_asm(rows.as_ptr().cast(), x.as_ptr(), sum.as_mut_ptr(), inputs) };
                 });
             }
@@ -223,8 +222,7 @@ macro_rules! loops {
                 aligned(rows, |first, rows| {
                     let x = x.get(first..).unwrap_or(&[]);
                     let inputs = rows.len().min(x.len());
-                    // SAFETY: it reads so many rows and numbers, which both slices have at least, and reads and writes
-                    // the sums.
+                    // SAFETY: it reads `inputs` rows and `inputs` numbers, which both slices have at least, and reads and writes the sums.
                     unsafe { accumulate_4_asm(rows.as_ptr().cast(), x.as_ptr(), sum.as_mut_ptr(), inputs) };
                 });
             }
@@ -314,7 +312,7 @@ macro_rules! loops {
                 aligned(rows, |first, rows| {
                     let x_bar = x_bar.get_mut(first..).unwrap_or_default();
                     let inputs = rows.len().min(x_bar.len());
-                    // SAFETY: it reads so many rows, and reads and writes so many numbers, as both slices have at least.
+                    // SAFETY: it reads `inputs` rows, and reads and writes `inputs` numbers; both slices have at least as many.
                     unsafe {
                         transposed_8_asm(rows.as_ptr().cast(), y_bar.as_ptr(), x_bar.as_mut_ptr(), inputs)
                     };
@@ -382,7 +380,7 @@ macro_rules! loops {
                 aligned(rows, |first, rows| {
                     let x_bar = x_bar.get_mut(first..).unwrap_or_default();
                     let inputs = rows.len().min(x_bar.len());
-                    // SAFETY: it reads so many rows, and reads and writes so many numbers, as both slices have at least.
+                    // SAFETY: it reads `inputs` rows, and reads and writes `inputs` numbers; both slices have at least as many.
                     unsafe {
                         transposed_4_asm(rows.as_ptr().cast(), y_bar.as_ptr(), x_bar.as_mut_ptr(), inputs)
                     };

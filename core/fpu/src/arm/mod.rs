@@ -1,7 +1,7 @@
 //! Instructions of ARM's single-precision floating-point unit.
 //!
-//! Functions of their own and not inline: the compiler does not know these registers by name on every target. They keep
-//! what the procedure call standard asks for (s16 and up).
+//! Separate functions, not inline assembly: the compiler does not know these registers by name on every target. They preserve the registers
+//! that the procedure call standard requires (s16 and up).
 
 mod loops;
 mod sine;
@@ -28,7 +28,7 @@ pub fn widened(w: crate::f16) -> f32 {
     widened_asm(w.to_bits().into())
 }
 
-/// FPSCR. Returns r0.
+/// Reads FPSCR. Returns r0.
 #[unsafe(naked)]
 pub extern "C" fn fpscr() -> u32 {
     naked_asm!(".fpu vfpv2", "vmrs r0, fpscr", "bx lr")

@@ -7,20 +7,20 @@ use core::arch::naked_asm;
 #[repr(C)]
 struct Pair(f32, f32);
 
-/// Takes s0. Step by step as [`crate::portable::sin_cos`].
+/// Takes s0. Follows [`crate::portable::sin_cos`] step by step.
 #[unsafe(naked)]
 extern "C" fn sin_cos_asm(x: f32) -> Pair {
     naked_asm!(
         ".fpu vfpv2",
         "adr r1, 5f",
         "vldmia r1!, {{s2-s9}}",
-        // Beyond the limit, or not a number: NaN.
+        // NaN, if beyond the limit or not a number.
         "vabs.f32 s10, s0",
         "vcmp.f32 s10, s2",
         "vmrs APSR_nzcv, fpscr",
         "it hi",
         "vmovhi.f32 s0, s3",
-        // Turns of a quarter, and what is left.
+        // Quarter turns, and the remainder.
         "vmul.f32 s10, s0, s4",
         "vadd.f32 s10, s10, s5",
         "vsub.f32 s11, s10, s5",
@@ -34,7 +34,7 @@ extern "C" fn sin_cos_asm(x: f32) -> Pair {
         "vsub.f32 s0, s0, s12",
         "vldmia r1, {{s2-s9}}",
         "vmul.f32 s1, s0, s0",
-        // The sine of it to s0.
+        // Sine of the remainder, to s0.
         "vmul.f32 s12, s2, s1",
         "vadd.f32 s12, s12, s3",
         "vmul.f32 s12, s12, s1",
@@ -42,7 +42,7 @@ extern "C" fn sin_cos_asm(x: f32) -> Pair {
         "vmul.f32 s12, s12, s1",
         "vmul.f32 s12, s12, s0",
         "vadd.f32 s0, s12, s0",
-        // The cosine to s1.
+        // Cosine of the remainder, to s1.
         "vmul.f32 s12, s5, s1",
         "vadd.f32 s12, s12, s6",
         "vmul.f32 s12, s12, s1",
@@ -52,7 +52,7 @@ extern "C" fn sin_cos_asm(x: f32) -> Pair {
         "vmul.f32 s1, s1, s8",
         "vsub.f32 s12, s12, s1",
         "vadd.f32 s1, s12, s9",
-        // Odd turns exchange them, and signs change.
+        // Odd turns exchange sine and cosine, and signs change.
         "vmov r0, s10",
         "lsls r1, r0, #31",
         "ittt ne",

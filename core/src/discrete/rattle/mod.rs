@@ -1,19 +1,18 @@
 //! RATTLE: the variational step of particles with holonomic constraints, of order 2, and of order 4 by composition.
 //!
-//! The discrete Lagrangian is trapezoidal, L_d = h [T((q₁ − q₀)/h) − ½V(q₀) − ½V(q₁)], so the DEL equation in
-//! position–momentum form is explicit but for the constraints. With the external force f and drag Q as impulses at both
-//! ends, one step solves
+//! The discrete Lagrangian is trapezoidal, L_d = h [T((q₁ − q₀)/h) − ½V(q₀) − ½V(q₁)], so the DEL equation in position–momentum form is
+//! explicit except for the constraints. With the external force f and drag Q as impulses at both ends, one step solves
 //!
 //! - p½ = p₀ + ½h [L_q(q₀) + Q(v₀) + f] + A(q₀)ᵀ Λ₀,  L_v(w) = p½,  q₁ = q₀ + hw,  φ(q₁) = 0;
 //! - p₁ = p½ + ½h [L_q(q₁) + Q(v₁) + f] + A(q₁)ᵀ Λ₁,  L_v(v₁) = p₁,  A(q₁) v₁ = 0.
 //!
-//! Without constraints this is the Störmer–Verlet method, in linear time. Both lines are solved by Newton's method for
-//! velocities and impulses together: a quadratic kinetic energy leaves only φ nonlinear, and the second line linear.
+//! Without constraints this is the Störmer–Verlet method, in linear time. Newton's method solves each line for velocities and impulses
+//! together: if the kinetic energy is quadratic, only φ is nonlinear, and the second line is linear.
 //!
 //! Positions and momenta are summed with compensation, and φ is evaluated at position and carry
 //! ([`Positions`](crate::constraints::Positions)): the step divides φ by h.
 //!
-//! Order 4 is Suzuki's composition of five such steps, symmetric like the step itself: a method of even order that keeps
+//! Order 4 is Suzuki's composition of five such steps. It is symmetric like the step itself, and so a method of even order that keeps
 //! constraints, momentum and reversibility.
 //!
 //! Sources: Andersen, "Rattle", J. Comput. Phys. 1983; Marsden and West, Acta Numerica 2001, section 3.5; Hairer, Lubich,
@@ -43,35 +42,35 @@ pub struct Rattle<R> {
 }
 
 impl<R: Real> Rattle<R> {
-    /// An integrator of step h > 0, s, with [`Rattle::default_newton`].
+    /// Creates an integrator of step h > 0, s, with [`Rattle::default_newton`].
     pub fn new(h: R, order: Order) -> Self {
         Self::with_newton(h, order, Self::default_newton())
     }
 
-    /// Newton's method takes at most 12 updates, and stops where rounding allows no more (a quarter of ε): what it leaves of φ
-    /// has one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
+    /// Default bounds of Newton's method: at most 12 updates, down to the limit of rounding (a quarter of ε), because the remaining φ has
+    /// one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
     pub fn default_newton() -> Newton<R> {
         let stop = R::EPSILON * R::constant(0.25);
         Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() }
     }
 
-    /// An integrator with the caller's bounds of Newton's method. Residuals are relative: of
-    /// momenta to the terms they are sums of, of constraints, φ/h or A v, to the largest velocity.
+    /// Creates an integrator with the caller's bounds of Newton's method. Residuals are relative: those of momenta to the terms of their
+    /// sums, those of constraints, φ/h or A v, to the largest velocity.
     pub const fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
         Self { h, order, newton }
     }
 
-    /// The integrator with the caller's bounds of Newton's method.
+    /// Replaces the bounds of Newton's method.
     pub(crate) const fn newton(self, newton: Newton<R>) -> Self {
         Self { newton, ..self }
     }
 
-    /// h, s.
+    /// Step size h, s.
     pub const fn h(&self) -> R {
         self.h
     }
 
-    /// Numbers of workspace that [`Rattle::step`] and [`ParticleState::new`] need beside the state.
+    /// Workspace length of [`Rattle::step`] and [`ParticleState::new`], not counting the state.
     pub fn workspace<S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
     where
         S: Particles<R, D>,
@@ -81,9 +80,9 @@ impl<R: Real> Rattle<R> {
         Self::workspace_of::<D>(system.nodes(), mechanism.equations(), mechanism.band(), system.workspace())
     }
 
-    /// [`Rattle::workspace`] from the numbers it depends on, for the length of an array: nodes, constraint equations, the band of
-    /// A M⁻¹ Aᵀ (1 for a chain in order), and the workspace of the system itself. Without constraints each node is solved on its
-    /// own, in no workspace.
+    /// [`Rattle::workspace`] from the numbers it depends on, usable as an array length: nodes, constraint equations, the band of A M⁻¹ Aᵀ
+    /// (1 for a chain in order), and the workspace of the system itself. Without constraints, every node is solved on its own and takes no
+    /// workspace.
     pub const fn workspace_of<const D: usize>(
         nodes: usize,
         equations: usize,
@@ -93,9 +92,9 @@ impl<R: Real> Rattle<R> {
         system + coupled(nodes, equations) * D * (3 + D) + Banded::<R>::workspace(equations, band) + equations
     }
 
-    /// Advances `state` by one step under an external force of each node, N, constant over the step.
+    /// Advances `state` by one step under an external force on each node, N, constant over the step.
     ///
-    /// The report has the most updates that a stage took and the largest residual left. On error the state is what it was.
+    /// The report has the largest number of updates of a stage and the largest remaining residual. An error leaves the state unchanged.
     pub fn step<S, C, const D: usize>(
         &self,
         mechanism: &Constrained<R, S, C, D>,
@@ -118,12 +117,12 @@ impl<R: Real> Rattle<R> {
         Ok(report)
     }
 
-    /// The state at q₁, m, that two positions h apart, both satisfying the constraints, and the external force between them, N,
-    /// determine: it is one step away from a state at q₀. No velocity is needed. `state` keeps the state
-    /// ([`ParticleState::workspace`]), `workspace` is only used meanwhile.
+    /// Returns the state at q₁, m, one step after a state at q₀, from two positions h apart, which both satisfy the constraints, and the
+    /// external force between them, N. No velocity is needed. `state` is the memory of the state ([`ParticleState::workspace`]);
+    /// `workspace` is used only during the call.
     ///
     /// # Errors
-    /// See [`ConstraintError`]; `NotConverged` where no velocity is found, because h is too long for this motion.
+    /// See [`ConstraintError`]; `NotConverged` if no velocity is found because h is too long for this motion.
     pub fn start<'a, S, C, const D: usize>(
         &self,
         mechanism: &Constrained<R, S, C, D>,
@@ -141,7 +140,7 @@ impl<R: Real> Rattle<R> {
         Ok(all)
     }
 
-    /// [`Rattle::start`] in the memory of a state, which is lost on error.
+    /// [`Rattle::start`] in the memory of an existing state, which is lost on error.
     pub(crate) fn restart<S, C, const D: usize>(
         &self,
         mechanism: &Constrained<R, S, C, D>,
@@ -183,9 +182,9 @@ impl<R: Real> Rattle<R> {
 }
 
 impl Order {
-    /// The lengths, s, of the steps of order 2 that one step of length h is made of, in order; they add up to h.
+    /// Lengths, s, of the steps of order 2 that make up one step of length h, in order; they add up to h.
     pub fn substeps<R: Real>(self, h: R) -> impl Iterator<Item = R> {
-        // γ = 1/(4 − ∛4) and 1 − 4γ, which is exact as it is computed: the five add up to h.
+        // γ = 1/(4 − ∛4), and 1 − 4γ, which is exact as it is computed: the five lengths add up to h.
         let outer = h * R::constant(0.414_490_771_794_375_7);
         let middle = h - R::constant(4.0) * outer;
         let (lengths, count) = match self {

@@ -4,22 +4,22 @@ use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, W
 use crate::particles::Particles;
 use crate::scalar::{Compensated, Real, all_finite};
 
-/// Positions and momenta of all nodes, both summed with compensation, with what follows from them.
+/// Positions and momenta of all nodes, both summed with compensation, and the quantities that follow from them.
 #[derive(Debug)]
 pub(super) struct Points<'a, R, const D: usize> {
     pub q: &'a mut [[R; D]],
     pub q_carry: &'a mut [[R; D]],
     pub p: &'a mut [[R; D]],
     pub p_carry: &'a mut [[R; D]],
-    /// L_v(v) = p.
+    /// Velocities v, L_v(v) = p.
     pub v: &'a mut [[R; D]],
-    /// L_q(q) + Q(v), N; within a step L_q alone.
+    /// Internal forces L_q(q) + Q(v), N; within a step L_q alone.
     pub internal: &'a mut [[R; D]],
-    /// Constraint impulses of the step, N s; when it is over, forces.
+    /// Constraint impulses during the step, N s; mean forces after it, N.
     pub lambda: &'a mut [R],
 }
 
-/// A vector to add to, stored as value and carry.
+/// Adds to a vector that is stored as value and carry.
 #[inline(always)]
 pub(super) fn add<R: Real, const D: usize>(value: &mut [R; D], carry: &mut [R; D], increment: &[R; D]) {
     for i in 0..D {
@@ -28,7 +28,7 @@ pub(super) fn add<R: Real, const D: usize>(value: &mut [R; D], carry: &mut [R; D
     }
 }
 
-/// Copies as many vectors as both have.
+/// Copies as many vectors as both slices have.
 pub(super) fn copy<R: Real, const D: usize>(to: &mut [[R; D]], from: &[[R; D]]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
 }
@@ -57,7 +57,7 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
         }
     }
 
-    /// Turns impulses into mean forces over h, and checks what the step leaves.
+    /// Turns impulses into mean forces over h, and checks that the result of the step is finite.
     pub fn finish(&mut self, h: R) -> Result<(), ConstraintError<R>> {
         self.lambda.iter_mut().for_each(|lambda| *lambda = *lambda / h);
         let finite = self.q.iter().all(all_finite)
@@ -68,25 +68,25 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
     }
 }
 
-/// Where a constrained system is: over the caller's workspace, and of one system. On the chip the workspace is an array whose length
-/// is [`ParticleState::workspace`], on the host a vector.
+/// State of one constrained system, in the caller's workspace. On the chip the workspace is an array of length
+/// [`ParticleState::workspace`], on the host a vector.
 #[derive(Debug)]
 pub struct ParticleState<'a, R, const D: usize> {
     pub(super) now: Points<'a, R, D>,
-    /// Where the next step is made.
+    /// Memory in which the next step is made.
     pub(super) next: Points<'a, R, D>,
 }
 
 impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
-    /// Numbers of workspace of a state.
+    /// Workspace length of a state.
     pub const fn workspace(nodes: usize, equations: usize) -> usize {
         2 * Points::<R, D>::workspace(nodes, equations)
     }
 
-    /// Positions q, m, that satisfy the constraints, and velocities v, m/s. The first step takes away what is left of φ, up
-    /// to √ε of its length; velocities lose at once what violates A v = 0, by impulses of the constraints.
+    /// Creates a state at positions q, m, that satisfy the constraints, with velocities v, m/s. The first step removes the remaining φ, up
+    /// to √ε of its length; impulses of the constraints remove at once the part of v that violates A v = 0.
     ///
-    /// `state` keeps the state ([`ParticleState::workspace`]), `workspace` is only used meanwhile ([`Rattle::workspace`]).
+    /// `state` is the memory of the state ([`ParticleState::workspace`]); `workspace` is used only during the call ([`Rattle::workspace`]).
     pub fn new<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         q: &[[R; D]],
@@ -103,7 +103,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(all)
     }
 
-    /// A state of which nothing is known: positions are not numbers, and every step is refused.
+    /// Creates an unknown state: positions are NaN, and every step is refused.
     pub(crate) fn unknown<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         state: &'a mut [R],
@@ -117,14 +117,14 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(all)
     }
 
-    /// Knows nothing any more.
+    /// Makes the state unknown.
     pub(crate) fn forget(&mut self) {
         for vectors in [&mut *self.now.q, self.now.p, self.now.v] {
             vectors.fill([R::constant(f64::NAN); D]);
         }
     }
 
-    /// [`ParticleState::new`] in the memory of this one, which on error is what it was.
+    /// [`ParticleState::new`] in the memory of this state, which is unchanged after an error.
     pub(crate) fn restart<S, C>(
         &mut self,
         mechanism: &Constrained<R, S, C, D>,
@@ -146,7 +146,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(())
     }
 
-    /// What is not yet filled, over `state`.
+    /// Lays an unfilled state over `state`.
     pub(super) fn over<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         state: &'a mut [R],
@@ -161,17 +161,16 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(Self { now, next: Points::over(nodes, equations, &mut pieces) })
     }
 
-    /// Numbers of a saved state.
+    /// Length of a saved state, in numbers.
     pub const fn saved(nodes: usize, equations: usize) -> usize {
         Points::<R, D>::workspace(nodes, equations)
     }
 
-    /// Writes the present state as numbers from which [`ParticleState::resume`] goes on with the same bits: q (m) and what
-    /// rounding took from it, p (kg m/s) and what rounding took from it, v (m/s), L_q(q) + Q(v) (N), each node after node,
-    /// then λ (N).
+    /// Writes the present state as numbers from which [`ParticleState::resume`] continues with the same bits: q (m) and its carry, p (kg
+    /// m/s) and its carry, v (m/s), L_q(q) + Q(v) (N), each node after node, then λ (N).
     ///
     /// # Errors
-    /// [`ConstraintError::Shape`] unless there are as many `numbers` as [`ParticleState::saved`] says.
+    /// [`ConstraintError::Shape`] unless `numbers` has the length [`ParticleState::saved`].
     pub fn save(&self, numbers: &mut [R]) -> Result<(), ConstraintError<R>> {
         let now = &self.now;
         check_length(numbers, Self::saved(now.q.len(), now.lambda.len()))?;
@@ -181,12 +180,12 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(())
     }
 
-    /// The state of this system that [`ParticleState::save`] wrote; `state` keeps it ([`ParticleState::workspace`]). That
-    /// positions satisfy the constraints is not checked again.
+    /// Restores a state of this system that [`ParticleState::save`] wrote; `state` is its memory ([`ParticleState::workspace`]). The
+    /// constraints are not checked again.
     ///
     /// # Errors
-    /// [`ConstraintError::Shape`] where the numbers are not as many as the system's, [`ConstraintError::NotFinite`] where one
-    /// is infinite or not a number, [`ConstraintError::Workspace`] where `state` is too short.
+    /// [`ConstraintError::Shape`] if the length of `numbers` does not fit the system, [`ConstraintError::NotFinite`] if a number is
+    /// infinite or NaN, [`ConstraintError::Workspace`] if `state` is too short.
     pub fn resume<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         numbers: &[R],
@@ -205,37 +204,37 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Self::over(mechanism, state)
     }
 
-    /// q, m.
+    /// Positions q, m.
     pub fn q(&self) -> &[[R; D]] {
         self.now.q
     }
 
-    /// What rounding took from q, m: the exact sum is close to q + this.
+    /// Carry of q, the part lost to rounding, m: the exact sum is close to q + carry.
     pub fn q_carry(&self) -> &[[R; D]] {
         self.now.q_carry
     }
 
-    /// v, m/s: L_v(v) = p.
+    /// Velocities v, m/s: L_v(v) = p.
     pub fn v(&self) -> &[[R; D]] {
         self.now.v
     }
 
-    /// p, kg m/s.
+    /// Momenta p, kg m/s.
     pub fn p(&self) -> &[[R; D]] {
         self.now.p
     }
 
-    /// What rounding took from p, kg m/s.
+    /// Carry of p, the part lost to rounding, kg m/s.
     pub fn p_carry(&self) -> &[[R; D]] {
         self.now.p_carry
     }
 
-    /// λ, N, the mean over the last step: Aᵀλ are the constraint forces. Zero before the first step.
+    /// Multipliers λ, N, means over the last step: Aᵀλ are the constraint forces. Zero before the first step.
     pub fn lambda(&self) -> &[R] {
         self.now.lambda
     }
 
-    /// The workspace of the next step, as the state is now; an error where the state is of another system.
+    /// Copies the present state to the memory of the next step and returns that; an error if the state belongs to another system.
     pub(super) fn copied<S, C>(
         &mut self,
         mechanism: &Constrained<R, S, C, D>,
@@ -257,7 +256,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
     }
 }
 
-/// An error where |φ| is more than √ε of its length, or not a number.
+/// Checks positions at a start: an error if |φ| is more than √ε of its length, or not finite.
 pub(super) fn check_start<R, S, C, const D: usize>(
     mechanism: &Constrained<R, S, C, D>,
     q: &[[R; D]],

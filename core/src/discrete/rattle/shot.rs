@@ -8,21 +8,21 @@ use crate::newton::{Equations, Newton, Report, relative};
 use crate::particles::Particles;
 use crate::scalar::Real;
 
-/// The velocity at q₀ from which a step arrives at q₁.
+/// Search for the velocity at q₀ from which a step arrives at q₁.
 ///
-/// A step moves by about h times that velocity, so an update adds what was missed over h: that is Newton's method with h for
-/// ∂q₁/∂v₀, and what is missed falls by (hω)²/6 an update where ω, rad/s, is the system's fastest rate.
+/// A step moves by about h times that velocity, so an update adds the miss divided by h: Newton's method with h for ∂q₁/∂v₀. The miss falls
+/// by a factor of (hω)²/6 per update, with ω, rad/s, the fastest rate of the system.
 pub(super) struct Shot<'e, 'm, 'r, 'a, R, S, C: ?Sized, const D: usize> {
     rattle: &'e Rattle<R>,
     solver: Solver<'m, 'r, R, S, C, D>,
-    /// At q₀ now, and where it arrives next.
+    /// The state: q₀ in `now`, the point of arrival in `next`.
     state: &'e mut ParticleState<'a, R, D>,
     target: &'e [[R; D]],
     force: Option<&'e [[R; D]]>,
 }
 
 impl<'e, 'm, 'r, 'a, R: Real, S, C: ?Sized, const D: usize> Shot<'e, 'm, 'r, 'a, R, S, C, D> {
-    /// At rest, before any step.
+    /// Starts the search at rest, before any step.
     pub fn new(
         rattle: &'e Rattle<R>,
         solver: Solver<'m, 'r, R, S, C, D>,
@@ -45,7 +45,7 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Arrives as near as rounding allows: what is missed is known to twice the precision of R.
+    /// Arrives as close as rounding allows: the miss is known to twice the precision of R.
     pub fn hit(&mut self) -> Result<Report<R>, ConstraintError<R>> {
         Newton { stop: R::EPSILON * R::EPSILON, ..Newton::new() }.solve(self)
     }
@@ -80,7 +80,7 @@ where
     }
 }
 
-/// From q + carry to where it should be.
+/// The miss: from q + carry to the target.
 #[inline(always)]
 fn missed<R: Real, const D: usize>(to: &[R; D], q: &[R; D], carry: &[R; D]) -> [R; D] {
     core::array::from_fn(|i| (to[i] - q[i]) - carry[i])

@@ -2,7 +2,7 @@ use crate::linear::{Matrix, add_scaled};
 use crate::particles::Particles;
 use crate::scalar::Real;
 
-/// Which of the two lines of a step is solved, for velocities v and impulses Λ.
+/// The line of a step that is being solved, for velocities v and impulses Λ.
 #[derive(Clone, Copy)]
 pub(super) enum Stage<R> {
     /// L_v(v) = p + A(q)ᵀΛ, φ(q + hv) = 0.
@@ -11,12 +11,12 @@ pub(super) enum Stage<R> {
     Velocities { half: R },
 }
 
-/// Nodes at most that are evaluated side by side.
+/// Maximum number of nodes evaluated side by side.
 pub(super) const BLOCK: usize = 8;
 
 impl<R: Real> Stage<R> {
-    /// Writes p + ½h Q(v) − L_v(v) of a block of nodes, and the size of its terms.
-    // One copy for all solvers.
+    /// Writes p + ½h Q(v) − L_v(v) for a block of nodes, and the size of its terms.
+    // One copy of the code for all solvers.
     #[inline(never)]
     pub fn imbalances<S: Particles<R, D>, const D: usize>(
         self,
@@ -37,7 +37,7 @@ impl<R: Real> Stage<R> {
         }
     }
 
-    /// Writes M − ½h ∂Q/∂v of a block of nodes.
+    /// Writes M − ½h ∂Q/∂v for a block of nodes.
     #[inline]
     pub fn effective_masses<S: Particles<R, D>, const D: usize>(
         self,
@@ -59,16 +59,16 @@ impl<R: Real> Stage<R> {
     }
 }
 
-/// The terms that rounding acts on, largest over the nodes.
+/// Sizes of the terms that rounding acts on, the largest over the nodes.
 #[derive(Clone, Copy)]
 pub(super) struct Scale<R> {
-    /// What a stage changes momenta by before constraints answer, kg m/s.
+    /// Change of momenta in a stage before the constraints respond, kg m/s.
     pub impulse: R,
-    /// Velocities and their change, m/s.
+    /// Velocities or their change, whichever is larger, m/s.
     pub velocity: R,
 }
 
-/// The larger; not finite if either is not.
+/// The larger number; not finite if either is not.
 #[inline(always)]
 pub(super) fn worse<R: Real>(a: R, b: R) -> R {
     if a > b || !a.is_finite() { a } else { b }

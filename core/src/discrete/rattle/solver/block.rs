@@ -13,7 +13,7 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Block by block, where nothing couples nodes.
+    /// Solves block by block; nothing couples nodes.
     #[inline(never)]
     pub(super) fn solve_nodes(
         &self,
@@ -30,19 +30,19 @@ where
     }
 }
 
-/// Nodes that are evaluated side by side.
+/// Block of nodes that are evaluated side by side.
 struct Block<'e, R, S, const D: usize> {
     system: &'e S,
     stage: Stage<R>,
-    /// Number of the first node.
+    /// Index of the first node.
     first: usize,
     v: &'e mut [[R; D]],
     p: &'e [[R; D]],
-    /// What is left of the momenta.
+    /// Residuals of the momenta.
     r: [[R; D]; BLOCK],
-    /// The size of its terms at the guess, that residuals are relative to.
+    /// Size of the residuals' terms at the guess, for relative residuals.
     scale: Option<[R; BLOCK]>,
-    /// The relative residual of every node, and where a node needs no further update.
+    /// Relative residual of every node; a node at `stop` or below needs no further update.
     residuals: [R; BLOCK],
     stop: R,
 }
@@ -86,7 +86,7 @@ impl<R: Real, S: Particles<R, D>, const D: usize> Equations<R> for Block<'_, R, 
         worst
     }
 
-    /// v += M⁻¹r where it is not solved.
+    /// v += M⁻¹r for every node that is not solved.
     #[inline(always)]
     fn update(&mut self) -> Result<(), ConstraintError<R>> {
         let mut masses = [[[R::zero(); D]; D]; BLOCK];

@@ -13,7 +13,7 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Velocities and impulses together.
+    /// Solves for velocities and impulses together.
     #[inline(never)]
     pub(super) fn solve_all(
         &mut self,
@@ -31,7 +31,7 @@ where
         })
     }
 
-    /// Writes what is left of both equations; the largest relative to the size of its terms.
+    /// Writes the residuals of both equations, and returns the largest relative to the size of its terms.
     fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
         let (system, mut worst) = (self.mechanism.system(), R::zero());
         let mut terms = [R::zero(); BLOCK];
@@ -57,7 +57,7 @@ where
         worst
     }
 
-    /// Trial positions q + hv.
+    /// Sets the trial positions q + hv.
     fn move_trial(&mut self, points: &Points<R, D>, h: R) {
         let start = points.q.iter().zip(points.q_carry.iter()).zip(points.v.iter());
         let trial = self.trial.iter_mut().zip(self.trial_carry.iter_mut());
@@ -124,11 +124,11 @@ struct Coupled<'e, 'm, 'r, 'p, R, S, C: ?Sized, const D: usize> {
     solver: &'e mut Solver<'m, 'r, R, S, C, D>,
     points: &'e mut Points<'p, R, D>,
     stage: Stage<R>,
-    /// None before the first update.
+    /// `None` before the first update.
     scale: Option<Scale<R>>,
-    /// Whether the next update keeps the matrix: for velocities as long as the residual falls, for of quadratic energies they
-    /// are linear; never for positions, where what an old matrix leaves has one sign and in f32 the energy drifts ten times
-    /// as far.
+    /// Whether the next update keeps the matrix: for velocities as long as the residual falls, since their equations are linear if the
+    /// energies are quadratic; never for positions, where the residual left by an old matrix has one sign, and in f32 the energy drifts ten
+    /// times as far.
     keeps_matrix: bool,
     /// The last residual.
     before: R,
@@ -169,7 +169,7 @@ where
     }
 }
 
-/// 1, or not a number where a residual is not finite: before the first update there is no scale to measure it with.
+/// 1, or NaN if a residual is not finite: before the first update there is no scale to measure it by.
 fn unmeasured<R: Real>(residual: R) -> R {
     R::one() + residual * R::zero()
 }

@@ -10,15 +10,15 @@ use crate::newton::{Newton, Report};
 use crate::particles::Particles;
 use crate::scalar::Real;
 
-/// One step in the caller's workspace.
+/// Solver of one step, in the caller's workspace.
 pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
     mechanism: &'m Constrained<'m, R, S, C, D>,
     newton: &'m Newton<R>,
     scratch: &'r mut [R],
-    /// Where the constraints are to hold, of A₁: q + hv, and then the q that it has become.
+    /// Positions of A₁, at which the constraints are to hold: q + hv, which then becomes the new q.
     trial: &'r mut [[R; D]],
     trial_carry: &'r mut [[R; D]],
-    /// Residual of L_v(v), then the change of v that it asks for.
+    /// Residual of L_v(v), then the change of v that follows from it.
     update: &'r mut [[R; D]],
     inverses: &'r mut [Matrix<R, D>],
     matrix: Banded<'r, R>,
@@ -52,7 +52,7 @@ where
         })
     }
 
-    /// Fills a state that has q and v, its velocities projected to A v = 0.
+    /// Completes a state that has q and v, with its velocities projected to A v = 0.
     pub fn start(&mut self, points: &mut Points<R, D>) -> Result<(), ConstraintError<R>> {
         let system = self.mechanism.system();
         copy(self.trial, points.q);
@@ -67,7 +67,7 @@ where
         Ok(())
     }
 
-    /// One step of order 2.
+    /// Takes one step of order 2.
     pub fn step(
         &mut self,
         points: &mut Points<R, D>,
@@ -85,7 +85,7 @@ where
         Ok(positions.worse(velocities))
     }
 
-    /// p += ½h Q(v); and Q joins the internal forces, for the next kick.
+    /// p += ½h Q(v); Q also joins the internal forces, for the next kick.
     fn drag(&self, points: &mut Points<R, D>, half: R) {
         let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut()).zip(points.internal.iter_mut());
         let mut momenta = momenta.map(|((p, carry), internal)| (p, carry, internal));
@@ -119,7 +119,7 @@ where
     }
 }
 
-/// Nodes that are solved together: all where there are constraints.
+/// Number of nodes that are solved together: all if there are constraints, else none.
 pub(super) const fn coupled(nodes: usize, equations: usize) -> usize {
     if equations == 0 { 0 } else { nodes }
 }
