@@ -1,5 +1,5 @@
-//! The prefix of all names that the library exports, from the environment variable LEASTACTION_PREFIX: libraries of two shapes
-//! link into one program where their prefixes differ.
+//! Build script for the prefix of all exported names, from the environment variable LEASTACTION_PREFIX: libraries of two shapes link into
+//! one program if their prefixes differ.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,6 +1,6 @@
-//! Every elementary function of core in single precision, at every one of the 2³² inputs, against double precision: the largest error
-//! in units of the last place (the distance between the two f32 around the exact value, 2⁻¹⁴⁹ at least), where it is, and a hash of
-//! all results, which every target must give.
+//! Compares every elementary function of core in single precision, at every one of the 2³² inputs, with double precision. Prints the
+//! largest error in units of the last place (the distance between the two f32 around the exact value, 2⁻¹⁴⁹ at least), its position, and a
+//! hash of all results, which every target must give.
 //!
 //! `cargo run --release -p leastaction-core --example every_f32 [THREADS [FUNCTION…]]`; half an hour of one core.
 
@@ -8,16 +8,16 @@ use leastaction_core::scalar::Scalar;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Inputs of a part: those that share their first byte.
+/// Number of inputs of a part: those that share their first byte.
 const PART: u32 = 1 << 24;
 const PARTS: u32 = 256;
 
-/// What is compared: ours, and the same in double precision, where it is right to a thousandth of a unit.
+/// A function under test: ours, and its counterpart in double precision, which is right to a thousandth of a unit.
 struct Function {
     name: &'static str,
     ours: fn(f32) -> f32,
     exact: fn(f64) -> f64,
-    /// The inputs for which it is meant.
+    /// The inputs for which the function is meant.
     domain: fn(f32) -> bool,
 }
 
@@ -40,7 +40,7 @@ const FUNCTIONS: [Function; 6] = [
     },
 ];
 
-/// The largest error so far, and where.
+/// The largest error so far, and its position.
 #[derive(Clone, Copy, Default)]
 struct Largest {
     error: f64,
@@ -49,7 +49,7 @@ struct Largest {
 
 impl Largest {
     fn add(&mut self, error: f64, at: f32) {
-        // Not a number where there should be one is the largest error.
+        // NaN counts as the largest error if a number is expected.
         if error > self.error || error.is_nan() {
             *self = Self { error: if error.is_nan() { f64::INFINITY } else { error }, at };
         }
@@ -60,16 +60,16 @@ impl Largest {
     }
 }
 
-/// What is found in a part, or in all.
+/// Results of a part, or of all.
 #[derive(Clone, Copy, Default)]
 struct Found {
-    /// In units of the last place, everywhere.
+    /// Largest error everywhere, in units of the last place.
     ulp: Largest,
-    /// The same within ±8192 where the exact result is above 0.01: what is left where no zero of a sine is near.
+    /// Largest error within ±8192 where the exact result is above 0.01: away from the zeros of a sine.
     usual: Largest,
-    /// Absolute, where the exact result is at most 1.
+    /// Largest absolute error where the exact result is at most 1.
     absolute: Largest,
-    /// Inputs outside of the domain whose result is a number.
+    /// Number of inputs outside the domain whose result is a number.
     beyond: u64,
     hash: u64,
 }
@@ -82,7 +82,7 @@ fn ulp(x: f64) -> f64 {
 
 fn error_in_ulp(found: f32, exact: f64) -> f64 {
     let rounded = exact as f32;
-    // Infinite where rounding is: no error.
+    // An infinite result is no error if the exact one rounds to infinity.
     if found == rounded {
         return (f64::from(found) - exact).abs().min(0.5 * ulp(exact)) / ulp(exact);
     }
@@ -95,7 +95,7 @@ impl Function {
         for bits in part * PART..=part * PART + (PART - 1) {
             let x = f32::from_bits(bits);
             let ours = (self.ours)(x);
-            // Whatever the bits of a NaN are: they differ between processors.
+            // NaN counts with fixed bits: they differ between processors.
             let bits = if ours.is_nan() { f32::NAN.to_bits() } else { ours.to_bits() };
             found.hash = (found.hash ^ u64::from(bits)).wrapping_mul(0x0100_0000_01b3);
             if (self.domain)(x) {
@@ -107,7 +107,7 @@ impl Function {
         found
     }
 
-    /// All parts, on so many threads.
+    /// Runs all parts on `threads` threads.
     fn all(&self, threads: usize) -> Found {
         let (next, parts) = (AtomicU32::new(0), Mutex::new(vec![Found::default(); PARTS as usize]));
         std::thread::scope(|scope| {

@@ -40,9 +40,9 @@
 
 
 /**
- * What came of a call. Numbers are never given another meaning; new ones may be added.
+ * Outcome of a call. Numbers are never given another meaning; new ones may be added.
  *
- * Of every status: what `numbers` of a `leastaction_error` are, in order, and what else it carries.
+ * For every status: the `numbers` of a `leastaction_error`, in order, and whatever else it carries.
  */
 enum leastaction_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -50,20 +50,20 @@ enum leastaction_status
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * It worked.
+     * Success.
      */
     LEASTACTION_STATUS_OK = 0,
     /**
-     * A pointer is NULL. Which argument, from 1.
+     * A pointer is NULL. `numbers`: the argument, from 1.
      */
     LEASTACTION_STATUS_NULL_POINTER = 1,
     /**
-     * A pointer is not aligned as its type asks. Which argument, from 1.
+     * A pointer is not aligned as its type requires. `numbers`: the argument, from 1.
      */
     LEASTACTION_STATUS_MISALIGNED = 2,
     /**
-     * A length is not the one that the library was built for: was the program compiled with another header? Length that is
-     * right, length given.
+     * A length is not the one that the library was built for: was the program compiled with another header? `numbers`: right length, given
+     * length.
      */
     LEASTACTION_STATUS_WRONG_LENGTH = 3,
     /**
@@ -87,16 +87,16 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_NO_STEP = 8,
     /**
-     * The graph has rods, and the library was not built for any. How many.
+     * The graph has rods, and the library was not built for any. `numbers`: number of rods.
      */
     LEASTACTION_STATUS_RODS = 9,
     /**
-     * A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
+     * A bound of Newton's method is out of range. `numbers`: the bound, from 1. `max_iterations` must be at least 1, `stop` not negative,
      * `accept` positive and finite.
      */
     LEASTACTION_STATUS_BAD_NEWTON = 10,
     /**
-     * The program was compiled with a header of another binary interface. LEASTACTION_ABI of the library, that of the header.
+     * The program was compiled with a header of another binary interface. `numbers`: LEASTACTION_ABI of the library, of the header.
      */
     LEASTACTION_STATUS_OTHER_ABI = 11,
     /**
@@ -104,11 +104,11 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_OTHER_STEP = 12,
     /**
-     * The file does not say what the training data covered, or not for this tree or graph.
+     * The file does not give the range of the training data, or not for this tree or graph.
      */
     LEASTACTION_STATUS_NO_RANGE = 13,
     /**
-     * Fewer bytes than the smallest model file has. Bytes given.
+     * The file has fewer bytes than the smallest model file. `numbers`: bytes given.
      */
     LEASTACTION_STATUS_TOO_SHORT = 20,
     /**
@@ -116,11 +116,11 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_NOT_A_MODEL = 21,
     /**
-     * A format version that this library does not read. The version in the file.
+     * The file has a format version that this library does not read. `numbers`: the version.
      */
     LEASTACTION_STATUS_VERSION = 22,
     /**
-     * The file was damaged. Checksum in the file, checksum of the bytes as they are.
+     * The file was damaged. `numbers`: checksum in the file, checksum of its bytes.
      */
     LEASTACTION_STATUS_CHECKSUM = 23,
     /**
@@ -128,39 +128,39 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_MALFORMED = 24,
     /**
-     * Bytes after the end of a shape. How many.
+     * Bytes follow the end of a shape. `numbers`: number of these bytes.
      */
     LEASTACTION_STATUS_TRAILING_BYTES = 25,
     /**
-     * The weights do not begin at a multiple of 4: align the array that holds the file. Their address modulo 4.
+     * The weights do not begin at a multiple of 4: align the array that holds the file. `numbers`: address of the weights modulo 4.
      */
     LEASTACTION_STATUS_UNALIGNED = 26,
     /**
-     * Weights are little-endian, which this processor cannot read in place.
+     * The weights are little-endian, which this processor cannot read in place.
      */
     LEASTACTION_STATUS_BIG_ENDIAN = 27,
     /**
-     * The shape asks for another number of weights than there are. Weights there are, weights needed.
+     * The shape needs another number of weights than there are. `numbers`: weights in the file, weights needed.
      */
     LEASTACTION_STATUS_WEIGHT_COUNT = 28,
     /**
-     * A weight is infinite or not a number. Its position.
+     * A weight is infinite or not a number. `numbers`: index of the weight.
      */
     LEASTACTION_STATUS_WEIGHT_NOT_FINITE = 29,
     /**
-     * A number of the header is out of range. `what`: which.
+     * A number of the header is out of range. `what`: name of the number.
      */
     LEASTACTION_STATUS_OUT_OF_RANGE = 30,
     /**
-     * Names are missing, empty or the same. `what`: of what.
+     * Names are missing, empty or not unique. `what`: the named things.
      */
     LEASTACTION_STATUS_NAMES = 31,
     /**
-     * The file holds no tree of that name. Trees that it holds.
+     * The file holds no tree of that name. `numbers`: number of trees in the file.
      */
     LEASTACTION_STATUS_NO_SUCH_TREE = 32,
     /**
-     * The file holds no graph of that name. Graphs that it holds.
+     * The file holds no graph of that name. `numbers`: number of graphs in the file.
      */
     LEASTACTION_STATUS_NO_SUCH_GRAPH = 33,
     /**
@@ -168,19 +168,19 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_OTHER_FAMILY = 34,
     /**
-     * The file's shape is not the one that the library was built for. In the file, built in; `what`: of what.
+     * The file's shape is not the one that the library was built for. `numbers`: size in the file, size built in; `what`: the quantity.
      */
     LEASTACTION_STATUS_SHAPE = 35,
     /**
-     * The weights are of another precision than the library was built for. Bits in the file, built in.
+     * The weights are of another precision than the library was built for. `numbers`: bits in the file, bits built in.
      */
     LEASTACTION_STATUS_PRECISION = 36,
     /**
-     * The file has a section that this library does not know and that may change the physics. Its number.
+     * The file has a section that this library does not know and that may change the physics. `numbers`: number of the section.
      */
     LEASTACTION_STATUS_SECTION = 37,
     /**
-     * The file lacks a section that every file has. `what`: which.
+     * The file lacks a section that every file has. `what`: name of the section.
      */
     LEASTACTION_STATUS_MISSING_SECTION = 38,
     /**
@@ -188,32 +188,32 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_OTHER_FILE_ERROR = 39,
     /**
-     * A tree without elements.
+     * The tree has no elements.
      */
     LEASTACTION_STATUS_TREE_EMPTY = 40,
     /**
-     * An element hangs from one that does not come before it. The element, what it hangs from.
+     * An element hangs from one that does not come before it. `numbers`: the element, the one that it hangs from.
      */
     LEASTACTION_STATUS_TREE_PARENT = 41,
     /**
-     * An element is of a type that does not exist. The element, the type, types there are.
+     * An element is of a type that does not exist. `numbers`: the element, the type, number of types.
      */
     LEASTACTION_STATUS_TREE_KIND = 42,
     /**
-     * The tree has not the coordinates that the library was built for. Of the tree, built in.
+     * The tree does not have the number of coordinates that the library was built for. `numbers`: coordinates of the tree, built in.
      */
     LEASTACTION_STATUS_TREE_COORDINATES = 43,
     /**
-     * The file has a law of force that the library was not built for. Its number in the file.
+     * The file has a law of force that the library was not built for. `numbers`: number of the law in the file.
      */
     LEASTACTION_STATUS_LAW = 44,
     /**
-     * The model was trained with an integrator of another order. In the file, asked for.
+     * The model was trained with an integrator of another order. `numbers`: order in the file, order asked for.
      */
     LEASTACTION_STATUS_ORDER = 45,
     /**
-     * A number of dry friction is out of range; `what`: which. The coordinate of an inertia network, of bodies or of an arm, or the element type of a
-     * modular one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
+     * A parameter of dry friction is out of range; `what`: its name. `numbers`: the coordinate of an inertia network, of bodies or of an
+     * arm, or the element type of a modular model; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the value as a float.
      */
     LEASTACTION_STATUS_FRICTION = 46,
     /**
@@ -221,59 +221,59 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_OTHER_TREE_ERROR = 49,
     /**
-     * A graph without nodes.
+     * The graph has no nodes.
      */
     LEASTACTION_STATUS_GRAPH_EMPTY = 50,
     /**
-     * More nodes than an edge can name. Of the graph, at most.
+     * The graph has more nodes than an edge can name. `numbers`: nodes of the graph, maximum.
      */
     LEASTACTION_STATUS_GRAPH_TOO_MANY_NODES = 51,
     /**
-     * A node is of a type that does not exist. The node, the type, types there are.
+     * A node is of a type that does not exist. `numbers`: the node, the type, number of types.
      */
     LEASTACTION_STATUS_GRAPH_NODE_KIND = 52,
     /**
-     * An edge is of a type that does not exist. The edge, the type, types there are.
+     * An edge is of a type that does not exist. `numbers`: the edge, the type, number of types.
      */
     LEASTACTION_STATUS_GRAPH_EDGE_KIND = 53,
     /**
-     * An edge ends at a node that does not exist. The edge, the node, nodes there are.
+     * An edge ends at a node that does not exist. `numbers`: the edge, the node, number of nodes.
      */
     LEASTACTION_STATUS_GRAPH_END = 54,
     /**
-     * An edge joins a node to itself. The edge, the node.
+     * An edge joins a node to itself. `numbers`: the edge, the node.
      */
     LEASTACTION_STATUS_GRAPH_LOOP = 55,
     /**
-     * The graph has not the coordinates that the library was built for. Of the graph, built in.
+     * The graph does not have the number of coordinates that the library was built for. `numbers`: coordinates of the graph, built in.
      */
     LEASTACTION_STATUS_GRAPH_COORDINATES = 56,
     /**
-     * The mass of a node type is not positive and finite. The node type.
+     * The mass of a node type is not positive and finite. `numbers`: the node type.
      */
     LEASTACTION_STATUS_GRAPH_MASS = 57,
     /**
-     * The drag of a node type is negative or not finite. The node type.
+     * The drag of a node type is negative or not finite. `numbers`: the node type.
      */
     LEASTACTION_STATUS_GRAPH_DRAG = 58,
     /**
-     * More edges than the library was built for. Built in, of the graph.
+     * The graph has more edges than the library was built for. `numbers`: edges built in, edges of the graph.
      */
     LEASTACTION_STATUS_GRAPH_TOO_MANY_EDGES = 59,
     /**
-     * More rods than the library was built for. Built in, of the graph.
+     * The graph has more rods than the library was built for. `numbers`: rods built in, rods of the graph.
      */
     LEASTACTION_STATUS_GRAPH_TOO_MANY_RODS = 60,
     /**
-     * A member of a union does not name as many nodes as it has. The member, named, needed.
+     * A member of a union names another number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
      */
     LEASTACTION_STATUS_GRAPH_MEMBER_NODES = 61,
     /**
-     * A member of a union names its nodes out of order. The member, the node.
+     * A member of a union names its nodes out of order. `numbers`: the member, the node.
      */
     LEASTACTION_STATUS_GRAPH_MEMBER_ORDER = 62,
     /**
-     * No member of a union has a node. The node.
+     * A node belongs to no member of a union. `numbers`: the node.
      */
     LEASTACTION_STATUS_GRAPH_OWNERLESS = 63,
     /**
@@ -281,7 +281,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_OTHER_GRAPH_ERROR = 69,
     /**
-     * The matrix of the equations has no usable pivot. The column, from 0.
+     * The matrix of the equations has no usable pivot. `numbers`: the column, from 0.
      */
     LEASTACTION_STATUS_SINGULAR = 70,
     /**
@@ -289,16 +289,17 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_NOT_FINITE = 71,
     /**
-     * The equations of a step were not solved: h is too long for this motion. Newton updates taken; `residual`: what is
-     * left.
+     * The equations of a step were not solved: h is too long for this motion. `numbers`: Newton updates taken; `residual`: the remaining
+     * residual.
      */
     LEASTACTION_STATUS_NOT_CONVERGED = 72,
     /**
-     * A rod follows from those before it, or contradicts them. Which, from 0.
+     * A rod follows from those before it, or contradicts them. `numbers`: the rod, from 0.
      */
     LEASTACTION_STATUS_ROD_REDUNDANT = 73,
     /**
-     * A position at the start violates a rod. The rod that is furthest off, from 0; `residual`: by how much of its length.
+     * A position at the start violates a rod. `numbers`: the rod with the largest violation, from 0; `residual`: violation relative to its
+     * length.
      */
     LEASTACTION_STATUS_ROD_VIOLATED = 74,
 };
@@ -311,92 +312,92 @@ typedef int32_t leastaction_status;
 #endif // __cplusplus
 
 /**
- * Storage of a loaded model, about which only this library knows more. It must start as zeros, as static storage does, and
- * must not be moved or copied once a model is loaded. It refers to the file: that must stay where it is, unchanged.
+ * Storage of a loaded model, whose contents only this library knows. It must start as zeros, as static storage does, and must not be moved
+ * or copied once a model is loaded. It refers to the file, which must stay in place, unchanged.
  */
 typedef struct {
     size_t opaque[LEASTACTION_MODEL_WORDS];
 } leastaction_model;
 
 /**
- * Why a call failed, with numbers. Every function that can fail fills one in, where its last argument is not NULL; after
- * success the status is LEASTACTION_STATUS_OK and all else is zero.
+ * Reason why a call failed, with numbers. Every function that can fail fills one in, unless its last argument is NULL; after success the
+ * status is LEASTACTION_STATUS_OK and all else is zero.
  */
 typedef struct {
     /**
-     * What the function returned.
+     * Status that the function returned.
      */
     leastaction_status status;
     /**
-     * What the status says they are; the others 0. Numbers beyond 32 bits are cut to UINT32_MAX.
+     * Numbers that the status defines; all others are 0. Numbers beyond 32 bits are cut to UINT32_MAX.
      */
     uint32_t numbers[3];
     /**
-     * A relative residual, where the status says so; else 0.
+     * Relative residual, if the status defines it; else 0.
      */
     float residual;
     /**
-     * What it is about, in words, where the status says so; else NULL. Not ended by a zero: print it with "%.*s".
+     * Subject of the error, in words, if the status defines it; else NULL. Not ended by a zero: print it with "%.*s".
      */
     const char *what;
     /**
-     * Bytes of `what`.
+     * Length of `what`, bytes.
      */
     size_t what_bytes;
 } leastaction_error;
 
 /**
- * Which quantity lies outside of what the training data covered.
+ * A quantity outside the range of the training data.
  */
 typedef struct {
     /**
-     * `q`, `v` or `u`; 0 where nothing lies outside.
+     * `q`, `v` or `u`; 0 if nothing lies outside.
      */
     uint8_t quantity;
     /**
-     * The coordinate, from 0.
+     * Index of the coordinate, from 0.
      */
     uint32_t coordinate;
 } leastaction_outside;
 
 /**
- * Storage of a state: position and momentum, both summed with compensation, and what the next step begins with. It must
- * start as zeros, as static storage does. A started one may be copied by assignment, to come back to it.
+ * Storage of a state: position and momentum, both summed with compensation, and the starting data of the next step. It must start as
+ * zeros, as static storage does. A started state may be copied by assignment, to come back to it.
  */
 typedef struct {
     uint32_t opaque[LEASTACTION_STATE_WORDS];
 } leastaction_state;
 
 /**
- * How far Newton's method goes in a step.
+ * Bounds of Newton's method in a step.
  *
- * For a constant running time: `stop` = 0, and as many updates as the motion needs, two for most.
+ * For a constant running time, set `stop` = 0 and `max_iterations` to as many updates as the motion needs, two for most.
  */
 typedef struct {
     /**
-     * Updates at most; at least 1.
+     * Maximum number of updates; at least 1.
      */
     uint8_t max_iterations;
     /**
-     * Stop early at this relative residual; 0 always takes `max_iterations`.
+     * Relative residual at which to stop early; 0 always takes `max_iterations`.
      */
     float stop;
     /**
-     * A step whose relative residual stays above is refused.
+     * Largest accepted relative residual; a step above it is refused.
      */
     float accept;
 } leastaction_newton;
 
 /**
- * How a step went.
+ * Report of a step.
  */
 typedef struct {
     /**
-     * Newton updates taken: at least 1.
+     * Number of Newton updates taken: at least 1.
      */
     uint32_t iterations;
     /**
-     * Largest residual at the end, relative to the terms it is the sum of.
+     * Largest residual at the end, relative to the terms of its sum.
      */
     float residual;
 } leastaction_report;
@@ -406,7 +407,7 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * What a status says, in English: a string that is never freed. Of a number that is no status: "unknown status".
+ * Message of a status, in English: a string that is never freed. For a number that is no status: "unknown status".
  */
 const char *leastaction_message(int status);
 
@@ -414,15 +415,15 @@ const char *leastaction_message(int status);
  * Reads and validates a model file, and prepares it in `model`. Weights stay where they are, in flash.
  *
  * - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
- * - `abi`: LEASTACTION_ABI, which shows the same of its functions.
+ * - `abi`: LEASTACTION_ABI, which shows that the functions of this header are the library's.
  * - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
- * - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for inertia networks, bodies and arms.
+ * - `name`: name of the tree or graph to take, ended by a zero; not read, and may be NULL, for inertia networks, bodies and arms.
  * - `error`: filled in; may be NULL.
  *
- * Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
+ * Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; `model` then holds no model, even if it did before.
  *
  * # Safety
- * Pointers are NULL or point to so many bytes.
+ * Pointers are NULL or point to the stated number of bytes.
  */
 leastaction_status leastaction_load(leastaction_model *model,
                                     size_t model_bytes,
@@ -438,23 +439,23 @@ leastaction_status leastaction_load(leastaction_model *model,
 const char *leastaction_family(void);
 
 /**
- * The version of the library, as "0.1.0".
+ * Version of the library, such as "0.1.0".
  */
 const char *leastaction_version(void);
 
 /**
- * The number of the library's binary interface: LEASTACTION_ABI of its header. It changes with any struct or function that a
- * program was compiled with.
+ * Number of the library's binary interface: LEASTACTION_ABI of its header. It changes with any struct or function that a program was
+ * compiled with.
  */
 uint32_t leastaction_abi(void);
 
 /**
- * The step h (s), the order (2 or 4) and the kind of control (0: held from sample to sample, 1: linear between samples) that
- * the model was trained with: with others it is less accurate, for a model of a discrete Lagrangian absorbs the integrator's
- * error. Fails with statuses 1, 2, 4 and 8.
+ * Writes the step h (s), the order (2 or 4) and the kind of control (0: held from sample to sample, 1: linear between samples) that the
+ * model was trained with. With others the model is less accurate, because a model of a discrete Lagrangian absorbs the integrator's error.
+ * Fails with statuses 1, 2, 4 and 8.
  *
  * # Safety
- * Pointers are NULL or point to what their type says.
+ * Pointers are NULL or point to values of their type.
  */
 leastaction_status leastaction_trained_step(const leastaction_model *model,
                                             float *h,
@@ -463,11 +464,11 @@ leastaction_status leastaction_trained_step(const leastaction_model *model,
                                             leastaction_error *error);
 
 /**
- * Checks that the model was trained with steps of h (s) of this order, 2 or 4: call it once for the function of steps that the
- * program uses. Fails with statuses 2, 4, 8, 12 and 45.
+ * Checks that the model was trained with steps of h (s) and of this order, 2 or 4. Call it once for the stepping function that the program
+ * uses. Fails with statuses 2, 4, 8, 12 and 45.
  *
  * # Safety
- * Pointers are NULL or point to what their type says.
+ * Pointers are NULL or point to values of their type.
  */
 leastaction_status leastaction_check_step(const leastaction_model *model,
                                           float h,
@@ -475,8 +476,8 @@ leastaction_status leastaction_check_step(const leastaction_model *model,
                                           leastaction_error *error);
 
 /**
- * Says whether a state and control force lie outside of what the training data covered: there the model extrapolates. The
- * first quantity that does is written; infinite ones, and what is not a number, do.
+ * Checks whether a state and control force lie outside the range of the training data, where the model extrapolates. Writes the first
+ * quantity that does; infinities and NaN do.
  *
  * - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m): `n` numbers each.
  * - `n`: LEASTACTION_COORDINATES.
@@ -485,7 +486,7 @@ leastaction_status leastaction_check_step(const leastaction_model *model,
  * Fails with statuses 1 to 4, 13, 30 and 35.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_check_range(const leastaction_model *model,
                                            const float *q,
@@ -496,11 +497,11 @@ leastaction_status leastaction_check_range(const leastaction_model *model,
                                            leastaction_error *error);
 
 /**
- * Writes by how many whole steps of h (s) a command is late: leastaction_actuate takes commands that are so much older. 0
- * where the file says no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35.
+ * Writes the number of whole steps of h (s) by which a command is late: leastaction_actuate takes commands that much older. 0 if the file
+ * has no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35.
  *
  * # Safety
- * Pointers are NULL or point to what their type says.
+ * Pointers are NULL or point to values of their type.
  */
 leastaction_status leastaction_late_steps(const leastaction_model *model,
                                           float h,
@@ -508,18 +509,18 @@ leastaction_status leastaction_late_steps(const leastaction_model *model,
                                           leastaction_error *error);
 
 /**
- * Writes the control forces over a step of h (s), as the functions of steps take them, that commands held from step to step
- * bring about: τ(t) = g u(t − d) + o with gain, offset and delay of the file; without an actuator there the command itself.
+ * Writes the control forces over a step of h (s), as the stepping functions take them, from commands held from step to step, with gain,
+ * offset and delay of the file: τ(t) = g u(t − d) + o. Without an actuator in the file, they are the command itself.
  *
- * - `before`, `u`: the command one step earlier and the one of this step, both leastaction_late_steps older, `n` numbers each.
+ * - `before`, `u`: the command one step earlier and the command of this step, both leastaction_late_steps older, `n` numbers each.
  * - `n`: LEASTACTION_COORDINATES.
- * - `u0`, `u1`: the forces (N or N m) at the start and at the end of the step, `n` numbers each, written on success alone.
+ * - `u0`, `u1`: the forces (N or N m) at the start and at the end of the step, `n` numbers each, written on success only.
  * - `error`: filled in; may be NULL.
  *
  * Fails with statuses 1 to 4, 6, 30, 35 and 71.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_actuate(const leastaction_model *model,
                                        float h,
@@ -531,18 +532,18 @@ leastaction_status leastaction_actuate(const leastaction_model *model,
                                        leastaction_error *error);
 
 /**
- * Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², that the control force u gives. To u
- * rods add the forces Aᵀλ by which they keep their lengths.
+ * Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², under the control force u. Rods add to u the forces Aᵀλ by which
+ * they keep their lengths.
  *
  * - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m; zeros for none): `n` numbers each.
  * - `n`: LEASTACTION_COORDINATES.
- * - `a`: `n` numbers, written on success alone; may be one of the arrays before it.
+ * - `a`: `n` numbers, written on success only; may be one of the arrays before it.
  * - `error`: filled in; may be NULL.
  *
  * Fails with statuses 1 to 4, 70 and 71; with rods also 73.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_acceleration(const leastaction_model *model,
                                             const float *q,
@@ -553,12 +554,12 @@ leastaction_status leastaction_acceleration(const leastaction_model *model,
                                             leastaction_error *error);
 
 /**
- * Writes the control force u = M a − L_q + L_vq v − Q, N or N m, that gives the acceleration a: inverse dynamics.
- * Where a keeps rods it is the force that loads none of them. Arguments as those of leastaction_acceleration. Fails with
- * statuses 1 to 4 and 71.
+ * Writes the control force u = M a − L_q + L_vq v − Q, N or N m, that gives the acceleration a: inverse dynamics. If a keeps the lengths
+ * of rods, u is the force that loads none of them. Other arguments are those of leastaction_acceleration. Fails with statuses 1 to 4 and
+ * 71.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_inverse_dynamics(const leastaction_model *model,
                                                 const float *q,
@@ -569,11 +570,11 @@ leastaction_status leastaction_inverse_dynamics(const leastaction_model *model,
                                                 leastaction_error *error);
 
 /**
- * Writes the kinetic energy T(q, v) and the potential energy V(q), J: two numbers, whose sum is the energy. A potential is
- * known up to a constant. Other arguments as those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+ * Writes the kinetic energy T(q, v) and the potential energy V(q), J: two numbers, whose sum is the energy. A potential is known up to a
+ * constant. Other arguments are those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_energies(const leastaction_model *model,
                                         const float *q,
@@ -583,11 +584,11 @@ leastaction_status leastaction_energies(const leastaction_model *model,
                                         leastaction_error *error);
 
 /**
- * Writes the momentum p = L_v(q, v), kg m/s or kg m²/s: `n` numbers. Other arguments as those of leastaction_acceleration.
- * Fails with statuses 1 to 4 and 71.
+ * Writes the momentum p = L_v(q, v), kg m/s or kg m²/s: `n` numbers. Other arguments are those of leastaction_acceleration. Fails with
+ * statuses 1 to 4 and 71.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_momentum(const leastaction_model *model,
                                         const float *q,
@@ -598,11 +599,11 @@ leastaction_status leastaction_momentum(const leastaction_model *model,
 
 /**
  * Starts a state at position q (m or rad) and velocity v (m/s or rad/s), `n` = LEASTACTION_COORDINATES numbers each.
- * Rods must have their lengths to 3e-4 of them; v loses at once what would change them. `error` is filled in; it may be NULL.
- * Fails with statuses 1 to 4 and 71, with rods also 70 and 72 to 74, and the state is as it was.
+ * Rods must have their lengths to within 3e-4 of them; the part of v that would change them is removed at once. `error` is filled in; it
+ * may be NULL. Fails with statuses 1 to 4 and 71, with rods also 70 and 72 to 74; the state is then unchanged.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_start(const leastaction_model *model,
                                      leastaction_state *state,
@@ -612,17 +613,17 @@ leastaction_status leastaction_start(const leastaction_model *model,
                                      leastaction_error *error);
 
 /**
- * Starts a state at q1 from two positions, h (s) apart, and the control forces u0 and u1 at their times: no velocity is
- * needed. For steps of order 2 of the same h.
+ * Starts a state at q1 from two positions, h (s) apart, and the control forces u0 and u1 at their times; no velocity is needed. For steps
+ * of order 2 of the same h.
  *
  * - `q0`, `q1` (m or rad), `u0`, `u1` (N or N m; zeros for none): `n` numbers each.
  * - `n`: LEASTACTION_COORDINATES.
  * - `error`: filled in; may be NULL.
  *
- * Fails with statuses 1 to 4, 6 and 70 to 72, with rods also 73 and 74, and the state is as it was.
+ * Fails with statuses 1 to 4, 6 and 70 to 72, with rods also 73 and 74; the state is then unchanged.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_start_from_positions2(const leastaction_model *model,
                                                      leastaction_state *state,
@@ -635,10 +636,10 @@ leastaction_status leastaction_start_from_positions2(const leastaction_model *mo
                                                      leastaction_error *error);
 
 /**
- * As leastaction_start_from_positions2, for steps of order 4.
+ * Starts a state like leastaction_start_from_positions2, for steps of order 4.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_start_from_positions4(const leastaction_model *model,
                                                      leastaction_state *state,
@@ -654,7 +655,7 @@ leastaction_status leastaction_start_from_positions4(const leastaction_model *mo
  * Writes the position q, m or rad: `n` = LEASTACTION_COORDINATES numbers. Fails with statuses 1, 2, 3 and 5.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_state_q(const leastaction_state *state,
                                        size_t n,
@@ -665,7 +666,7 @@ leastaction_status leastaction_state_q(const leastaction_state *state,
  * Writes the momentum p, kg m/s or kg m²/s: `n` = LEASTACTION_COORDINATES numbers. Fails with statuses 1, 2, 3 and 5.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_state_p(const leastaction_state *state,
                                        size_t n,
@@ -673,11 +674,11 @@ leastaction_status leastaction_state_p(const leastaction_state *state,
                                        leastaction_error *error);
 
 /**
- * Writes the increment of the last step, w = (q₁ − q₀)/h, m/s or rad/s: the mean velocity over it; before the first step the
+ * Writes the increment of the last step, w = (q₁ − q₀)/h, m/s or rad/s, which is the mean velocity over it; before the first step, the
  * velocity that the state was started with. `n` = LEASTACTION_COORDINATES numbers. Fails with statuses 1, 2, 3 and 5.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_state_w(const leastaction_state *state,
                                        size_t n,
@@ -685,26 +686,25 @@ leastaction_status leastaction_state_w(const leastaction_state *state,
                                        leastaction_error *error);
 
 /**
- * The bounds where none are given: at most 50 updates (12 where the library was built for rods), down to rounding. Up to a
- * step of 50 ms five suffice.
+ * Returns the default bounds: at most 50 updates (12 if the library was built for rods), down to rounding. Up to a step of 50 ms five
+ * suffice.
  */
 leastaction_newton leastaction_default_newton(void);
 
 /**
- * Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1
- * at the end of the step, linear between. A library that was built for rods steps every graph by RATTLE, under the mean of u0
- * and u1 as in training.
+ * Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1 at the end of
+ * the step, linear between. A library that was built for rods steps every graph by RATTLE, under the mean of u0 and u1 as in training.
  *
- * - `u0`, `u1` (N or N m; zeros for none, twice the same for one that is held): `n` numbers each.
+ * - `u0`, `u1` (N or N m; zeros for none, one array twice for a held force): `n` numbers each.
  * - `n`: LEASTACTION_COORDINATES.
  * - `newton`: bounds of Newton's method; NULL for leastaction_default_newton.
- * - `report`: how it went, written on success alone; may be NULL.
+ * - `report`: report of the step, written on success only; may be NULL.
  * - `error`: filled in; may be NULL.
  *
- * Fails with statuses 1 to 6, 10 and 70 to 72, with rods also 73, and the state is as it was.
+ * Fails with statuses 1 to 6, 10 and 70 to 72, with rods also 73; the state is then unchanged.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_step2(const leastaction_model *model,
                                      leastaction_state *state,
@@ -717,10 +717,10 @@ leastaction_status leastaction_step2(const leastaction_model *model,
                                      leastaction_error *error);
 
 /**
- * As leastaction_step2, of order 4: over twice the work, and exact to the fourth power of h.
+ * Steps a state like leastaction_step2, with order 4: over twice the work, and exact to the fourth power of h.
  *
  * # Safety
- * Pointers are NULL or point to what their type says, and to so many numbers.
+ * Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
  */
 leastaction_status leastaction_step4(const leastaction_model *model,
                                      leastaction_state *state,
@@ -733,12 +733,12 @@ leastaction_status leastaction_step4(const leastaction_model *model,
                                      leastaction_error *error);
 
 /**
- * Writes the inertia matrix M(q), kg m², kg m or kg: `n` times `n` numbers, row by row; it is symmetric. With it a computed
- * torque is M(q) times an acceleration beside what leastaction_inverse_dynamics gives for none. Other arguments as those of
+ * Writes the inertia matrix M(q), kg m², kg m or kg: `n` times `n` numbers, row by row; it is symmetric. A computed torque is M(q) times
+ * an acceleration, plus the result of leastaction_inverse_dynamics for no acceleration. Other arguments are those of
  * leastaction_acceleration. Fails with statuses 1 to 4 and 71.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_mass_matrix(const leastaction_model *model,
                                            const float *q,
@@ -747,11 +747,11 @@ leastaction_status leastaction_mass_matrix(const leastaction_model *model,
                                            leastaction_error *error);
 
 /**
- * Writes the control force u = V_q(q), N or N m, that holds the mechanism at rest against gravity and springs: `n` numbers.
- * Other arguments as those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+ * Writes the control force u = V_q(q), N or N m, that holds the mechanism at rest against gravity and springs: `n` numbers. Other
+ * arguments are those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
  *
  * # Safety
- * Pointers are NULL or point to so many numbers.
+ * Pointers are NULL or point to the stated number of numbers.
  */
 leastaction_status leastaction_gravity_torque(const leastaction_model *model,
                                               const float *q,

@@ -1,4 +1,4 @@
-//! What a caller gives, checked before anything is done with it.
+//! Checks of a caller's arguments, made before anything is done with them.
 
 use crate::config::LEASTACTION_COORDINATES;
 use crate::contents::{Loaded, STARTED, Started, loaded_tag};
@@ -15,14 +15,14 @@ pub(crate) type Vector = [f32; LEASTACTION_COORDINATES];
 pub(crate) struct Given<T>(NonNull<T>);
 
 impl<T> Given<T> {
-    /// A pointer that stands at this place among the arguments, from 1.
+    /// Checks the pointer at position `argument` among the arguments, from 1.
     pub fn new(pointer: *const T, argument: usize) -> Result<Self, Error> {
         let pointer = NonNull::new(pointer.cast_mut());
         let pointer = pointer.ok_or(Error::new(Status::NullPointer, [argument]))?;
         if pointer.is_aligned() { Ok(Self(pointer)) } else { Err(Error::new(Status::Misaligned, [argument])) }
     }
 
-    /// One that may be NULL.
+    /// Checks a pointer that may be NULL.
     pub fn optional(pointer: *const T, argument: usize) -> Result<Option<Self>, Error> {
         if pointer.is_null() { Ok(None) } else { Self::new(pointer, argument).map(Some) }
     }
@@ -31,10 +31,10 @@ impl<T> Given<T> {
         self.0.as_ptr()
     }
 
-    /// Copies it.
+    /// Copies the value.
     ///
     /// # Safety
-    /// It can be read as a T.
+    /// The pointer can be read as a T.
     pub unsafe fn read(&self) -> T
     where
         T: Copy,
@@ -43,22 +43,22 @@ impl<T> Given<T> {
         unsafe { self.0.read() }
     }
 
-    /// Writes it.
+    /// Writes a value.
     ///
     /// # Safety
-    /// It can be written to.
+    /// The pointer can be written to.
     pub unsafe fn write(&self, value: T) {
         // SAFETY: not NULL and aligned; the rest is this function's promise.
         unsafe { self.0.write(value) }
     }
 }
 
-/// Checks that arrays are as long as they should be.
+/// Checks that an array has the right length.
 pub(crate) fn check_length(right: usize, given: usize) -> Result<(), Error> {
     if given == right { Ok(()) } else { Err(Error::new(Status::WrongLength, [right, given])) }
 }
 
-/// Copies arrays of `n` numbers, which must be finite; the first stands at this place among the arguments.
+/// Copies arrays of `n` numbers, which must be finite; `first` is the position of the first array among the arguments.
 ///
 /// # Safety
 /// Each has `n` numbers.
@@ -73,7 +73,7 @@ pub(crate) unsafe fn vectors<const K: usize>(
     Ok(copies)
 }
 
-/// [`vectors`] that need not be finite.
+/// Copies arrays like [`vectors`], but allows numbers that are not finite.
 ///
 /// # Safety
 /// Each has `n` numbers.
@@ -91,15 +91,15 @@ pub(crate) unsafe fn numbers<const K: usize>(
     Ok(copies)
 }
 
-/// An array that a vector is written to.
+/// An array to which a vector is written.
 pub(crate) fn output(pointer: *mut f32, argument: usize) -> Result<Given<Vector>, Error> {
     Given::new(pointer.cast(), argument)
 }
 
-/// The mechanism that is loaded in a storage.
+/// The mechanism that is loaded in a model's storage.
 ///
 /// # Safety
-/// `model` is storage as the header asks for, of which nothing else is done meanwhile.
+/// `model` is storage as the header asks for, with which nothing else is done meanwhile.
 pub(crate) unsafe fn loaded<'a>(model: *const Model) -> Result<&'a Mechanism, Error> {
     let pointer = Given::new(model, 1)?.pointer().cast::<Loaded>();
     // SAFETY: a word of the caller's storage, which is larger and as aligned.
@@ -111,7 +111,7 @@ pub(crate) unsafe fn loaded<'a>(model: *const Model) -> Result<&'a Mechanism, Er
     Ok(unsafe { &(*pointer).mechanism })
 }
 
-/// Where a storage's state is.
+/// Address of the started state in a storage.
 pub(crate) fn place(state: *const State, argument: usize) -> Result<Given<Started>, Error> {
     Given::new(state, argument)?;
     Given::new(state.cast(), argument)
@@ -128,17 +128,17 @@ pub(crate) unsafe fn started(state: *const State, argument: usize) -> Result<Sta
     if started.tag == STARTED { Ok(started) } else { Err(Status::NotStarted.into()) }
 }
 
-/// Checks a step.
+/// Checks a step size.
 pub(crate) fn check_step(h: f32) -> Result<(), Error> {
     if h > 0.0 && h.is_finite() { Ok(()) } else { Err(Status::BadStep.into()) }
 }
 
-/// An error unless all numbers are finite.
+/// Fails unless all numbers are finite.
 pub(crate) fn finite<const K: usize>(x: [f32; K]) -> Result<[f32; K], Error> {
     if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(Status::NotFinite.into()) }
 }
 
-/// Does what a call is for, and tells the caller how it went.
+/// Runs a call, and tells the caller how it went.
 ///
 /// # Safety
 /// `error` is NULL or can be written to.

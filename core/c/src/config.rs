@@ -1,4 +1,4 @@
-//! The sizes that the library is built for, from environment variables read by the compiler.
+//! Sizes for which the library is built, from environment variables that the compiler reads.
 
 /// A size from the environment, or its default.
 macro_rules! size {
@@ -13,49 +13,49 @@ macro_rules! size {
     };
 }
 
-/// Number of the binary interface: it changes with any struct or function that a program was compiled with.
+/// Number of the binary interface; it changes with any struct or function that a program was compiled with.
 pub const LEASTACTION_ABI: u32 = 2;
-/// Coordinates of the mechanism.
+/// Number of coordinates of the mechanism.
 pub const LEASTACTION_COORDINATES: usize = size!("LEASTACTION_COORDINATES", 2, 1..=64);
-/// Units of a hidden layer at most.
+/// Maximum number of units of a hidden layer.
 #[cfg(not(any(feature = "bodies", feature = "arm")))]
 pub const LEASTACTION_HIDDEN: usize = size!("LEASTACTION_HIDDEN", 32, 1..=1024);
-/// Hidden layers of a network at most.
+/// Maximum number of hidden layers of a network.
 #[cfg(not(any(feature = "bodies", feature = "arm")))]
 pub const LEASTACTION_LAYERS: usize = size!("LEASTACTION_LAYERS", 2, 1..=4);
-/// Units of a hidden layer of a law's network at most.
+/// Maximum number of units of a hidden layer of a law's network.
 #[cfg(feature = "networks")]
 pub const LEASTACTION_LAW_HIDDEN: usize = size!("LEASTACTION_LAW_HIDDEN", 8, 1..=1024);
-/// Hidden layers of a law's network at most.
+/// Maximum number of hidden layers of a law's network.
 #[cfg(feature = "networks")]
 pub const LEASTACTION_LAW_LAYERS: usize = size!("LEASTACTION_LAW_LAYERS", 2, 1..=4);
-/// Element types at most.
+/// Maximum number of element types.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_TYPES: usize = size!("LEASTACTION_TYPES", 2, 1..=5);
-/// Dimensions of the space that particles move in.
+/// Dimensions of the space of particles.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_DIMENSIONS: usize = size!("LEASTACTION_DIMENSIONS", 2, 2..=3);
-/// Networks of all types together at most.
+/// Maximum number of networks of all types together.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_NETWORKS: usize = size!("LEASTACTION_NETWORKS", 6, 1..=11);
-/// Edges of the graph at most.
+/// Maximum number of edges of the graph.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_EDGES: usize = size!("LEASTACTION_EDGES", 8, 1..=4096);
-/// Rods of the graph at most.
+/// Maximum number of rods of the graph.
 #[cfg(feature = "rods")]
 pub const LEASTACTION_RODS: usize = size!("LEASTACTION_RODS", 4, 1..=64);
-/// Rods of the graph at most.
+/// Maximum number of rods of the graph.
 #[cfg(all(feature = "graph", not(feature = "rods")))]
 pub const LEASTACTION_RODS: usize = 0;
 
-/// Words of a network: its weights, its biases and how many they are, layer by layer.
+/// Words of a network: weights, biases and number of inputs, layer by layer.
 #[cfg(not(any(feature = "bodies", feature = "arm")))]
 const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 
-// What a model takes where pointers have 32 bits, and 2 words beyond; with 64 bits it takes fewer words. Where that ceases to
-// be so, a build fails (`contents.rs`).
+// Sizes fit a model where pointers have 32 bits, with 2 words to spare; with 64 bits a model takes fewer words. A build fails if a model no
+// longer fits (`contents.rs`).
 
-/// Words of dry friction: four numbers a coordinate.
+/// Words of dry friction: four numbers per coordinate.
 #[cfg(not(feature = "graph"))]
 const FRICTION: usize = if cfg!(feature = "friction") { 4 * LEASTACTION_COORDINATES } else { 0 };
 
@@ -65,33 +65,33 @@ const LAWS: usize = 2 * (5 * (LEASTACTION_LAW_LAYERS + 1) + LEASTACTION_COORDINA
 #[cfg(not(any(feature = "networks", feature = "graph")))]
 const LAWS: usize = 0;
 
-/// Words, as wide as a pointer, of a loaded model.
+/// Pointer-sized words of a loaded model.
 #[cfg(feature = "inertia-network")]
 pub const LEASTACTION_MODEL_WORDS: usize =
     NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + LAWS + 12;
-/// Words, as wide as a pointer, of a loaded model.
+/// Pointer-sized words of a loaded model.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_MODEL_WORDS: usize =
     LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + FRICTION + LAWS + 15;
-/// Words, as wide as a pointer, of a loaded model.
+/// Pointer-sized words of a loaded model.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_MODEL_WORDS: usize =
     LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + LIST_OF_RODS + 71;
 
-/// Words, as wide as a pointer, of a loaded model.
+/// Pointer-sized words of a loaded model.
 #[cfg(any(feature = "bodies", feature = "arm"))]
 pub const LEASTACTION_MODEL_WORDS: usize =
     LEASTACTION_COORDINATES + (3 * LEASTACTION_COORDINATES).div_ceil(4) + FRICTION + LAWS + 12;
 
-/// Words, as wide as a pointer, of a list of rods, where there may be one.
+/// Pointer-sized words of a list of rods, if there may be one.
 #[cfg(feature = "graph")]
 const LIST_OF_RODS: usize =
     if LEASTACTION_RODS == 0 { 0 } else { LEASTACTION_RODS * (LEASTACTION_DIMENSIONS + 3) + 2 };
 
-/// Words of 32 bits of a state: 12 numbers a coordinate, and 2.
+/// Words of 32 bits of a state: 12 numbers per coordinate, and 2.
 #[cfg(not(feature = "rods"))]
 pub const LEASTACTION_STATE_WORDS: usize = 12 * LEASTACTION_COORDINATES + 2;
-/// Words of 32 bits of a state: 7 numbers a coordinate, one a rod, and 1.
+/// Words of 32 bits of a state: 7 numbers per coordinate, one per rod, and 1.
 #[cfg(feature = "rods")]
 pub const LEASTACTION_STATE_WORDS: usize = 7 * LEASTACTION_COORDINATES + LEASTACTION_RODS + 1;
 
@@ -101,7 +101,7 @@ const _: () = assert!(
     "LEASTACTION_COORDINATES must be a multiple of LEASTACTION_DIMENSIONS"
 );
 
-/// The number that a text of digits is.
+/// Parses a text of digits.
 const fn number(text: &str) -> Option<usize> {
     let (mut digits, mut number) = (text.as_bytes(), 0);
     if digits.is_empty() || digits.len() > 4 {

@@ -1,19 +1,19 @@
-//! What lies in the caller's storage, and how it is known whether anything does.
+//! Contents of the caller's storage, and tags that show whether there are any.
 
 use crate::family::{Lists, Mechanism};
 use crate::motion::CoreState;
 use crate::storage::{Model, State};
 
-/// What a [`Model`] holds.
+/// Contents of a [`Model`].
 #[repr(C)]
 pub(crate) struct Loaded {
     pub tag: usize,
-    /// What the mechanism refers to beside the file.
+    /// Lists, beside the file, that the mechanism refers to.
     pub lists: Lists,
     pub mechanism: Mechanism,
 }
 
-/// What a [`State`] holds.
+/// Contents of a [`State`].
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Started {
@@ -21,10 +21,10 @@ pub(crate) struct Started {
     pub state: CoreState,
 }
 
-/// Says that storage holds a state.
+/// Tag of a storage that holds a state.
 pub(crate) const STARTED: u32 = 0x5354_4154;
 
-/// Says that storage at this address holds a model: a copy elsewhere does not.
+/// Tag of a storage at this address that holds a model: a copy elsewhere does not have it.
 pub(crate) fn loaded_tag(storage: *const Loaded) -> usize {
     storage.addr() ^ 0x4d4f_4445
 }

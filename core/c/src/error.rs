@@ -9,27 +9,27 @@ use leastaction_core::energy::graph::GraphError;
 use leastaction_core::linear::SolveError;
 use leastaction_core::model::{Coded, ModelError};
 
-/// Why a call failed, with numbers. Every function that can fail fills one in, where its last argument is not NULL; after
-/// success the status is LEASTACTION_STATUS_OK and all else is zero.
+/// Reason why a call failed, with numbers. Every function that can fail fills one in, unless its last argument is NULL; after success the
+/// status is LEASTACTION_STATUS_OK and all else is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Error {
-    /// What the function returned.
+    /// Status that the function returned.
     pub status: Status,
-    /// What the status says they are; the others 0. Numbers beyond 32 bits are cut to UINT32_MAX.
+    /// Numbers that the status defines; all others are 0. Numbers beyond 32 bits are cut to UINT32_MAX.
     pub numbers: [u32; 3],
-    /// A relative residual, where the status says so; else 0.
+    /// Relative residual, if the status defines it; else 0.
     pub residual: f32,
-    /// What it is about, in words, where the status says so; else NULL. Not ended by a zero: print it with "%.*s".
+    /// Subject of the error, in words, if the status defines it; else NULL. Not ended by a zero: print it with "%.*s".
     pub what: *const c_char,
-    /// Bytes of `what`.
+    /// Length of `what`, bytes.
     pub what_bytes: usize,
 }
 
 impl Error {
     pub(crate) const NONE: Self = Self::of(Status::Ok, [0; 3]);
 
-    /// An error with all its numbers, the unused ones 0.
+    /// Creates an error with all its numbers, the unused ones 0.
     pub(crate) const fn of(status: Status, numbers: [u32; 3]) -> Self {
         Self { status, numbers, residual: 0.0, what: core::ptr::null(), what_bytes: 0 }
     }
@@ -102,7 +102,7 @@ impl From<ConstraintError<f32>> for Error {
             ConstraintError::Mass { node } => Self::new(Status::Singular, [node * LEASTACTION_DIMENSIONS]),
             ConstraintError::NotFinite => Status::NotFinite.into(),
             ConstraintError::NotConverged(report) => StepError::NotConverged(report).into(),
-            // None of these is of a graph that was loaded, in workspaces of the size that it needs.
+            // None of these can occur with a loaded graph and workspaces of the right size.
             ConstraintError::Node { .. }
             | ConstraintError::Length { .. }
             | ConstraintError::Shape { .. }

@@ -4,18 +4,18 @@ use crate::motion;
 use crate::status::Status;
 use crate::storage::Model;
 
-/// Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², that the control force u gives. To u
-/// rods add the forces Aᵀλ by which they keep their lengths.
+/// Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², under the control force u. Rods add to u the forces Aᵀλ by which
+/// they keep their lengths.
 ///
 /// - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m; zeros for none): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
-/// - `a`: `n` numbers, written on success alone; may be one of the arrays before it.
+/// - `a`: `n` numbers, written on success only; may be one of the arrays before it.
 /// - `error`: filled in; may be NULL.
 ///
 /// Fails with statuses 1 to 4, 70 and 71; with rods also 73.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "acceleration"))]
 pub unsafe extern "C" fn leastaction_acceleration(
     model: *const Model,
@@ -39,12 +39,12 @@ pub unsafe extern "C" fn leastaction_acceleration(
     unsafe { call(error, evaluate) }
 }
 
-/// Writes the control force u = M a − L_q + L_vq v − Q, N or N m, that gives the acceleration a: inverse dynamics.
-/// Where a keeps rods it is the force that loads none of them. Arguments as those of leastaction_acceleration. Fails with
-/// statuses 1 to 4 and 71.
+/// Writes the control force u = M a − L_q + L_vq v − Q, N or N m, that gives the acceleration a: inverse dynamics. If a keeps the lengths
+/// of rods, u is the force that loads none of them. Other arguments are those of leastaction_acceleration. Fails with statuses 1 to 4 and
+/// 71.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "inverse_dynamics"))]
 pub unsafe extern "C" fn leastaction_inverse_dynamics(
     model: *const Model,
@@ -68,11 +68,11 @@ pub unsafe extern "C" fn leastaction_inverse_dynamics(
     unsafe { call(error, evaluate) }
 }
 
-/// Writes the kinetic energy T(q, v) and the potential energy V(q), J: two numbers, whose sum is the energy. A potential is
-/// known up to a constant. Other arguments as those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+/// Writes the kinetic energy T(q, v) and the potential energy V(q), J: two numbers, whose sum is the energy. A potential is known up to a
+/// constant. Other arguments are those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "energies"))]
 pub unsafe extern "C" fn leastaction_energies(
     model: *const Model,
@@ -95,11 +95,11 @@ pub unsafe extern "C" fn leastaction_energies(
     unsafe { call(error, evaluate) }
 }
 
-/// Writes the momentum p = L_v(q, v), kg m/s or kg m²/s: `n` numbers. Other arguments as those of leastaction_acceleration.
-/// Fails with statuses 1 to 4 and 71.
+/// Writes the momentum p = L_v(q, v), kg m/s or kg m²/s: `n` numbers. Other arguments are those of leastaction_acceleration. Fails with
+/// statuses 1 to 4 and 71.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "momentum"))]
 pub unsafe extern "C" fn leastaction_momentum(
     model: *const Model,

@@ -1,14 +1,14 @@
 //! leastaction-core for C: a static library for one family of models and one shape, with a header.
 //!
-//! Family and shape are compiled in, so that nothing is allocated and the storage of a model and of a state is a C struct:
-//! the family by a Cargo feature (`inertia-network`, `modular`, `graph`, `bodies`, `arm`), the shape by environment variables (`config.rs`). No
-//! callback, no allocation, no panic: the library calls `leastaction_panicked` where it could panic, which nobody defines,
-//! so that a program that could panic does not link.
+//! Family and shape are compiled in, so nothing is allocated, and the storage of a model and of a state is a C struct. A Cargo feature
+//! chooses the family (`inertia-network`, `modular`, `graph`, `bodies`, `arm`), environment variables the shape (`config.rs`). No callback,
+//! no allocation, no panic: wherever it could panic, the library calls `leastaction_panicked`, which nobody defines, so a program that
+//! could panic does not link.
 //!
 //! `include/leastaction.h` is generated from the documentation here: `cargo run --bin header` in `tools`.
 #![cfg_attr(not(test), no_std)]
 
-/// Families that the library is to be built for: one.
+/// Number of families that the library is to be built for; must be one.
 const FAMILIES: usize = cfg!(feature = "inertia-network") as usize
     + cfg!(feature = "modular") as usize
     + cfg!(feature = "graph") as usize
@@ -55,6 +55,6 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     unsafe extern "C" {
         fn leastaction_panicked() -> !;
     }
-    // SAFETY: it is never called: a program that could get here does not link, for nobody defines it.
+    // SAFETY: it is never called: a program that could get here does not link, since nobody defines it.
     unsafe { leastaction_panicked() }
 }

@@ -10,15 +10,15 @@ use core::ffi::{CStr, c_char};
 /// Reads and validates a model file, and prepares it in `model`. Weights stay where they are, in flash.
 ///
 /// - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
-/// - `abi`: LEASTACTION_ABI, which shows the same of its functions.
+/// - `abi`: LEASTACTION_ABI, which shows that the functions of this header are the library's.
 /// - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
-/// - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for inertia networks, bodies and arms.
+/// - `name`: name of the tree or graph to take, ended by a zero; not read, and may be NULL, for inertia networks, bodies and arms.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
+/// Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; `model` then holds no model, even if it did before.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many bytes.
+/// Pointers are NULL or point to the stated number of bytes.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "load"))]
 pub unsafe extern "C" fn leastaction_load(
     model: *mut Model,
@@ -33,13 +33,13 @@ pub unsafe extern "C" fn leastaction_load(
         let place = Given::new(model, 1)?.pointer().cast::<Loaded>();
         check_length(size_of::<Model>(), model_bytes)?;
         check_abi(abi)?;
-        // SAFETY: the caller's storage, which is larger than what it holds and as aligned.
+        // SAFETY: the caller's storage, which is large enough for its contents and as aligned.
         let lists = unsafe { cleared(place) };
         // SAFETY: the caller's promise.
         let bytes = unsafe { whole(file, file_bytes) }?;
         // SAFETY: the caller's promise.
         let mechanism = unsafe { family::load(bytes, name, lists) }?;
-        // SAFETY: as above; the lists, to which the mechanism refers, are another part of it.
+        // SAFETY: as above; the lists that the mechanism refers to are another part of the storage.
         unsafe {
             (&raw mut (*place).mechanism).write(mechanism);
             (&raw mut (*place).tag).write(loaded_tag(place));
@@ -55,10 +55,10 @@ fn check_abi(given: u32) -> Result<(), Error> {
     if given == right { Ok(()) } else { Err(Error::of(Status::OtherAbi, [right, given, 0])) }
 }
 
-/// Says that nothing is loaded, and hands out the workspace for lists.
+/// Marks the storage as not loaded, and hands out its memory for lists.
 ///
 /// # Safety
-/// `place` can be written to, and what is handed out is used before it is cleared again.
+/// `place` can be written to, and the memory handed out is used before it is cleared again.
 unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
     // SAFETY: this function's promise; lists are written before they are referred to.
     unsafe {
@@ -72,7 +72,7 @@ unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
 /// The bytes of a file.
 ///
 /// # Safety
-/// There are so many of them, for as long as they are used.
+/// `file` points to `file_bytes` bytes for as long as they are used.
 unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Error> {
     let file = Given::new(file, 4)?;
     let most = isize::MAX as usize;
@@ -89,7 +89,7 @@ pub extern "C" fn leastaction_family() -> *const c_char {
     FAMILY.as_ptr()
 }
 
-/// The version of the library, as "0.1.0".
+/// Version of the library, such as "0.1.0".
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "version"))]
 pub extern "C" fn leastaction_version() -> *const c_char {
     const VERSION: &CStr =
@@ -100,8 +100,8 @@ pub extern "C" fn leastaction_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// The number of the library's binary interface: LEASTACTION_ABI of its header. It changes with any struct or function that a
-/// program was compiled with.
+/// Number of the library's binary interface: LEASTACTION_ABI of its header. It changes with any struct or function that a program was
+/// compiled with.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "abi"))]
 pub extern "C" fn leastaction_abi() -> u32 {
     LEASTACTION_ABI

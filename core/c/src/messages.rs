@@ -2,7 +2,7 @@ use crate::status::Status;
 use core::ffi::{CStr, c_char, c_int};
 use leastaction_core::model::entry_of;
 
-/// What the statuses of this library say; those of files are in core's catalogue.
+/// Messages of this library's own statuses; those of files are in core's catalogue.
 const MESSAGES: [(Status, &CStr); 18] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
@@ -24,7 +24,7 @@ const MESSAGES: [(Status, &CStr); 18] = [
     (Status::RodViolated, c"a position at the start violates a rod"),
 ];
 
-/// What a status says, in English: a string that is never freed. Of a number that is no status: "unknown status".
+/// Message of a status, in English: a string that is never freed. For a number that is no status: "unknown status".
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "message"))]
 pub extern "C" fn leastaction_message(status: c_int) -> *const c_char {
     let own = MESSAGES.iter().find(|(known, _)| *known as c_int == status).map(|(_, message)| *message);

@@ -4,12 +4,12 @@ use crate::error::Error;
 use crate::status::Status;
 use crate::storage::State;
 
-/// Writes the force λ in every rod, N, the mean over the last step: positive where it pushes its ends apart. `n` =
-/// LEASTACTION_RODS numbers in the order of the file, zeros for rods that the graph has not, and after leastaction_start.
-/// Fails with statuses 1, 2, 3 and 5.
+/// Writes the force λ in every rod, N, as the mean over the last step; a positive force pushes the ends apart. `n` = LEASTACTION_RODS
+/// numbers in the order of the file, with zeros for rods that the graph does not have, and after leastaction_start. Fails with statuses 1,
+/// 2, 3 and 5.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_lambda"))]
 pub unsafe extern "C" fn leastaction_state_lambda(
     state: *const State,

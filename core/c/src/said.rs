@@ -1,4 +1,4 @@
-//! What the file says beside the mechanism: its step, its actuator, what the training data covered.
+//! Data of the file beside the mechanism: its step, its actuator, the range of its training data.
 
 use crate::arguments::{Given, call, check_step, loaded, numbers, output, vectors};
 use crate::config::LEASTACTION_COORDINATES;
@@ -10,12 +10,12 @@ use leastaction_core::discrete::Order;
 use leastaction_core::forces::Actuator;
 use leastaction_core::model::ModelError;
 
-/// The step h (s), the order (2 or 4) and the kind of control (0: held from sample to sample, 1: linear between samples) that
-/// the model was trained with: with others it is less accurate, for a model of a discrete Lagrangian absorbs the integrator's
-/// error. Fails with statuses 1, 2, 4 and 8.
+/// Writes the step h (s), the order (2 or 4) and the kind of control (0: held from sample to sample, 1: linear between samples) that the
+/// model was trained with. With others the model is less accurate, because a model of a discrete Lagrangian absorbs the integrator's error.
+/// Fails with statuses 1, 2, 4 and 8.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says.
+/// Pointers are NULL or point to values of their type.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "trained_step"))]
 pub unsafe extern "C" fn leastaction_trained_step(
     model: *const Model,
@@ -39,11 +39,11 @@ pub unsafe extern "C" fn leastaction_trained_step(
     unsafe { call(error, read) }
 }
 
-/// Checks that the model was trained with steps of h (s) of this order, 2 or 4: call it once for the function of steps that the
-/// program uses. Fails with statuses 2, 4, 8, 12 and 45.
+/// Checks that the model was trained with steps of h (s) and of this order, 2 or 4. Call it once for the stepping function that the program
+/// uses. Fails with statuses 2, 4, 8, 12 and 45.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says.
+/// Pointers are NULL or point to values of their type.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "check_step"))]
 pub unsafe extern "C" fn leastaction_check_step(
     model: *const Model,
@@ -62,18 +62,18 @@ pub unsafe extern "C" fn leastaction_check_step(
     unsafe { call(error, check) }
 }
 
-/// Which quantity lies outside of what the training data covered.
+/// A quantity outside the range of the training data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Outside {
-    /// `q`, `v` or `u`; 0 where nothing lies outside.
+    /// `q`, `v` or `u`; 0 if nothing lies outside.
     pub quantity: u8,
-    /// The coordinate, from 0.
+    /// Index of the coordinate, from 0.
     pub coordinate: u32,
 }
 
-/// Says whether a state and control force lie outside of what the training data covered: there the model extrapolates. The
-/// first quantity that does is written; infinite ones, and what is not a number, do.
+/// Checks whether a state and control force lie outside the range of the training data, where the model extrapolates. Writes the first
+/// quantity that does; infinities and NaN do.
 ///
 /// - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
@@ -82,7 +82,7 @@ pub struct Outside {
 /// Fails with statuses 1 to 4, 13, 30 and 35.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "check_range"))]
 pub unsafe extern "C" fn leastaction_check_range(
     model: *const Model,
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn leastaction_check_range(
     unsafe { call(error, check) }
 }
 
-/// For steps of h seconds: by how many whole steps the actuator of the file is late, and the rest of its delay.
+/// The number of whole steps of h seconds by which the file's actuator is late, and the actuator with the rest of its delay.
 fn actuator(mechanism: &Mechanism, h: f32) -> Result<(u16, Actuator<f32, LEASTACTION_COORDINATES>), Error> {
     check_step(h)?;
     match mechanism.actuator()? {
@@ -120,11 +120,11 @@ fn actuator(mechanism: &Mechanism, h: f32) -> Result<(u16, Actuator<f32, LEASTAC
     }
 }
 
-/// Writes by how many whole steps of h (s) a command is late: leastaction_actuate takes commands that are so much older. 0
-/// where the file says no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35.
+/// Writes the number of whole steps of h (s) by which a command is late: leastaction_actuate takes commands that much older. 0 if the file
+/// has no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says.
+/// Pointers are NULL or point to values of their type.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "late_steps"))]
 pub unsafe extern "C" fn leastaction_late_steps(
     model: *const Model,
@@ -144,18 +144,18 @@ pub unsafe extern "C" fn leastaction_late_steps(
     unsafe { call(error, read) }
 }
 
-/// Writes the control forces over a step of h (s), as the functions of steps take them, that commands held from step to step
-/// bring about: τ(t) = g u(t − d) + o with gain, offset and delay of the file; without an actuator there the command itself.
+/// Writes the control forces over a step of h (s), as the stepping functions take them, from commands held from step to step, with gain,
+/// offset and delay of the file: τ(t) = g u(t − d) + o. Without an actuator in the file, they are the command itself.
 ///
-/// - `before`, `u`: the command one step earlier and the one of this step, both leastaction_late_steps older, `n` numbers each.
+/// - `before`, `u`: the command one step earlier and the command of this step, both leastaction_late_steps older, `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
-/// - `u0`, `u1`: the forces (N or N m) at the start and at the end of the step, `n` numbers each, written on success alone.
+/// - `u0`, `u1`: the forces (N or N m) at the start and at the end of the step, `n` numbers each, written on success only.
 /// - `error`: filled in; may be NULL.
 ///
 /// Fails with statuses 1 to 4, 6, 30, 35 and 71.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "actuate"))]
 pub unsafe extern "C" fn leastaction_actuate(
     model: *const Model,

@@ -8,11 +8,11 @@ use crate::storage::{Model, State};
 use leastaction_core::discrete::{Control, Galerkin, Midpoint, Path};
 
 /// Starts a state at position q (m or rad) and velocity v (m/s or rad/s), `n` = LEASTACTION_COORDINATES numbers each.
-/// Rods must have their lengths to 3e-4 of them; v loses at once what would change them. `error` is filled in; it may be NULL.
-/// Fails with statuses 1 to 4 and 71, with rods also 70 and 72 to 74, and the state is as it was.
+/// Rods must have their lengths to within 3e-4 of them; the part of v that would change them is removed at once. `error` is filled in; it
+/// may be NULL. Fails with statuses 1 to 4 and 71, with rods also 70 and 72 to 74; the state is then unchanged.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "start"))]
 pub unsafe extern "C" fn leastaction_start(
     model: *const Model,
@@ -35,17 +35,17 @@ pub unsafe extern "C" fn leastaction_start(
     unsafe { call(error, start) }
 }
 
-/// Starts a state at q1 from two positions, h (s) apart, and the control forces u0 and u1 at their times: no velocity is
-/// needed. For steps of order 2 of the same h.
+/// Starts a state at q1 from two positions, h (s) apart, and the control forces u0 and u1 at their times; no velocity is needed. For steps
+/// of order 2 of the same h.
 ///
 /// - `q0`, `q1` (m or rad), `u0`, `u1` (N or N m; zeros for none): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 4, 6 and 70 to 72, with rods also 73 and 74, and the state is as it was.
+/// Fails with statuses 1 to 4, 6 and 70 to 72, with rods also 73 and 74; the state is then unchanged.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "start_from_positions2"))]
 pub unsafe extern "C" fn leastaction_start_from_positions2(
     model: *const Model,
@@ -62,10 +62,10 @@ pub unsafe extern "C" fn leastaction_start_from_positions2(
     unsafe { call(error, || between::<Midpoint>(model, state, h, [q0, q1, u0, u1], n)) }
 }
 
-/// As leastaction_start_from_positions2, for steps of order 4.
+/// Starts a state like leastaction_start_from_positions2, for steps of order 4.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "start_from_positions4"))]
 pub unsafe extern "C" fn leastaction_start_from_positions4(
     model: *const Model,
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn leastaction_start_from_positions4(
 }
 
 /// # Safety
-/// As of the functions that call it.
+/// See the functions that call it.
 unsafe fn between<P: Path>(
     model: *const Model,
     state: *mut State,
@@ -105,7 +105,7 @@ unsafe fn between<P: Path>(
 /// Writes the position q, m or rad: `n` = LEASTACTION_COORDINATES numbers. Fails with statuses 1, 2, 3 and 5.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_q"))]
 pub unsafe extern "C" fn leastaction_state_q(
     state: *const State,
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn leastaction_state_q(
 /// Writes the momentum p, kg m/s or kg m²/s: `n` = LEASTACTION_COORDINATES numbers. Fails with statuses 1, 2, 3 and 5.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_p"))]
 pub unsafe extern "C" fn leastaction_state_p(
     state: *const State,
@@ -132,11 +132,11 @@ pub unsafe extern "C" fn leastaction_state_p(
     unsafe { call(error, || read(state, n, p, CoreState::p)) }
 }
 
-/// Writes the increment of the last step, w = (q₁ − q₀)/h, m/s or rad/s: the mean velocity over it; before the first step the
+/// Writes the increment of the last step, w = (q₁ − q₀)/h, m/s or rad/s, which is the mean velocity over it; before the first step, the
 /// velocity that the state was started with. `n` = LEASTACTION_COORDINATES numbers. Fails with statuses 1, 2, 3 and 5.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_w"))]
 pub unsafe extern "C" fn leastaction_state_w(
     state: *const State,
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn leastaction_state_w(
 }
 
 /// # Safety
-/// As of the functions that call it.
+/// See the functions that call it.
 unsafe fn read(
     state: *const State,
     n: usize,

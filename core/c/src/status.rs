@@ -1,20 +1,20 @@
 use leastaction_core::model::CATALOGUE;
 
-/// What came of a call. Numbers are never given another meaning; new ones may be added.
+/// Outcome of a call. Numbers are never given another meaning; new ones may be added.
 ///
-/// Of every status: what `numbers` of a `leastaction_error` are, in order, and what else it carries.
+/// For every status: the `numbers` of a `leastaction_error`, in order, and whatever else it carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
-    /// It worked.
+    /// Success.
     Ok = 0,
 
-    /// A pointer is NULL. Which argument, from 1.
+    /// A pointer is NULL. `numbers`: the argument, from 1.
     NullPointer = 1,
-    /// A pointer is not aligned as its type asks. Which argument, from 1.
+    /// A pointer is not aligned as its type requires. `numbers`: the argument, from 1.
     Misaligned = 2,
-    /// A length is not the one that the library was built for: was the program compiled with another header? Length that is
-    /// right, length given.
+    /// A length is not the one that the library was built for: was the program compiled with another header? `numbers`: right length, given
+    /// length.
     WrongLength = 3,
     /// The storage holds no model: nothing was loaded there, or it was moved or copied.
     NotLoaded = 4,
@@ -26,122 +26,123 @@ pub enum Status {
     BadName = 7,
     /// The file does not say a step and an order: the model was not trained for one.
     NoStep = 8,
-    /// The graph has rods, and the library was not built for any. How many.
+    /// The graph has rods, and the library was not built for any. `numbers`: number of rods.
     Rods = 9,
-    /// A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
+    /// A bound of Newton's method is out of range. `numbers`: the bound, from 1. `max_iterations` must be at least 1, `stop` not negative,
     /// `accept` positive and finite.
     BadNewton = 10,
-    /// The program was compiled with a header of another binary interface. LEASTACTION_ABI of the library, that of the header.
+    /// The program was compiled with a header of another binary interface. `numbers`: LEASTACTION_ABI of the library, of the header.
     OtherAbi = 11,
     /// The step h is not the one that the model was trained with.
     OtherStep = 12,
-    /// The file does not say what the training data covered, or not for this tree or graph.
+    /// The file does not give the range of the training data, or not for this tree or graph.
     NoRange = 13,
 
-    /// Fewer bytes than the smallest model file has. Bytes given.
+    /// The file has fewer bytes than the smallest model file. `numbers`: bytes given.
     TooShort = 20,
     /// The file does not begin with the magic letters.
     NotAModel = 21,
-    /// A format version that this library does not read. The version in the file.
+    /// The file has a format version that this library does not read. `numbers`: the version.
     Version = 22,
-    /// The file was damaged. Checksum in the file, checksum of the bytes as they are.
+    /// The file was damaged. `numbers`: checksum in the file, checksum of its bytes.
     Checksum = 23,
     /// The header is not a document of this format.
     Malformed = 24,
-    /// Bytes after the end of a shape. How many.
+    /// Bytes follow the end of a shape. `numbers`: number of these bytes.
     TrailingBytes = 25,
-    /// The weights do not begin at a multiple of 4: align the array that holds the file. Their address modulo 4.
+    /// The weights do not begin at a multiple of 4: align the array that holds the file. `numbers`: address of the weights modulo 4.
     Unaligned = 26,
-    /// Weights are little-endian, which this processor cannot read in place.
+    /// The weights are little-endian, which this processor cannot read in place.
     BigEndian = 27,
-    /// The shape asks for another number of weights than there are. Weights there are, weights needed.
+    /// The shape needs another number of weights than there are. `numbers`: weights in the file, weights needed.
     WeightCount = 28,
-    /// A weight is infinite or not a number. Its position.
+    /// A weight is infinite or not a number. `numbers`: index of the weight.
     WeightNotFinite = 29,
-    /// A number of the header is out of range. `what`: which.
+    /// A number of the header is out of range. `what`: name of the number.
     OutOfRange = 30,
-    /// Names are missing, empty or the same. `what`: of what.
+    /// Names are missing, empty or not unique. `what`: the named things.
     Names = 31,
-    /// The file holds no tree of that name. Trees that it holds.
+    /// The file holds no tree of that name. `numbers`: number of trees in the file.
     NoSuchTree = 32,
-    /// The file holds no graph of that name. Graphs that it holds.
+    /// The file holds no graph of that name. `numbers`: number of graphs in the file.
     NoSuchGraph = 33,
     /// The file holds a model of another family than the library was built for. `what`: the family in the file.
     OtherFamily = 34,
-    /// The file's shape is not the one that the library was built for. In the file, built in; `what`: of what.
+    /// The file's shape is not the one that the library was built for. `numbers`: size in the file, size built in; `what`: the quantity.
     Shape = 35,
-    /// The weights are of another precision than the library was built for. Bits in the file, built in.
+    /// The weights are of another precision than the library was built for. `numbers`: bits in the file, bits built in.
     Precision = 36,
-    /// The file has a section that this library does not know and that may change the physics. Its number.
+    /// The file has a section that this library does not know and that may change the physics. `numbers`: number of the section.
     Section = 37,
-    /// The file lacks a section that every file has. `what`: which.
+    /// The file lacks a section that every file has. `what`: name of the section.
     MissingSection = 38,
     /// The file was refused for a reason that this list does not know.
     OtherFileError = 39,
 
-    /// A tree without elements.
+    /// The tree has no elements.
     TreeEmpty = 40,
-    /// An element hangs from one that does not come before it. The element, what it hangs from.
+    /// An element hangs from one that does not come before it. `numbers`: the element, the one that it hangs from.
     TreeParent = 41,
-    /// An element is of a type that does not exist. The element, the type, types there are.
+    /// An element is of a type that does not exist. `numbers`: the element, the type, number of types.
     TreeKind = 42,
-    /// The tree has not the coordinates that the library was built for. Of the tree, built in.
+    /// The tree does not have the number of coordinates that the library was built for. `numbers`: coordinates of the tree, built in.
     TreeCoordinates = 43,
-    /// The file has a law of force that the library was not built for. Its number in the file.
+    /// The file has a law of force that the library was not built for. `numbers`: number of the law in the file.
     Law = 44,
-    /// The model was trained with an integrator of another order. In the file, asked for.
+    /// The model was trained with an integrator of another order. `numbers`: order in the file, order asked for.
     Order = 45,
-    /// A number of dry friction is out of range; `what`: which. The coordinate of an inertia network, of bodies or of an arm, or the element type of a
-    /// modular one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
+    /// A parameter of dry friction is out of range; `what`: its name. `numbers`: the coordinate of an inertia network, of bodies or of an
+    /// arm, or the element type of a modular model; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the value as a float.
     Friction = 46,
     /// The tree was refused for a reason that this list does not know.
     OtherTreeError = 49,
 
-    /// A graph without nodes.
+    /// The graph has no nodes.
     GraphEmpty = 50,
-    /// More nodes than an edge can name. Of the graph, at most.
+    /// The graph has more nodes than an edge can name. `numbers`: nodes of the graph, maximum.
     GraphTooManyNodes = 51,
-    /// A node is of a type that does not exist. The node, the type, types there are.
+    /// A node is of a type that does not exist. `numbers`: the node, the type, number of types.
     GraphNodeKind = 52,
-    /// An edge is of a type that does not exist. The edge, the type, types there are.
+    /// An edge is of a type that does not exist. `numbers`: the edge, the type, number of types.
     GraphEdgeKind = 53,
-    /// An edge ends at a node that does not exist. The edge, the node, nodes there are.
+    /// An edge ends at a node that does not exist. `numbers`: the edge, the node, number of nodes.
     GraphEnd = 54,
-    /// An edge joins a node to itself. The edge, the node.
+    /// An edge joins a node to itself. `numbers`: the edge, the node.
     GraphLoop = 55,
-    /// The graph has not the coordinates that the library was built for. Of the graph, built in.
+    /// The graph does not have the number of coordinates that the library was built for. `numbers`: coordinates of the graph, built in.
     GraphCoordinates = 56,
-    /// The mass of a node type is not positive and finite. The node type.
+    /// The mass of a node type is not positive and finite. `numbers`: the node type.
     GraphMass = 57,
-    /// The drag of a node type is negative or not finite. The node type.
+    /// The drag of a node type is negative or not finite. `numbers`: the node type.
     GraphDrag = 58,
-    /// More edges than the library was built for. Built in, of the graph.
+    /// The graph has more edges than the library was built for. `numbers`: edges built in, edges of the graph.
     GraphTooManyEdges = 59,
-    /// More rods than the library was built for. Built in, of the graph.
+    /// The graph has more rods than the library was built for. `numbers`: rods built in, rods of the graph.
     GraphTooManyRods = 60,
-    /// A member of a union does not name as many nodes as it has. The member, named, needed.
+    /// A member of a union names another number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
     GraphMemberNodes = 61,
-    /// A member of a union names its nodes out of order. The member, the node.
+    /// A member of a union names its nodes out of order. `numbers`: the member, the node.
     GraphMemberOrder = 62,
-    /// No member of a union has a node. The node.
+    /// A node belongs to no member of a union. `numbers`: the node.
     GraphOwnerless = 63,
     /// The graph was refused for a reason that this list does not know.
     OtherGraphError = 69,
 
-    /// The matrix of the equations has no usable pivot. The column, from 0.
+    /// The matrix of the equations has no usable pivot. `numbers`: the column, from 0.
     Singular = 70,
     /// A position, momentum, control, energy or acceleration is infinite or not a number.
     NotFinite = 71,
-    /// The equations of a step were not solved: h is too long for this motion. Newton updates taken; `residual`: what is
-    /// left.
+    /// The equations of a step were not solved: h is too long for this motion. `numbers`: Newton updates taken; `residual`: the remaining
+    /// residual.
     NotConverged = 72,
-    /// A rod follows from those before it, or contradicts them. Which, from 0.
+    /// A rod follows from those before it, or contradicts them. `numbers`: the rod, from 0.
     RodRedundant = 73,
-    /// A position at the start violates a rod. The rod that is furthest off, from 0; `residual`: by how much of its length.
+    /// A position at the start violates a rod. `numbers`: the rod with the largest violation, from 0; `residual`: violation relative to its
+    /// length.
     RodViolated = 74,
 }
 
-/// The reasons for which a file is refused, as core's catalogue has them.
+/// Reasons for refusing a file, in the order of core's catalogue.
 const OF_FILES: [Status; CATALOGUE.len()] = [
     Status::NoStep,
     Status::TooShort,
@@ -190,7 +191,7 @@ const OF_FILES: [Status; CATALOGUE.len()] = [
 ];
 
 impl Status {
-    /// The reason of that number in core's catalogue.
+    /// The status with the given number in core's catalogue.
     pub(crate) fn of_file(code: u8) -> Self {
         let found = OF_FILES.iter().find(|status| **status as i32 == i32::from(code));
         debug_assert!(found.is_some(), "a reason without a status");
@@ -219,7 +220,7 @@ mod tests {
         let catalogue = CATALOGUE.iter().map(|entry| (i32::from(entry.code), entry.name.to_string()));
         let statuses = OF_FILES.iter().map(|status| (*status as i32, snake(&format!("{status:?}"))));
         assert!(catalogue.eq(statuses));
-        // And there is no other among their numbers.
+        // No other status stands among their numbers.
         let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
         let numbers = source.filter_map(|(_, number)| number.trim_end_matches(',').parse::<i32>().ok());
         let of_files = numbers.filter(|number| *number == 8 || (20..70).contains(number));

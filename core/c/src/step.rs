@@ -6,32 +6,32 @@ use crate::status::Status;
 use crate::storage::{Model, State};
 use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path};
 
-/// How a step went.
+/// Report of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Report {
-    /// Newton updates taken: at least 1.
+    /// Number of Newton updates taken: at least 1.
     pub iterations: u32,
-    /// Largest residual at the end, relative to the terms it is the sum of.
+    /// Largest residual at the end, relative to the terms of its sum.
     pub residual: f32,
 }
 
-/// How far Newton's method goes in a step.
+/// Bounds of Newton's method in a step.
 ///
-/// For a constant running time: `stop` = 0, and as many updates as the motion needs, two for most.
+/// For a constant running time, set `stop` = 0 and `max_iterations` to as many updates as the motion needs, two for most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Newton {
-    /// Updates at most; at least 1.
+    /// Maximum number of updates; at least 1.
     pub max_iterations: u8,
-    /// Stop early at this relative residual; 0 always takes `max_iterations`.
+    /// Relative residual at which to stop early; 0 always takes `max_iterations`.
     pub stop: f32,
-    /// A step whose relative residual stays above is refused.
+    /// Largest accepted relative residual; a step above it is refused.
     pub accept: f32,
 }
 
-/// The bounds where none are given: at most 50 updates (12 where the library was built for rods), down to rounding. Up to a
-/// step of 50 ms five suffice.
+/// Returns the default bounds: at most 50 updates (12 if the library was built for rods), down to rounding. Up to a step of 50 ms five
+/// suffice.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "default_newton"))]
 pub extern "C" fn leastaction_default_newton() -> Newton {
     let discrete::Newton { max_iterations, stop, accept } = motion::default_newton();
@@ -49,20 +49,19 @@ impl Newton {
     }
 }
 
-/// Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1
-/// at the end of the step, linear between. A library that was built for rods steps every graph by RATTLE, under the mean of u0
-/// and u1 as in training.
+/// Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1 at the end of
+/// the step, linear between. A library that was built for rods steps every graph by RATTLE, under the mean of u0 and u1 as in training.
 ///
-/// - `u0`, `u1` (N or N m; zeros for none, twice the same for one that is held): `n` numbers each.
+/// - `u0`, `u1` (N or N m; zeros for none, one array twice for a held force): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
 /// - `newton`: bounds of Newton's method; NULL for leastaction_default_newton.
-/// - `report`: how it went, written on success alone; may be NULL.
+/// - `report`: report of the step, written on success only; may be NULL.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 6, 10 and 70 to 72, with rods also 73, and the state is as it was.
+/// Fails with statuses 1 to 6, 10 and 70 to 72, with rods also 73; the state is then unchanged.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "step2"))]
 pub unsafe extern "C" fn leastaction_step2(
     model: *const Model,
@@ -79,10 +78,10 @@ pub unsafe extern "C" fn leastaction_step2(
     unsafe { call(error, || step::<Midpoint>(model, state, h, [u0, u1], n, (newton, report))) }
 }
 
-/// As leastaction_step2, of order 4: over twice the work, and exact to the fourth power of h.
+/// Steps a state like leastaction_step2, with order 4: over twice the work, and exact to the fourth power of h.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their type says, and to so many numbers.
+/// Pointers are NULL or point to values of their type, arrays to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "step4"))]
 pub unsafe extern "C" fn leastaction_step4(
     model: *const Model,
@@ -100,7 +99,7 @@ pub unsafe extern "C" fn leastaction_step4(
 }
 
 /// # Safety
-/// As of the functions that call it.
+/// See the functions that call it.
 unsafe fn step<P: Path>(
     model: *const Model,
     state: *mut State,

@@ -5,12 +5,12 @@ use crate::motion;
 use crate::status::Status;
 use crate::storage::Model;
 
-/// Writes the inertia matrix M(q), kg m², kg m or kg: `n` times `n` numbers, row by row; it is symmetric. With it a computed
-/// torque is M(q) times an acceleration beside what leastaction_inverse_dynamics gives for none. Other arguments as those of
+/// Writes the inertia matrix M(q), kg m², kg m or kg: `n` times `n` numbers, row by row; it is symmetric. A computed torque is M(q) times
+/// an acceleration, plus the result of leastaction_inverse_dynamics for no acceleration. Other arguments are those of
 /// leastaction_acceleration. Fails with statuses 1 to 4 and 71.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "mass_matrix"))]
 pub unsafe extern "C" fn leastaction_mass_matrix(
     model: *const Model,
@@ -33,11 +33,11 @@ pub unsafe extern "C" fn leastaction_mass_matrix(
     unsafe { call(error, evaluate) }
 }
 
-/// Writes the control force u = V_q(q), N or N m, that holds the mechanism at rest against gravity and springs: `n` numbers.
-/// Other arguments as those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+/// Writes the control force u = V_q(q), N or N m, that holds the mechanism at rest against gravity and springs: `n` numbers. Other
+/// arguments are those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
 ///
 /// # Safety
-/// Pointers are NULL or point to so many numbers.
+/// Pointers are NULL or point to the stated number of numbers.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "gravity_torque"))]
 pub unsafe extern "C" fn leastaction_gravity_torque(
     model: *const Model,

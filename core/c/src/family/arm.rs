@@ -8,7 +8,7 @@ use leastaction_core::model::ArmModel;
 
 pub(crate) const FAMILY: &CStr = c"arm";
 
-/// Nothing beside the file.
+/// No lists beside the file.
 pub(crate) struct Lists;
 
 impl Lists {

@@ -8,7 +8,7 @@ use leastaction_core::model::BodiesModel;
 
 pub(crate) const FAMILY: &CStr = c"bodies";
 
-/// Nothing beside the file.
+/// No lists beside the file.
 pub(crate) struct Lists;
 
 impl Lists {

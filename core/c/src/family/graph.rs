@@ -17,7 +17,7 @@ pub(crate) use on_rods::{AnyGraph, Mechanism, constrained};
 
 pub(crate) const FAMILY: &CStr = c"graph";
 
-/// What a graph's lists refer to.
+/// Lists that a graph refers to.
 pub(crate) struct Lists {
     edges: [Edge; LEASTACTION_EDGES],
     rods: [Holonomic<f32, D>; RODS],
@@ -29,7 +29,7 @@ impl Lists {
     }
 }
 
-/// A graph whose coordinates are counted.
+/// A graph with a compiled number of coordinates.
 type Particles = Fixed<'static, Weight, D, K, H, L, N>;
 
 /// # Safety
@@ -50,7 +50,7 @@ pub(crate) unsafe fn load(
     })
 }
 
-/// Particles that nothing holds together would be another mechanism than the one that was learned.
+/// Refuses rods if the library has none: without them, the particles would be another mechanism than the learned one.
 fn refused(error: ModelError) -> Error {
     match error {
         ModelError::Graph(GraphError::TooManyRods { needed, .. }) if RODS == 0 => {
@@ -60,17 +60,17 @@ fn refused(error: ModelError) -> Error {
     }
 }
 
-/// Graphs that no rod holds together.
+/// Graphs without rods.
 #[cfg(not(feature = "rods"))]
 mod alone {
     use super::Particles;
     use leastaction_core::forces::System;
     use leastaction_core::model::Model;
 
-    /// Particles, coordinates node after node.
+    /// Particles; the coordinates are those of node after node.
     pub(crate) type Mechanism = Model<'static, Particles>;
 
-    /// A Lagrangian that is its own drag.
+    /// Returns the graph as a Lagrangian that is its own drag.
     pub(crate) fn system(mechanism: &Mechanism) -> System<&Particles, &Particles> {
         System { lagrangian: &mechanism.system, forces: &mechanism.system }
     }
@@ -85,13 +85,13 @@ mod on_rods {
     use leastaction_core::energy::graph::Graph;
     use leastaction_core::model::GraphModel;
 
-    /// Particles, coordinates node after node, and their rods.
+    /// Particles with their rods; the coordinates are those of node after node.
     pub(crate) type Mechanism = GraphModel<'static, D, K, H, L, Weight>;
 
     /// A graph in any number of coordinates.
     pub(crate) type AnyGraph = Graph<'static, Weight, D, K, H, L>;
 
-    /// What RATTLE steps.
+    /// The mechanism that RATTLE steps.
     pub(crate) fn constrained(
         mechanism: &Mechanism,
     ) -> Result<Constrained<'_, f32, AnyGraph, [Holonomic<f32, D>], D>, Error> {

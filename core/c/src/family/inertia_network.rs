@@ -8,7 +8,7 @@ use leastaction_core::model::InertiaNetworkModel;
 
 pub(crate) const FAMILY: &CStr = c"inertia-network";
 
-/// Nothing beside the file.
+/// No lists beside the file.
 pub(crate) struct Lists;
 
 impl Lists {

@@ -1,5 +1,4 @@
-//! The one family that the library is built for: its [`Mechanism`], how one is loaded, and the lists
-//! that loading fills.
+//! The one family that the library is built for: its [`Mechanism`], its loading, and the lists that loading fills.
 
 #[cfg(feature = "arm")]
 mod arm;
@@ -35,19 +34,19 @@ use crate::error::Error;
 use crate::status::Status;
 use core::ffi::{CStr, c_char};
 
-/// How a model file stores its weights.
+/// Storage format of a model file's weights.
 #[cfg(not(feature = "half"))]
 type Weight = f32;
 #[cfg(feature = "half")]
 type Weight = leastaction_core::scalar::f16;
 
-/// The laws of friction that the library is built for; a file may have fewer.
+/// Laws of friction that the library is built for; a file may have fewer.
 #[cfg(not(any(feature = "friction", feature = "graph")))]
 type Friction = leastaction_core::forces::Viscous<f32, N>;
 #[cfg(feature = "friction")]
 type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
 
-/// The laws of force that the library is built for.
+/// Laws of force that the library is built for.
 #[cfg(not(any(feature = "networks", feature = "graph")))]
 type Laws = Friction;
 #[cfg(feature = "networks")]
@@ -59,14 +58,14 @@ type Laws = (
     ),
 );
 
-/// Bytes of the name of a tree or graph at most, the zero at its end apart.
+/// Maximum length of the name of a tree or graph, bytes, without the zero at its end.
 #[cfg_attr(
     not(any(feature = "modular", feature = "graph")),
     allow(dead_code, reason = "this family has no names")
 )]
 const MAX_NAME: usize = 64;
 
-/// The name of a tree or graph; a name is never read further than it may be long.
+/// The name of a tree or graph; it is never read beyond the maximum length.
 ///
 /// # Safety
 /// `name` is NULL, or bytes up to a zero.
@@ -78,11 +77,11 @@ unsafe fn text<'a>(name: *const c_char) -> Result<&'a str, Error> {
     if name.is_null() {
         return Err(Error::new(Status::NullPointer, [6]));
     }
-    // SAFETY: bytes up to a zero, each read only if the one before it is none.
+    // SAFETY: bytes up to a zero, each read only if the one before it is no zero.
     let ends = (0..=MAX_NAME).any(|i| unsafe { name.add(i).read() } == 0);
     if !ends {
         return Err(Status::BadName.into());
     }
-    // SAFETY: it ends, as was just seen.
+    // SAFETY: the name ends, as was just seen.
     unsafe { CStr::from_ptr(name) }.to_str().map_err(|_| Status::BadName.into())
 }

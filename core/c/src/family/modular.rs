@@ -10,7 +10,7 @@ use leastaction_core::model::ModularModel;
 
 pub(crate) const FAMILY: &CStr = c"modular";
 
-/// Nothing beside the file.
+/// No lists beside the file.
 pub(crate) struct Lists;
 
 impl Lists {

@@ -11,7 +11,7 @@ use leastaction_core::lagrangian::Energies;
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear;
 
-/// A state as core knows it.
+/// State in the form of core.
 pub(crate) type CoreState = State<f32, N>;
 
 pub(crate) fn acceleration(mechanism: &Mechanism, [q, v, u]: [&Vector; 3]) -> Result<Vector, Error> {
@@ -37,7 +37,7 @@ pub(crate) fn mass_matrix(mechanism: &Mechanism, q: &Vector) -> [Vector; N] {
     system(mechanism).lagrangian.linearization(q, &[0.0; N]).l_vv
 }
 
-/// V_q, of the potentials that forces store too.
+/// V_q, including the potentials that forces store.
 pub(crate) fn gravity_torque(mechanism: &Mechanism, q: &Vector) -> Vector {
     let (system, rest) = (system(mechanism), [0.0; N]);
     #[cfg(feature = "arm")]
@@ -47,12 +47,12 @@ pub(crate) fn gravity_torque(mechanism: &Mechanism, q: &Vector) -> Vector {
     linear::add_scaled(&torque, -1.0, &system.forces.force(q, &rest, &rest))
 }
 
-/// The state at position q and velocity v.
+/// Starts a state at position q and velocity v.
 pub(crate) fn start(mechanism: &Mechanism, q: Vector, v: Vector) -> Result<CoreState, Error> {
     Ok(CoreState::new(system(mechanism).lagrangian, q, v)?)
 }
 
-/// The state that two positions and the control between them determine.
+/// Starts a state from two positions and the control between them.
 pub(crate) fn between<P: Path>(
     mechanism: &Mechanism,
     h: f32,

@@ -1,4 +1,4 @@
-//! How mechanisms move: by the discrete Euler-Lagrange equation, and where there may be rods by RATTLE.
+//! Motion of mechanisms: by the discrete Euler-Lagrange equation, or by RATTLE if there may be rods.
 
 #[cfg(not(feature = "rods"))]
 mod del;
@@ -19,7 +19,7 @@ pub(crate) use del::{gravity_torque, mass_matrix};
 
 use leastaction_core::discrete::Newton;
 
-/// A step h, s, and how far Newton's method goes in it.
+/// A step h, s, and the bounds of Newton's method in it.
 pub(crate) struct Step {
     pub h: f32,
     pub newton: Newton<f32>,

@@ -14,20 +14,20 @@ use leastaction_core::particles::Particles;
 
 const NODES: usize = N / D;
 
-/// Numbers of workspace of any evaluation, the first and the last rod sharing a node. That of an acceleration is a part of it.
+/// Workspace length for any evaluation, if the first and the last rod share a node. That of an acceleration is a part of it.
 const WORK: usize = Rattle::<f32>::workspace_of::<D>(NODES, RODS, RODS - 1, AnyGraph::most_workspace(NODES));
 
-/// Numbers of workspace of a state in motion.
+/// Workspace length of a state in motion.
 const MOVING: usize = ParticleState::<f32, D>::workspace(NODES, RODS);
 
-/// Numbers of a saved state.
+/// Length of a saved state.
 const SAVED: usize = ParticleState::<f32, D>::saved(NODES, RODS);
 
 /// A state as plain numbers.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct CoreState {
-    /// As core saves it; zeros in the places of rods that there are not.
+    /// State as core saves it; zeros in the places of missing rods.
     saved: [f32; SAVED],
     /// Mean velocity over the last step, m/s.
     w: Vector,
@@ -40,43 +40,43 @@ impl CoreState {
         Ok(new)
     }
 
-    /// Saves all but w.
+    /// Saves everything but w.
     fn keep(&mut self, state: &ParticleState<f32, D>) -> Result<(), Error> {
         self.saved.fill(0.0);
         Ok(state.save(first_mut(&mut self.saved, numbers(state.lambda().len())))?)
     }
 
-    /// Vector number k of those that core saves.
+    /// Vector k of a saved state.
     fn vector(&self, k: usize) -> Vector {
         self.saved.as_chunks().0.get(k).copied().unwrap_or([0.0; N])
     }
 
-    /// q, m.
+    /// Positions q, m.
     pub fn q(&self) -> Vector {
         self.vector(0)
     }
 
-    /// What rounding took from q, m.
+    /// Carry of q, lost to rounding, m.
     fn q_carry(&self) -> Vector {
         self.vector(1)
     }
 
-    /// p, kg m/s.
+    /// Momenta p, kg m/s.
     pub fn p(&self) -> Vector {
         self.vector(2)
     }
 
-    /// v, m/s.
+    /// Velocities v, m/s.
     fn v(&self) -> Vector {
         self.vector(4)
     }
 
-    /// The mean velocity over the last step, m/s, or the velocity that the state was started with.
+    /// Mean velocity over the last step, m/s, or the velocity that the state was started with.
     pub fn last_increment(&self) -> Vector {
         self.w
     }
 
-    /// λ over the last step, N.
+    /// Multipliers λ over the last step, N.
     pub fn lambda(&self) -> [f32; RODS] {
         let mut lambda = [0.0; RODS];
         lambda.iter_mut().zip(self.saved.iter().skip(numbers(0))).for_each(|(to, from)| *to = *from);
@@ -84,22 +84,22 @@ impl CoreState {
     }
 }
 
-/// Numbers of a saved state with so many rods.
+/// Length of a saved state with `rods` rods.
 const fn numbers(rods: usize) -> usize {
     ParticleState::<f32, D>::saved(NODES, rods)
 }
 
-/// The first numbers of an array; all are there, for no graph is loaded that has more rods than the library was built for.
+/// The first numbers of an array, which exist: no graph is loaded that has more rods than the library was built for.
 fn first_mut(array: &mut [f32], count: usize) -> &mut [f32] {
     array.get_mut(..count).unwrap_or_default()
 }
 
-/// Node by node.
+/// Splits a vector into one vector per node.
 fn nodes(x: &Vector) -> &[[f32; D]] {
     x.as_chunks().0
 }
 
-/// The mean over the step: the external force of a RATTLE step is constant.
+/// Mean over the step: the external force of a RATTLE step is constant.
 fn mean(control: &Control<f32, N>) -> Vector {
     control.at(0.5)
 }
@@ -131,7 +131,7 @@ pub(crate) fn energies(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<En
     Ok(mechanism.system.graph.energies(nodes(q), nodes(v), &mut [0.0; WORK]))
 }
 
-/// The state at position q and at what the rods leave of velocity v.
+/// Starts a state at position q and at the part of velocity v that the rods allow.
 pub(crate) fn start(mechanism: &Mechanism, q: Vector, v: Vector) -> Result<CoreState, Error> {
     let system = constrained(mechanism)?;
     let (mut moving, mut work) = ([0.0; MOVING], [0.0; WORK]);
@@ -140,7 +140,7 @@ pub(crate) fn start(mechanism: &Mechanism, q: Vector, v: Vector) -> Result<CoreS
     Ok(CoreState { w: started.v(), ..started })
 }
 
-/// The state that two positions and the control between them determine.
+/// Starts a state from two positions and the control between them.
 pub(crate) fn between<P: Path>(
     mechanism: &Mechanism,
     h: f32,
@@ -172,7 +172,7 @@ pub(crate) fn step<P: Path>(
     Ok(report)
 }
 
-/// (q₁ − q₀)/h, m/s, of positions with what rounding took.
+/// Increment (q₁ − q₀)/h, m/s, of positions with their carries.
 fn increment([q0, carry0]: &[Vector; 2], [q1, carry1]: &[Vector; 2], h: f32) -> Vector {
     add_scaled(&minus(q1, q0), 1.0, &minus(carry1, carry0)).map(|way| way / h)
 }

@@ -1,5 +1,4 @@
-//! Writes the header of the library, for the family, sizes and prefix of names that this program is built for, to standard
-//! output.
+//! Writes the header of the library to standard output, for the family, sizes and prefix of names that this program is built for.
 
 #[path = "../../../src/config.rs"]
 mod config;
@@ -10,7 +9,7 @@ use cbindgen::{
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-/// What the header says before anything else.
+/// Introduction of the header.
 const INTRODUCTION: &str = include_str!("../introduction.h");
 
 /// C names of the types.
@@ -24,7 +23,7 @@ const NAMES: [(&str, &str); 7] = [
     ("Outside", "leastaction_outside"),
 ];
 
-/// The sizes that this program was built for.
+/// Sizes that this program was built for.
 fn sizes() -> Vec<(&'static str, usize)> {
     let mut sizes = vec![
         ("LEASTACTION_ABI", config::LEASTACTION_ABI as usize),
@@ -103,7 +102,7 @@ fn settings() -> Config {
     settings
 }
 
-/// The names of this library's source as the functions are called, a prefix apart: a generator of headers knows only names
+/// Copies a source file with the functions under the names by which they are called, without a prefix: a header generator knows only names
 /// that are written out.
 fn written_out(file: &Path) -> Result<String, Box<dyn Error>> {
     let source = std::fs::read_to_string(file)?;
@@ -114,7 +113,7 @@ fn written_out(file: &Path) -> Result<String, Box<dyn Error>> {
     Ok(source.lines().map(line).collect())
 }
 
-/// Every name with another prefix, in capitals too.
+/// Replaces the prefix of all names, also in capitals.
 fn renamed(header: &str, prefix: &str) -> String {
     let guard = format!("{}H", prefix.to_uppercase());
     let header = header.replace("leastaction_", prefix).replace("LEASTACTION_H", &guard);

@@ -1,4 +1,4 @@
-//! What `example/trace.c` does, by leastaction-core alone: both must print the same hash.
+//! Counterpart of `example/trace.c` on leastaction-core alone: both must print the same hash.
 //!
 //! `cargo run --bin trace FILE NAME POSITION …`, with the features and sizes of the library; NAME may be empty.
 
@@ -19,19 +19,19 @@ use leastaction_core::discrete::{Newton, Order, Report};
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::model::TrainedStep;
 
-/// How the model file stores its weights.
+/// Storage format of the model file's weights.
 #[cfg(not(feature = "half"))]
 type Weight = f32;
 #[cfg(feature = "half")]
 type Weight = leastaction_core::scalar::f16;
 
-/// The laws of friction that the program is built for.
+/// Laws of friction that the program is built for.
 #[cfg(not(any(feature = "friction", feature = "graph")))]
 type Friction = leastaction_core::forces::Viscous<f32, N>;
 #[cfg(feature = "friction")]
 type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
 
-/// The laws of force that the program is built for.
+/// Laws of force that the program is built for.
 #[cfg(not(any(feature = "networks", feature = "graph")))]
 type Laws = Friction;
 #[cfg(feature = "networks")]
@@ -56,18 +56,18 @@ trait Mechanism {
     fn inverse_dynamics(&self, at: [&Vector; 3]) -> Result<Vector, String>;
     fn momentum(&self, at: [&Vector; 2]) -> Vector;
     fn energies(&self, at: [&Vector; 2]) -> Energies<f32>;
-    /// M, row by row, and the force against gravity; nothing on rods.
+    /// M, row by row, and the force against gravity; nothing for a mechanism on rods.
     fn terms(&self, q: &Vector) -> Vec<f32>;
     fn start(&self, q: Vector, v: Vector) -> Result<Self::State, String>;
-    /// The state that two positions determine, without control.
+    /// Starts a state from two positions, without control.
     fn between(&self, h: f32, order: Order, q: [&Vector; 2]) -> Result<Self::State, String>;
-    /// A step under a force that is held.
+    /// Takes a step under a held force.
     fn step(&self, state: &mut Self::State, step: &Step, u: Vector) -> Result<Report<f32>, String>;
-    /// q, p, the last increment, and what else a state says.
+    /// q, p, the last increment, and everything else that a state says.
     fn numbers(&self, state: &Self::State) -> Vec<f32>;
 }
 
-/// A step h, s, of an order, and how far Newton's method goes in it.
+/// A step h, s, its order, and the bounds of Newton's method in it.
 struct Step {
     h: f32,
     order: Order,
@@ -112,7 +112,7 @@ fn run<M: Mechanism>(mechanism: &M, step: &Step, mut state: M::State, hash: &mut
     Ok(())
 }
 
-/// From a velocity in a bounded time a step, and from where a step leads without bounds.
+/// Runs from a velocity with a bounded number of updates per step, and from the end of a step without bounds.
 fn both_starts(
     mechanism: &impl Mechanism,
     (h, order): (f32, Order),
@@ -184,7 +184,7 @@ fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
     trace(&system, model.trained_step, q)
 }
 
-/// The bytes at a multiple of 4.
+/// Copies the bytes to a multiple of 4.
 fn aligned(bytes: &[u8]) -> Vec<u32> {
     let word = |chunk: &[u8]| {
         let mut word = [0; 4];
@@ -201,7 +201,7 @@ fn main() -> Result<(), String> {
     let q = Vector::try_from(position.map_err(words)?).map_err(|_| format!("not {N} coordinates"))?;
     let bytes = std::fs::read(&path).map_err(|error| format!("{path}: {error}"))?;
     let aligned = aligned(&bytes);
-    // SAFETY: as many bytes as there were, in words that hold at least as many.
+    // SAFETY: the original number of bytes, in words that hold at least as many.
     let file = unsafe { core::slice::from_raw_parts(aligned.as_ptr().cast::<u8>(), bytes.len()) };
     println!("trace {:x}", trace_file(file, &name, &q)?);
     Ok(())

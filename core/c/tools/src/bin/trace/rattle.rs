@@ -21,7 +21,7 @@ pub struct Moving {
 }
 
 impl<S: Particles<f32, D>> OnRods<'_, S> {
-    /// Room for one state; this program starts few.
+    /// Memory for one state, leaked: this program starts few.
     fn place(&self) -> &'static mut [f32] {
         let (nodes, equations) = (self.mechanism.system().nodes(), self.mechanism.equations());
         Box::leak(vec![0.0; ParticleState::<f32, D>::workspace(nodes, equations)].into())
@@ -102,7 +102,7 @@ impl<S: Particles<f32, D>> Mechanism for OnRods<'_, S> {
     }
 }
 
-/// Node after node.
+/// Joins vectors, node after node.
 fn flat(x: &[[f32; D]]) -> Vector {
     let mut flat = [0.0; N];
     flat.copy_from_slice(x.as_flattened());
