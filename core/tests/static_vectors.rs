@@ -18,7 +18,7 @@ fn rows_stay_rows() {
     let m = matrix(&of_rows);
     assert_eq!((m[(0, 2)], m[(1, 0)]), (3.0, 4.0));
     assert_eq!(rows(&m), of_rows);
-    // What nalgebra itself takes for columns.
+    // nalgebra itself takes the rows for columns.
     assert_eq!(SMatrix::<f64, 3, 2>::from(of_rows), m.transpose());
 }
 

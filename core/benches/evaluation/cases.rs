@@ -1,4 +1,4 @@
-//! What is measured: a cart-pole network, and one call of everything on any system.
+//! Cases of the measurements: a cart-pole network, and one call of everything on any system.
 
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Path, State};
@@ -37,7 +37,7 @@ impl<W: Plain> Network<W> {
         Self { block: (0..length).map(|_| next()).collect(), widths }
     }
 
-    /// The mechanism, in this or another scalar with these weights.
+    /// The mechanism with these weights, in their scalar or another.
     pub fn system<S: Real<Weight = W>>(&self) -> CartPole<'_, S> {
         let inertia_network = InertiaNetwork::take(&mut self.block.as_slice(), &shape(self.widths));
         System::conservative(inertia_network.expect("a block of this length"))
@@ -54,12 +54,12 @@ fn shape(widths: [usize; 2]) -> InertiaNetworkShape<2> {
 /// (q, v, u).
 pub type Point<S, const N: usize> = [[S; N]; 3];
 
-/// Where the cart-pole is.
+/// A point of the cart-pole's motion.
 pub fn point<S: Scalar>() -> Point<S, 2> {
     [[0.2, 0.7], [-0.5, 1.5], [1.0, 0.0]].map(|x| x.map(S::constant))
 }
 
-/// v̇; not a number where the mass matrix is singular.
+/// v̇; NaN if the mass matrix is singular.
 pub fn acceleration<R: Real, L, const N: usize>(
     system: &System<L, Viscous<R, N>>,
     [q, v, u]: &Point<R, N>,
@@ -71,7 +71,7 @@ where
     continuous::acceleration(system, q, v, u).unwrap_or([invalid; N])
 }
 
-/// A trajectory under way: what a step extrapolates from is there.
+/// A trajectory under way: it has the steps from which a step extrapolates.
 pub fn moving<R: Real, L: Lagrangian<R, N>, const N: usize>(
     system: &System<L, Viscous<R, N>>,
     [q, v, _]: &Point<R, N>,
@@ -100,7 +100,7 @@ pub fn tanh<S: Scalar>(angles: &mut [S; 64]) {
     angles.iter_mut().for_each(|x| *x = x.tanh());
 }
 
-/// sin x cos x in place: both are needed.
+/// sin x cos x in place, so both are needed.
 pub fn sin_cos<S: Scalar>(angles: &mut [S; 64]) {
     for x in angles {
         let (sin, cos) = x.sin_cos();

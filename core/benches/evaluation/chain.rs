@@ -33,7 +33,7 @@ impl<W: Plain> Links<W> {
         Self { block: networks.into_iter().chain(numbers).map(W::constant).collect() }
     }
 
-    /// N links, in this or another scalar with these weights.
+    /// N links with these weights, in their scalar or another.
     pub fn system<S: Real<Weight = W>, const N: usize>(&self) -> Pendulums<'_, S, N> {
         let nodes = (0..N as u8).map(|e| TreeElement { kind: 0, parent: e.checked_sub(1) });
         let tree = shape().tree(nodes).expect("parents come first");
@@ -50,7 +50,7 @@ fn shape() -> ModularShape {
     ModularShape::new(&[tanh(2), tanh(1)], &[link], None).expect("two networks and one type")
 }
 
-/// Where the links are.
+/// A point of the links' motion.
 pub fn point<S: Scalar, const N: usize>() -> Point<S, N> {
     let angle = |j: usize| 0.7 - 0.2 * j as f64;
     let rate = |j: usize| -0.5 + 0.3 * j as f64;

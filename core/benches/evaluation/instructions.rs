@@ -5,8 +5,8 @@ use crate::chain::{Links, STEP, point};
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use std::hint::black_box;
 
-/// Runs what `--calls WHAT PENDULUMS TIMES` asks for, if it is among the arguments: WHAT is `acceleration`, `order-2` or
-/// `order-4`, all in f32.
+/// Runs what `--calls WHAT PENDULUMS TIMES` asks for, if it is among the arguments: WHAT is `acceleration`, `order-2` or `order-4`, all in
+/// f32.
 pub fn run(arguments: &[String]) -> bool {
     let Some(first) = arguments.iter().position(|argument| argument == "--calls") else { return false };
     let [what, pendulums, times] = &arguments[first + 1..first + 4] else { return false };

@@ -31,7 +31,7 @@ fn main() {
         return;
     }
     divan::main();
-    // Cargo passes it when it benchmarks, and not when it tests.
+    // Cargo passes `--bench` for a benchmark, but not for a test.
     if arguments.iter().any(|argument| argument == "--bench") {
         table::print();
     }

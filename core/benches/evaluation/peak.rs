@@ -1,5 +1,5 @@
-//! The most multiplications and additions a second that this machine does in one thread with the target features that the
-//! program was compiled for, fused multiply-adds excluded: they round differently, and the crate never uses them.
+//! Peak rate of multiplications and additions of this machine in one thread, with the target features that the program was compiled for,
+//! without fused multiply-adds: they round differently, and the crate never uses them.
 
 use leastaction_core::scalar::Scalar;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ pub fn fastest<O>(repetitions: u32, mut call: impl FnMut() -> O) -> f64 {
     (0..repetitions).map(|_| once()).fold(f64::INFINITY, f64::min)
 }
 
-/// Multiplications and additions a second: the best of several numbers of independent chains x ← ax + b.
+/// Multiplications and additions per second: the best of several numbers of independent chains x ← ax + b.
 pub fn flops<S: Scalar>() -> f64 {
     [chains::<S, 16>(), chains::<S, 32>(), chains::<S, 48>(), chains::<S, 96>(), chains::<S, 192>()]
         .into_iter()

@@ -14,10 +14,10 @@ use std::hint::black_box;
 /// Multiplications and additions of one `tanh`, from the source; its division is not among them.
 const TANH_F32: u64 = 25;
 const TANH_F64: u64 = 37;
-/// Of one `sin_cos` in f32; in f64 it is libm's.
+/// Multiplications and additions of one `sin_cos` in f32; in f64 it is libm's.
 const SIN_COS_F32: u64 = 28;
 
-/// Measured calls are bundled, so that the clock's own time vanishes.
+/// Measured calls are bundled, so the clock's own time vanishes.
 const BUNDLE: u32 = 100;
 const REPETITIONS: u32 = 200;
 

@@ -1,4 +1,4 @@
-//! Every lock file of the repository names the same versions of what the bits of a result depend on: host, firmware, C library and
+//! Every lock file of the repository names equal versions of the crates on which the bits of a result depend: host, firmware, C library and
 //! examples compute with the same functions.
 
 use std::collections::BTreeMap;
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 /// Elementary functions and square roots, half precision, and square roots side by side.
 const NUMBERS: [&str; 3] = ["libm", "half", "wide"];
-/// What else decides how a model file is read.
+/// Other crates that decide how a model file is read.
 const FILES: [&str; 5] = ["postcard", "serde", "crc", "bytemuck", "heapless"];
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// All lock files, but for those that a build left.
+/// All lock files, except those that a build left.
 fn locks(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -26,7 +26,7 @@ fn locks(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Versions by name, as a lock file has them.
+/// Versions by name, from a lock file.
 fn versions(lock: &str) -> BTreeMap<&str, Vec<&str>> {
     let mut versions = BTreeMap::<_, Vec<_>>::new();
     for package in lock.split("[[package]]").skip(1) {
@@ -50,7 +50,7 @@ fn host_and_firmware_have_one_version_of_what_bits_depend_on() {
     let host = versions(&host);
     for (file, text) in files.iter().zip(&texts) {
         let versions = versions(text);
-        // Two versions of one crate on the host are never ours: then ours is the one that all have.
+        // Two versions of one crate on the host never both belong to us: ours is then the version that all lock files have.
         for name in NUMBERS.iter().chain(&FILES) {
             for version in versions.get(name).into_iter().flatten() {
                 assert!(
@@ -65,7 +65,7 @@ fn host_and_firmware_have_one_version_of_what_bits_depend_on() {
     }
 }
 
-/// So that no program that uses core computes with others either.
+/// Exact versions keep any program that uses core from computing with others.
 #[test]
 fn manifests_name_exact_versions() {
     let manifest = fs::read_to_string(repository().join("Cargo.toml")).unwrap();

@@ -38,7 +38,7 @@ fn check<const P: usize>(
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Also where there are more rows than inputs, or fewer.
+    /// Sums in the stated order, also for more rows than inputs, or fewer.
     #[test]
     fn sums_are_in_the_stated_order(
         numbers in prop::collection::vec(-2.0_f32..2.0, 0..100),
@@ -60,7 +60,7 @@ proptest! {
 fn halves_give_what_their_numbers_give() {
     let halves: Vec<f16> = (0..8 * 13).map(|i| f16::from_f32((i as f32 * 0.37).sin())).collect();
     let x: Vec<f32> = (0..13).map(|i| (i as f32 * 1.7).cos()).collect();
-    // At every alignment that two bytes allow.
+    // Slices at every alignment that two bytes allow.
     for shift in 0..8 {
         let halves = &halves[shift..];
         let wide: Vec<f32> = halves.iter().map(|h| h.to_f32()).collect();

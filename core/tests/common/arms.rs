@@ -1,4 +1,4 @@
-//! Trees of rigid bodies in space with random numbers, and their energies as those of the point masses that they are made of.
+//! Trees of rigid bodies in space with random numbers, and their energies as sums over the point masses that they are made of.
 
 use super::Random;
 use super::bodies::body;
@@ -8,7 +8,7 @@ use leastaction_core::energy::arm::{
 };
 use leastaction_core::scalar::WeightFormat;
 
-/// A mass, and where it is in the body's frame.
+/// A point mass and its position in the body's frame.
 pub type Point = (f64, Vector<f64>);
 
 #[derive(Clone, Debug)]
@@ -77,7 +77,7 @@ impl<const N: usize> Arm<N> {
         poses
     }
 
-    /// All point masses, and where they are on the base.
+    /// All point masses with their positions on the base.
     fn places(&self, q: &[f64; N]) -> Vec<Point> {
         let of_body = |(pose, points): (Pose, &Vec<Point>)| -> Vec<Point> {
             let place = |x: &Vector<f64>| -> Vector<f64> {
@@ -88,7 +88,7 @@ impl<const N: usize> Arm<N> {
         self.poses(q).into_iter().zip(&self.points).flat_map(of_body).collect()
     }
 
-    /// T of the points by velocities that are differences of fourth order, and V.
+    /// T of the points, with velocities from differences of fourth order, and V.
     pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         const STEP: f64 = 1e-3;
         let at = |t: f64| self.places(&core::array::from_fn(|i| q[i] + t * STEP * v[i]));
@@ -122,7 +122,7 @@ pub fn unit(a: Vector<f64>) -> Vector<f64> {
     a.map(|a| a / length)
 }
 
-/// By the quaternion of half the angle.
+/// Rotation by the quaternion of half the angle.
 pub fn rotation(axis: Vector<f64>, angle: f64) -> Rotation<f64> {
     let (sin, w) = (angle / 2.0).sin_cos();
     let [x, y, z] = axis.map(|a| sin * a);
@@ -150,7 +150,7 @@ pub fn of_one() -> [Arm<1>; 2] {
     [(R, 1), (P, 2)].map(|(joint, seed)| Arm::random([body(joint, None)], seed))
 }
 
-/// Every kind of joint on every other, in a chain and in a fork.
+/// Arms with every kind of joint on every other, in a chain and in a fork.
 pub fn of_three() -> Vec<Arm<3>> {
     let kinds = (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { R } else { P }));
     let trees =

@@ -1,4 +1,4 @@
-//! Trees of rigid bodies on joints with random numbers, and their energies by the formulas as they are printed.
+//! Trees of rigid bodies on joints with random numbers, and their energies by the printed formulas.
 
 use super::Random;
 use leastaction_core::energy::bodies::{
@@ -28,7 +28,7 @@ impl<const N: usize> Bodies<N> {
         Self { bodies, weights }
     }
 
-    /// Bodies of these numbers under γ = (9.81, 0): they hang at q = 0.
+    /// Bodies of the given numbers under γ = (9.81, 0): they hang at q = 0.
     pub fn hanging(bodies: [TreeBody; N], numbers: [BodyParameters<f64>; N]) -> Self {
         let numbers = numbers.into_iter().flat_map(BodyParameters::into_array);
         Self { bodies, weights: [9.81, 0.0].into_iter().chain(numbers).collect() }
@@ -54,7 +54,7 @@ impl<const N: usize> Bodies<N> {
         self.weights.iter().map(|w| *w as f32).collect()
     }
 
-    /// The same with the weights that [`Bodies::single`] gives.
+    /// Bodies with the weights that [`Bodies::single`] gives.
     pub fn rounded(&self) -> Self {
         Self { weights: self.single().into_iter().map(f64::from).collect(), ..self.clone() }
     }
@@ -80,7 +80,7 @@ impl<const N: usize> Bodies<N> {
         places
     }
 
-    /// T by velocities that are central differences, and V.
+    /// T with velocities from central differences, and V.
     pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         const STEP: f64 = 1e-5;
         let at = |t: f64| self.places(&core::array::from_fn(|i| q[i] + t * v[i]));
@@ -100,7 +100,7 @@ impl<const N: usize> Bodies<N> {
     }
 }
 
-/// A point, from the origin of a frame at this angle.
+/// A point in a frame at the given angle, from the origin of the frame.
 fn moved(origin: [f64; 2], [x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [origin[0] + cos * x - sin * y, origin[1] + sin * x + cos * y]
@@ -115,7 +115,7 @@ pub fn of_one() -> [Bodies<1>; 2] {
     [REVOLUTE, PRISMATIC].map(|joint| Bodies::random([body(joint, None)], 1))
 }
 
-/// Every pair of kinds, on each other and side by side.
+/// Every pair of kinds of joints, on each other and side by side.
 pub fn of_two() -> Vec<Bodies<2>> {
     let kinds = [(REVOLUTE, REVOLUTE), (REVOLUTE, PRISMATIC), (PRISMATIC, REVOLUTE), (PRISMATIC, PRISMATIC)];
     let trees = kinds.into_iter().flat_map(|(a, b)| [None, Some(0)].map(|on| [body(a, None), body(b, on)]));

@@ -1,4 +1,4 @@
-//! Systems of particles with where they start, and their motion by RATTLE.
+//! Systems of particles with their starts, and their motion by RATTLE.
 
 use super::particles::{Exact, Spring, hanging, rods, rounded, workspaces};
 use leastaction_core::constraints::{Constrained, Holonomic};
@@ -7,12 +7,12 @@ use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::Real;
 
-/// What the solvers step.
+/// The mechanism that the solvers step.
 pub type Mechanism<'a, R, const D: usize> = Constrained<'a, R, Exact<R, D>, [Holonomic<R, D>], D>;
 /// Positions and velocities of all nodes.
 pub type Motion<R> = (Vec<[R; 2]>, Vec<[R; 2]>);
 
-/// A system, its constraints, and where it starts.
+/// A system, its constraints, and its start.
 pub struct Case<R> {
     pub system: Exact<R, 2>,
     pub constraints: Vec<Holonomic<R, 2>>,
@@ -65,7 +65,7 @@ impl<R: Real> Case<R> {
         Constrained::new(&self.system, &self.constraints[..]).unwrap()
     }
 
-    /// Steps and calls `look` before the first and after each; the state at the end.
+    /// Steps and calls `look` before the first step and after each; returns the state at the end.
     pub fn run(
         &self,
         (h, order): (f64, Order),
@@ -86,7 +86,7 @@ impl<R: Real> Case<R> {
     }
 }
 
-/// Between two sets of vectors, as one long vector each.
+/// Distance between two sets of vectors, each taken as one long vector.
 pub fn distance(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let squares = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2));
     squares.sum::<f64>().sqrt()

@@ -30,7 +30,7 @@ pub fn weights(numbers: [[f32; BODY_PARAMETERS]; 3]) -> Vec<f32> {
 pub const FRICTION: [[f32; 4]; 3] =
     [[0.5, 0.25, 0.75, 0.0625], [0.125, 0.0, 1.0, 0.125], [0.0, 0.5, 0.25, 0.5]];
 
-/// The same crane with dry friction.
+/// The crane with dry friction.
 pub fn with_friction() -> Vec<u8> {
     let header = Header { laws: Laws::FRICTION, ..HEADER };
     file::write(header, &[&weights(NUMBERS), FRICTION.as_flattened()].concat())

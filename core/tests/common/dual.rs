@@ -8,13 +8,13 @@ use num_dual::HyperDual64;
 pub type Dual = dual_number::Dual<HyperDual64>;
 
 impl Dual {
-    /// x moving along the two directions.
+    /// x moving along two directions.
     pub fn moving(x: f64, [e1, e2]: [f64; 2]) -> Self {
         Self(HyperDual64::new(x, e1, e2, 0.0))
     }
 }
 
-/// Which of the 2N variables (q, v) moves along a direction, and how fast.
+/// Motion of the 2N variables (q, v) along a direction.
 pub type Direction<const N: usize> = ([f64; N], [f64; N]);
 
 /// L = T − V at (q, v) moving along two directions.

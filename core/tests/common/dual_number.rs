@@ -76,7 +76,7 @@ impl<D: Number> WeightFormat for Dual<D> {
 impl<D: Number> Scalar for Dual<D> {
     type Weight = Self;
 
-    /// As on a controller: the oracle of the derivatives passes the layers as a chip does.
+    /// True as on a controller: the oracle of the derivatives passes the layers as a chip does.
     const COMPONENTWISE: bool = true;
 
     fn weight(w: Self) -> Self {

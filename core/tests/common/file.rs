@@ -32,7 +32,7 @@ impl Aligned {
         Self::shifted(bytes, 0)
     }
 
-    /// The same `shift` bytes further on.
+    /// The bytes at an address `shift` bytes further on.
     pub fn shifted(bytes: &[u8], shift: usize) -> Self {
         let padded: Vec<u8> = [&vec![0; shift], bytes].concat();
         let block = padded
@@ -83,7 +83,7 @@ pub fn with_friction(friction: &[f32]) -> Vec<u8> {
 
 pub const FRICTION_HEADER: Header<'static> = Header { laws: Laws::FRICTION, ..HEADER };
 
-/// Dissipation of the angle that sees all, and a potential of it: 2 + 2 → 3 → 3 and 2 → 4 → 1.
+/// Dissipation of the angle, whose network sees both coordinates, and a potential of the angle: 2 + 2 → 3 → 3 and 2 → 4 → 1.
 pub const DISSIPATION: LawNetwork<'static> =
     LawNetwork { coordinates: "ca", widths: [3, 0, 0, 0], activation: Activation::Isru };
 pub const POTENTIAL: LawNetwork<'static> =
@@ -134,7 +134,7 @@ pub const ARM_DAMPING: [f32; 3] = [0.5, 0.125, 0.0];
 /// c₁ and c₂.
 pub const ARM_COEFFICIENTS: [f32; 2] = [9.5, 0.25];
 
-/// Two trees of them, of one and of three elements.
+/// Two trees of these types, of one and of three elements.
 pub fn arm() -> ModularHeader<'static> {
     let mut trees = [TreeHeader::default(); MAX_TREES];
     trees[0] = TreeHeader { name: "link", elements: &[1, 0] };
@@ -187,10 +187,10 @@ pub const WEB_LAW: [f32; 2] = [-0.75, 0.125];
 /// The edges of the graph `ring`.
 pub const RING: [[u8; 5]; 3] = [edge(0, 0, 1).to_bytes(), edge(0, 1, 2).to_bytes(), edge(0, 2, 0).to_bytes()];
 
-/// A rod of 0.5 m from the origin to node 0, and one of 2 m from there to node 2.
+/// A rod of 0.5 m from the origin to node 0, and one of 2 m from node 0 to node 2.
 pub const RODS: [[u8; 8]; 2] = [[255, 255, 0, 0, 0, 0, 0, 63], [0, 0, 2, 0, 0, 0, 0, 64]];
 
-/// Two graphs of them, of one edge, and of three edges and two rods.
+/// Two graphs of these types, of one edge, and of three edges and two rods.
 pub fn web() -> GraphHeader<'static> {
     let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
     graphs[0] = GraphLayout { name: "pair", nodes: &[0, 1], edges: RING[0].as_slice(), rods: &[] };
@@ -234,7 +234,7 @@ pub fn section_of(section: Section, content: &[u8]) -> Vec<u8> {
     [&[section as u8], &(content.len() as u32).to_le_bytes()[..], content].concat()
 }
 
-/// Where the content of a section begins and ends in a file.
+/// Beginning and end of the content of a section in a file.
 pub fn place(file: &[u8], section: Section) -> [usize; 2] {
     let mut start = 5;
     loop {
@@ -271,7 +271,7 @@ fn after_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
     all.into_iter().filter(|(_, content)| !content.is_empty()).collect()
 }
 
-/// The number of every law, and the shape of its network where it has one.
+/// The number of every law, and the shape of its network if it has one.
 pub fn laws(laws: &Laws) -> Vec<u8> {
     let network = |law| laws.network(law).map(|network| document(&network)).unwrap_or_default();
     laws.iter().flat_map(|law| [vec![law as u8], network(law)].concat()).collect()
@@ -304,7 +304,7 @@ pub fn write(header: Header, weights: &[f32]) -> Vec<u8> {
     write_raw(header, None, bytemuck::cast_slice(weights))
 }
 
-/// The same with weights in half precision.
+/// A file with weights in half precision.
 pub fn write_half(header: Header, weights: &[f32]) -> Vec<u8> {
     let halves: Vec<f16> = weights.iter().map(|w| f16::from_f32(*w)).collect();
     write_raw(header, None, bytemuck::cast_slice(&halves))
@@ -315,7 +315,7 @@ pub fn golden() -> Vec<u8> {
     write(HEADER, &weights(&CARTPOLE))
 }
 
-/// The same with every section that a file can have.
+/// The golden file with every section that a file can have.
 pub fn golden_whole() -> Vec<u8> {
     let (actuator, range) = (actuator(&ACTUATOR), range(&RANGE));
     let header = Header {
@@ -330,7 +330,7 @@ pub fn golden_whole() -> Vec<u8> {
 /// Delay, then gain and offset of both coordinates.
 pub const ACTUATOR: [f32; 5] = [0.125, 2.0, -0.5, 0.25, 0.0];
 
-/// Of a rail of ±2 m and of an angle that was never upright.
+/// Range of a rail of ±2 m and of an angle that was never upright.
 pub const RANGE: [CoordinateRange; 2] = {
     const fn interval(least: f32, most: f32) -> Interval {
         Interval { least, most }
@@ -351,12 +351,12 @@ pub const RANGE: [CoordinateRange; 2] = {
     ]
 };
 
-/// As a section.
+/// Section of an actuator.
 pub fn actuator(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// As a section.
+/// Section of a range.
 pub fn range(coordinates: &[CoordinateRange]) -> Vec<u8> {
     coordinates.iter().flat_map(|coordinate| coordinate.to_bytes()).collect()
 }
@@ -386,7 +386,7 @@ pub fn assert_changes_are_refused(file: &[u8]) {
     }
 }
 
-/// A file as text: hexadecimal bytes, and before each part of so many bytes what it is.
+/// A file as text: hexadecimal bytes, with the name of each part of the given length before it.
 pub fn text(file: &[u8], parts: &[(usize, &str)]) -> String {
     let mut text = String::from("# A model file, written by core/tests; see core/FORMAT.md.\n");
     let mut rest = file;
@@ -403,8 +403,8 @@ pub fn text(file: &[u8], parts: &[(usize, &str)]) -> String {
     text
 }
 
-/// `text` is that of the golden file of this name, and its bytes are `file`. The format is what it was: rewrite a golden
-/// file with `LEASTACTION_REGENERATE=1` only together with a new format version.
+/// Asserts that the golden file of this name has the text `text` and the bytes `file`. The format must not change: rewrite a golden file
+/// with `LEASTACTION_REGENERATE=1` only together with a new format version.
 pub fn assert_golden(name: &str, file: &[u8], text: &str) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     if std::env::var_os("LEASTACTION_REGENERATE").is_some() {

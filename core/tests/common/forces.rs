@@ -16,7 +16,7 @@ const WIDTH: f64 = 0.6;
 const RIPPLE: f64 = 0.4;
 
 impl<const N: usize> LoadFriction<N> {
-    /// A coefficient for every coordinate, no two the same.
+    /// Different coefficients for all coordinates.
     pub fn some() -> Self {
         Self { c: core::array::from_fn(|i| 0.2 + 0.15 * i as f64) }
     }
@@ -102,7 +102,7 @@ pub fn all<S: Scalar, const N: usize>() -> All<S, N> {
 
 pub type Dry<S, const N: usize> = (Viscous<S, N>, Coulomb<S, N>);
 
-/// Dry friction of up to eight coordinates, no two numbers the same.
+/// Dry friction of up to eight coordinates, all numbers different.
 pub fn coulomb<S: Scalar, const N: usize>() -> Coulomb<S, N> {
     let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
     Coulomb {
@@ -120,7 +120,7 @@ pub fn dry<S: Scalar, const N: usize>() -> Dry<S, N> {
     (all().0, coulomb())
 }
 
-/// One that scales, shifts and turns round; its delay in steps.
+/// An actuator that scales, shifts and reverses, with its delay in steps.
 pub fn actuator(delay: f64) -> Actuator<f64, 2> {
     Actuator { gain: [1.5, -0.4], offset: [0.3, -0.7], delay }
 }

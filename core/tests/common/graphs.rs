@@ -122,7 +122,7 @@ impl<const D: usize> Model<D> {
         nodes + self.edges.iter().map(pair).sum::<f64>() + self.naive_messages(q)
     }
 
-    /// Every edge in both directions, as LGNN's program has it.
+    /// Potential of the messages, with every edge in both directions as in LGNN's program.
     fn naive_messages(&self, q: &[[f64; D]]) -> f64 {
         let Some(messages) = self.shape.messages else { return 0.0 };
         let h: Vec<&[f64]> = self.nodes.iter().map(|kind| self.numbers(*kind).4).collect();
@@ -206,7 +206,7 @@ pub fn every_term(dimension: u8) -> GraphShape {
     GraphShape { kinetic_embedding: 3, embedding: 2, ..shape }
 }
 
-/// The same, with messages as well.
+/// Node and edge types with every kind of term, and messages.
 pub fn with_messages(dimension: u8) -> GraphShape {
     let shape = every_term(dimension);
     let messaging = [
@@ -228,13 +228,13 @@ pub fn with_messages(dimension: u8) -> GraphShape {
     }
 }
 
-/// In the plane, with messages; two edges join the same nodes, and one node has none.
+/// A planar graph with messages; two edges join the same nodes, and one node has no edge.
 pub fn talking() -> Model<2> {
     let edges = [edge(0, 0, 1), edge(1, 3, 1), edge(1, 1, 0)];
     Model::new(with_messages(2), &[1, 0, 2, 1], &edges, 3)
 }
 
-/// The same of one node type: its ends are sent the same.
+/// A graph with messages and one node type: both ends of an edge are sent the same.
 pub fn alike() -> Model<2> {
     let shape = with_messages(2);
     let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::None };
@@ -242,13 +242,13 @@ pub fn alike() -> Model<2> {
     Model::new(GraphShape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
 }
 
-/// In the plane: every type twice, edges of both types.
+/// A planar graph: every type twice, edges of both types.
 pub fn flat() -> Model<2> {
     let edges = [edge(0, 0, 1), edge(1, 3, 1), edge(1, 2, 0), edge(0, 3, 2)];
     Model::new(every_term(2), &[1, 0, 2, 1], &edges, 1)
 }
 
-/// In space.
+/// A graph in space.
 pub fn spatial() -> Model<3> {
     Model::new(every_term(3), &[2, 1, 0], &[edge(1, 2, 1), edge(0, 0, 2)], 2)
 }

@@ -4,7 +4,7 @@ use super::file;
 use leastaction_core::energy::arm::ARM_PARAMETERS;
 use leastaction_core::model::{ArmHeader, Family, Header, Laws};
 
-/// A column that turns, an upper arm that swings on it, a forearm that slides along it.
+/// A column that turns, an upper arm that swings on it, and a forearm that slides along the upper arm.
 pub const TREE: ArmHeader<'static> = ArmHeader { bodies: &[0, 0, 0, 1, 1, 2] };
 
 pub const HEADER: Header<'static> = Header { family: Family::Arm(TREE), ..file::HEADER };
@@ -45,7 +45,7 @@ pub fn golden() -> Vec<u8> {
     file::write(HEADER, &weights())
 }
 
-/// The same arm with dry friction.
+/// The arm with dry friction.
 pub fn with_friction() -> Vec<u8> {
     let header = Header { laws: Laws::FRICTION, ..HEADER };
     file::write(header, &[&weights(), FRICTION.as_flattened()].concat())

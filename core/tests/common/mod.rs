@@ -1,4 +1,4 @@
-//! What the tests share: an exact oracle of derivatives, seeded numbers, models of every shape, and comparisons.
+//! Shared parts of the tests: an exact oracle of derivatives, seeded numbers, models of every shape, and comparisons.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod arms;

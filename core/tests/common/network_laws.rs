@@ -1,4 +1,4 @@
-//! Laws of force with networks, and the formulas that they are.
+//! Laws of force with networks, and their formulas.
 
 use super::Random;
 use super::shapes::naive_network;
@@ -8,7 +8,7 @@ use leastaction_core::model::{Law, LawNetwork};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::WeightFormat;
 
-/// Room for more layers and units than there are.
+/// Compiled for more layers and units than there are.
 const H: usize = 6;
 const L: usize = 3;
 const WIDTHS: [u16; MAX_HIDDEN] = [5, 4, 0, 0];
@@ -25,7 +25,7 @@ pub struct NetworkLaws {
 }
 
 impl NetworkLaws {
-    /// Of this many coordinates; no two numbers that count something are the same.
+    /// Laws of `n` coordinates; no two counts in them are equal.
     pub fn of(n: usize, seed: u64) -> Self {
         let letters = [("a", "t"), ("ca", "-a"), ("t-a", "-at"), ("-act", "a-t")];
         let (dissipation, potential) = letters[n - 1];
@@ -43,14 +43,14 @@ impl NetworkLaws {
         Self { dissipation, potential, of_dissipation, of_potential }
     }
 
-    /// The same with the weights of networks this many times as large: dissipation grows with the square.
+    /// The laws with the weights of networks `c` times as large: dissipation grows with the square.
     pub fn scaled(mut self, c: f64) -> Self {
         let of_network = self.of_dissipation.iter_mut().skip(self.dissipation.count());
         of_network.chain(&mut self.of_potential).for_each(|weight| *weight *= c);
         self
     }
 
-    /// Over these numbers, which are those of [`NetworkLaws::numbers`] as another type.
+    /// The laws over these numbers, which are [`NetworkLaws::numbers`] as another type.
     pub fn over<'w, W: WeightFormat, const N: usize>(&self, [d, p]: [&'w [W]; 2]) -> Laws<'w, W, N> {
         let (mut d, mut p) = (d, p);
         let dissipation = Dissipation::take(
@@ -96,7 +96,7 @@ impl NetworkLaws {
         force
     }
 
-    /// V_c.
+    /// Potential V_c.
     pub fn naive_potential(&self, q: &[f64]) -> f64 {
         let x = features(&self.potential, q);
         naive_network(&self.of_potential, x, widths(), Activation::Softplus, 1)[0]

@@ -1,5 +1,5 @@
-//! What holds for the energies of every family: they are the printed formulas, and all derivatives are theirs (num-dual and finite
-//! differences). A family joins by [`Learned`].
+//! Properties of the energies of every family: they are the printed formulas, and all derivatives are those of the energies (num-dual and
+//! finite differences). A family joins by [`Learned`].
 
 use super::dual::{self, Dual};
 use super::{Random, assert_close, assert_matrices_close, assert_vectors_close};
@@ -8,13 +8,13 @@ use leastaction_core::linear;
 use leastaction_core::scalar::Scalar;
 
 pub const EXACT: f64 = 1e-12;
-/// Of central differences with [`STEP`].
+/// Tolerance of central differences with [`STEP`].
 const DIFFERENCES: f64 = 1e-8;
 const STEP: f64 = 1e-5;
 
 /// Learned energies of N coordinates that own their weights.
 pub trait Learned<const N: usize>: Clone {
-    /// How exact [`Learned::naive_energies`] are.
+    /// Tolerance of [`Learned::naive_energies`].
     const NAIVE: f64 = EXACT;
 
     /// The energies of this shape over a weight block.
@@ -27,7 +27,7 @@ pub trait Learned<const N: usize>: Clone {
 
     fn weights(&self) -> &[f64];
 
-    /// T and V by the formulas as they are printed.
+    /// T and V by the printed formulas.
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64);
 
     fn energies_in_f64(&self) -> Self::Over<'_, f64> {
@@ -57,7 +57,7 @@ pub fn check_derivatives<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N],
     check_lagrangian((&model.energies_in_f64(), &model.energies_over::<Dual>(&weights)), q, v);
 }
 
-/// All derivatives against those of the same energies in [`Dual`].
+/// Compares all derivatives with those of the same energies in [`Dual`].
 pub fn check_lagrangian<const N: usize>(
     (energies, exact): (&impl Lagrangian<f64, N>, &impl Lagrangian<Dual, N>),
     q: &[f64; N],
@@ -78,7 +78,7 @@ pub fn check_lagrangian<const N: usize>(
     assert_vectors_close("l_vq v", &d.l_vq_v, &linear::multiply(&expected.l_vq, v), EXACT);
 }
 
-/// L_q and L_v against central differences of the printed formulas, without num-dual; those must then be exact.
+/// Compares L_q and L_v with central differences of the printed formulas, without num-dual; the formulas must then be exact.
 pub fn check_first_differences<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
     let lagrangian = |q: &[f64; N], v: &[f64; N]| {
         let (kinetic, potential) = model.naive_energies(q, v);
@@ -97,7 +97,7 @@ pub fn check_symmetry<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v:
     check_second_derivatives(&model.energies_in_f64(), q, v);
 }
 
-/// They are symmetric, and the mass matrix is positive definite.
+/// Checks that second derivatives are symmetric, and that the mass matrix is positive definite.
 pub fn check_second_derivatives<const N: usize>(
     energies: &impl Lagrangian<f64, N>,
     q: &[f64; N],

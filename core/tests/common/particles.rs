@@ -53,7 +53,7 @@ impl<R: Real, const D: usize> Exact<R, D> {
         self
     }
 
-    /// The same parameters in double precision.
+    /// The system in double precision.
     pub fn in_f64(&self) -> Exact<f64, D> {
         let spring =
             |s: &Spring<R>| Spring { nodes: s.nodes, stiffness: s.stiffness.to_f64(), rest: s.rest.to_f64() };
@@ -141,7 +141,7 @@ pub fn rods<R: Real, const D: usize>(lengths: &[f64], anchored: bool) -> Vec<Hol
     anchored.then_some(anchor).into_iter().chain(rods).collect()
 }
 
-/// Where a pendulum of rods is whose angles from the downward vertical and rates are given.
+/// Positions and velocities of a pendulum of rods with the given angles from the downward vertical, and their rates.
 pub fn hanging(lengths: &[f64], angles: &[f64], rates: &[f64]) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let (mut q, mut v) = ([0.0; 2], [0.0; 2]);
     let links = lengths.iter().zip(angles).zip(rates);
@@ -154,17 +154,17 @@ pub fn hanging(lengths: &[f64], angles: &[f64], rates: &[f64]) -> (Vec<[f64; 2]>
     links.unzip()
 }
 
-/// In the scalar of a test.
+/// Vectors in the scalar of a test.
 pub fn rounded<R: Real, const D: usize>(x: &[[f64; D]]) -> Vec<[R; D]> {
     x.iter().map(|x| x.map(R::constant)).collect()
 }
 
-/// In double precision.
+/// Vectors in double precision.
 pub fn exact<R: Real, const D: usize>(x: &[[R; D]]) -> Vec<[f64; D]> {
     x.iter().map(|x| x.map(R::to_f64)).collect()
 }
 
-/// T + V in f64 of a state of a quadratic kinetic energy, position and momentum with what rounding took.
+/// T + V in f64 of a state with a quadratic kinetic energy, from position and momentum with their carries.
 pub fn energy<R: Real, const D: usize>(system: &Exact<f64, D>, state: &ParticleState<R, D>) -> f64 {
     let whole = |x: &[[R; D]], carry: &[[R; D]]| -> Vec<[f64; D]> {
         let pairs = x.iter().zip(carry);
@@ -176,7 +176,7 @@ pub fn energy<R: Real, const D: usize>(system: &Exact<f64, D>, state: &ParticleS
     e.kinetic + e.potential
 }
 
-/// The largest ||d| − ℓ|/ℓ in f64 of the positions as they are.
+/// The largest ||d| − ℓ|/ℓ in f64 of the positions, without their carries.
 pub fn rod_error<R: Real, const D: usize>(constraints: &[Holonomic<R, D>], q: &[[R; D]]) -> f64 {
     let q = exact(q);
     let errors = constraints.iter().map(|constraint| match constraint {

@@ -6,7 +6,7 @@ use leastaction_core::model::{InertiaNetworkModel, ModelError, Section, parse};
 /// The model of the golden file.
 pub type Cartpole<'a> = InertiaNetworkModel<'a, 2, 8, 2>;
 
-/// Why a file is refused.
+/// Reason why a file is refused.
 pub fn refusal(file: &[u8]) -> ModelError {
     parse(Aligned::new(file).bytes()).map(|_| ()).expect_err("the file must be refused")
 }

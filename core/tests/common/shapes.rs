@@ -70,7 +70,7 @@ impl<const N: usize> Learned<N> for Model<N> {
         &self.weights
     }
 
-    /// From row-major matrices.
+    /// Energies from row-major matrices.
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let of = |kind| (0..N).filter(move |i| self.coordinates[*i] == kind);
         let mut x: Vec<f64> = of(Translation).map(|i| q[i]).collect();
@@ -83,7 +83,7 @@ impl<const N: usize> Learned<N> for Model<N> {
 }
 
 impl<const N: usize> Model<N> {
-    /// From the outputs of the network, by matrices.
+    /// Kinetic energy from the outputs of the network, by matrices.
     fn naive_kinetic(&self, o: &[f64], v: &[f64; N]) -> f64 {
         let softplus = |z: f64| (1.0 + z.exp()).ln();
         let square = |rows: &[Vec<f64>]| -> f64 {

@@ -25,7 +25,7 @@ pub struct Tree<const N: usize> {
     pub shape: ModularShape,
     pub nodes: Vec<TreeElement>,
     pub weights: Vec<f64>,
-    /// Of each type.
+    /// Damping coefficient of each type.
     pub damping: Vec<f64>,
 }
 
@@ -75,7 +75,7 @@ impl<const N: usize> Tree<N> {
         self.weights.iter().map(|w| *w as f32).collect()
     }
 
-    /// The same with the weights that [`Tree::single`] gives.
+    /// The tree with the weights that [`Tree::single`] gives.
     pub fn rounded(&self) -> Self {
         Self { weights: self.single().into_iter().map(f64::from).collect(), ..self.clone() }
     }
@@ -99,7 +99,7 @@ impl<const N: usize> Tree<N> {
         naive_network(&self.weights[before..], x.to_vec(), widths, shape.activation, outputs)
     }
 
-    /// What an element's coordinates add to positions.
+    /// Displacement that an element's coordinates add to positions.
     fn displacement(&self, kind: u8, q: &[f64]) -> [f64; 2] {
         let run = |network, x: &[f64]| <[f64; 2]>::try_from(self.run(network, x)).unwrap();
         match self.shape.types.get(usize::from(kind)).unwrap().transform {
@@ -113,7 +113,7 @@ impl<const N: usize> Tree<N> {
         }
     }
 
-    /// The velocity that they add: by central differences, or the network of its own.
+    /// Velocity that an element's coordinates add: by central differences, or from its own velocity network.
     fn speed(&self, kind: u8, q: &[f64], v: &[f64]) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         if let TransformShape::Network { velocity: Some(network), input, .. } =
@@ -143,7 +143,7 @@ impl<const N: usize> Tree<N> {
 }
 
 impl<const N: usize> Learned<N> for Tree<N> {
-    // Velocities are central differences there.
+    // Velocities are central differences in this evaluation.
     const NAIVE: f64 = 1e-9;
 
     type Over<'w, S: Scalar>
@@ -160,7 +160,7 @@ impl<const N: usize> Learned<N> for Tree<N> {
         &self.weights
     }
 
-    /// Element by element from the ground.
+    /// Energies, element by element from the ground.
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let mut tips: Vec<([f64; 2], [f64; 2])> = Vec::new();
         let mut centres: Vec<(f64, [f64; 2])> = Vec::new();

@@ -24,7 +24,7 @@ fn energies_are_those_of_the_point_masses() {
     fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
         let found = arm.in_f64().energies(q, v);
         let (kinetic, potential) = arm.naive_energies(q, v);
-        // Velocities are differences there.
+        // Velocities are differences in the naive energies.
         assert_close("kinetic", found.kinetic, kinetic, 1e-8);
         assert_close("potential", found.potential, potential, 1e-13);
     }
@@ -110,7 +110,7 @@ fn derivatives_of_inverse_dynamics_are_exact() {
     everywhere!(check);
 }
 
-/// In f32, over numbers rounded to it, beside f64 over the same numbers.
+/// Compares f32, over numbers rounded to it, with f64 over the same numbers.
 #[test]
 fn single_precision_is_near() {
     fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {

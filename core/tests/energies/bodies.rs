@@ -20,7 +20,7 @@ fn energies_are_those_of_the_printed_formulas() {
     fn check<const N: usize>(bodies: &Bodies<N>, q: &[f64; N], v: &[f64; N]) {
         let found = bodies.in_f64().energies(q, v);
         let (kinetic, potential) = bodies.naive_energies(q, v);
-        // Velocities are central differences there.
+        // Velocities are central differences in the naive energies.
         assert_close("kinetic", found.kinetic, kinetic, 1e-8);
         assert_close("potential", found.potential, potential, 1e-13);
     }
@@ -44,12 +44,12 @@ fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
     everywhere!(check);
 }
 
-/// M of the double pendulum as textbooks have it, geared drives included.
+/// M of the double pendulum as in textbooks, geared drives included.
 #[test]
 fn the_double_pendulum_has_its_textbook_inertia() {
     let double = Bodies { bodies: CHAIN, ..bodies::of_two()[0].clone() };
     let mut weights = double.weights.clone();
-    // The second joint at the end of the first link, both centres on the x axes, the joints as they are.
+    // The second joint is at the end of the first link, both centres on the x axes, the joints not turned.
     for zero in [3, 4, 7, 12, 13, 16] {
         weights[zero] = 0.0;
     }

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 type List<const D: usize> = [Holonomic<f64, D>];
 
-/// (v̇, λ).
+/// The acceleration and the multipliers (v̇, λ).
 type Accelerations<const D: usize> = (Vec<[f64; D]>, Vec<f64>);
 
 /// (v̇, λ) of a mechanism.
@@ -85,7 +85,7 @@ fn the_value_is_the_stretch_of_a_rod() {
     }
 }
 
-/// In f32, of positions with their carries, to 1e-13 m: of positions alone it would be 1e-7 m off.
+/// φ in f32, from positions with their carries, is right to 1e-13 m: from positions alone it would be 1e-7 m off.
 #[test]
 fn the_value_is_twice_as_precise_as_its_scalar() {
     let mut random = Random(17);
@@ -187,7 +187,7 @@ fn acceleration_solves_the_dense_system() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
-    /// Chains in any order of the list, so of any band.
+    /// Chains in any order of the list, and so of any band.
     #[test]
     fn acceleration_of_chains_solves_the_dense_system(
         links in prop::collection::vec((0.3..2.0, -3.0..3.0, -4.0..4.0, 0.3..3.0), 1..8),
@@ -315,7 +315,7 @@ fn a_short_room_and_a_massless_node_are_refused() {
     assert_eq!(accelerate(&mechanism, &q, &v, &Drive::none()), Err(ConstraintError::Mass { node: 1 }));
 }
 
-/// With workspace for the chain alone: rod k of 2,000 couples to its neighbours only.
+/// A workspace for the chain alone suffices: rod k of 2,000 couples to its neighbours only.
 #[test]
 fn a_long_chain_takes_room_in_proportion() {
     let workspace = |links: usize| {
@@ -334,7 +334,7 @@ fn a_long_chain_takes_room_in_proportion() {
     assert_eq!(workspace(2_000), 2 * workspace(1_000));
 }
 
-/// The force that inverse dynamics finds gives the same acceleration, and the constraints carry nothing.
+/// The force that inverse dynamics finds gives the same acceleration, without load on the constraints.
 #[test]
 fn inverse_dynamics_unloads_the_constraints() {
     let lengths = [1.0, 0.7, 1.3];

@@ -39,7 +39,7 @@ fn the_force_is_the_formula() {
     }
 }
 
-/// v·Q ≤ 0 in every coordinate whatever the numbers are, also after rounding and where squares vanish.
+/// v·Q ≤ 0 in every coordinate whatever the numbers are, also after rounding and if squares underflow.
 #[test]
 fn power_is_never_positive() {
     fn check<R: Real>(decades: f64) {
@@ -59,7 +59,7 @@ fn power_is_never_positive() {
     }
     check::<f32>(12.0);
     check::<f64>(40.0);
-    // Where τ_s² is 0 in single precision.
+    // τ_s² is 0 in single precision.
     let tiny = DryFriction { constant: 0.0, load: 0.5, smoothing: 1e-30_f32, width: 1.0 };
     let law = Coulomb { coordinates: [tiny] };
     for tau in [0.0, 1e-35, 1e-3] {
@@ -92,8 +92,8 @@ fn the_closed_form_of_inverse_dynamics_is_exact() {
     check::<f64>(4.0);
 }
 
-/// Where k = c_load tanh(v/ε) and σ have opposite signs the textbook root cancels; this one does not: its error against double
-/// precision is of rounding even for k = 1 − 10⁻⁷.
+/// The textbook root cancels if k = c_load tanh(v/ε) and σ have opposite signs; this one does not: its error against double precision is
+/// that of rounding even for k = 1 − 10⁻⁷.
 #[test]
 fn the_closed_form_does_not_cancel() {
     let single = DryFriction { constant: 0.0, load: 1.0 - 1e-7_f32, smoothing: 0.1, width: 1e-3 };
@@ -108,7 +108,7 @@ fn the_closed_form_does_not_cancel() {
     }
 }
 
-/// Together with laws that do not see the load the start of inverse dynamics is its solution, in whatever order they stand.
+/// The start of inverse dynamics is its solution if only one law sees the load, in whatever order the laws stand.
 #[test]
 fn the_start_of_inverse_dynamics_is_exact_for_one_law_that_sees_the_load() {
     fn check<F: Forces<f64, 3>>(law: F) {
@@ -132,7 +132,7 @@ fn the_start_of_inverse_dynamics_is_exact_for_one_law_that_sees_the_load() {
     check(((friction, more), &viscous));
 }
 
-/// A change of velocity is trusted but for one that turns round from beyond half the width: that ends at 0.
+/// A change of velocity is trusted unless it reverses the velocity from beyond half the width: it then ends at 0.
 #[test]
 fn a_change_of_sign_ends_at_rest() {
     let law = Coulomb { coordinates: [DryFriction { constant: 0.4, width: 0.2, ..DryFriction::none() }; 2] };
@@ -166,7 +166,7 @@ fn stiffness_is_that_of_the_step() {
     assert!(law.stiffness(0.02, [[0.0; 2]; 2], &[0.0; 2]).is_err());
 }
 
-/// The same bits on every target.
+/// Equal bits on every target.
 #[test]
 fn the_force_has_these_bits() {
     let law = coulomb::<f32, 3>();

@@ -66,7 +66,7 @@ fn derivatives_are_those_of_dual_numbers() {
     check::<3>(3);
 }
 
-/// All entries of ∂Q/∂x of the laws together differ from each other, so that no index can be another one.
+/// All entries of ∂Q/∂x of the laws together differ from each other, so no index can be mistaken for another.
 #[test]
 fn no_derivative_is_that_of_another_place() {
     let [q, v, tau] = [[0.3, 0.8, -1.1], [1.4, -0.6, 0.9], [2.0, -1.3, 0.7]];
@@ -142,7 +142,7 @@ pub fn check_inverse_under<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: us
         let force = system.forces.force(&q, &v, &tau);
         let left: [f64; N] = core::array::from_fn(|i| dot(&d.mass[i], &a) - d.l_q[i] + d.l_vq_v[i]);
         assert_vectors_close("the equation", &left, &core::array::from_fn(|i| tau[i] + force[i]), 1e-12);
-        // Of the terms that cancel.
+        // Size of the terms that cancel.
         let sizes = d.mass.map(|row| row.iter().zip(&a).map(|(m, a)| (m * a).abs()).sum::<f64>());
         let size = sizes.into_iter().fold(1.0, f64::max);
         assert_vectors_close("τ", &inverse_dynamics(&system, &q, &v, &a).unwrap(), &tau, 1e-12 * size);

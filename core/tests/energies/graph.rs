@@ -45,7 +45,7 @@ fn state() -> ([[f64; 2]; NODES], [[f64; 2]; NODES]) {
     (core::array::from_fn(|_| random.array(3.0)), core::array::from_fn(|_| random.array(2.0)))
 }
 
-/// Scratch workspace that holds something.
+/// A workspace that already holds something.
 fn workspace<R: Real>(graph: &impl Particles<R, 2>) -> Vec<R> {
     vec![R::constant(f64::NAN); graph.workspace()]
 }
@@ -133,7 +133,7 @@ fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
     }
 }
 
-/// From a node in the middle on, across runs of types and past a whole pack.
+/// Neighbours from a node in the middle on, across runs of types and past a whole pack.
 #[test]
 fn neighbours_have_the_bits_of_one_after_another() {
     const FIRST: usize = 5;
@@ -238,7 +238,7 @@ fn numbers_that_must_be_positive_are_checked() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(check(0, bad), Err(GraphError::Mass { kind: 0 }));
         assert_eq!(check(2 * second, bad), Err(GraphError::Mass { kind: 2 }));
-        // That type has networks instead.
+        // The second type has networks instead.
         assert_eq!(check(second, bad), Ok(()));
     }
     assert_eq!(check(1, 0.0), Ok(()));

@@ -42,7 +42,7 @@ fn total_momentum(q: &[f64; 6], p: &[f64; 6]) -> [f64; 3] {
     [p[0] + p[2] + p[4], p[1] + p[3] + p[5], turn]
 }
 
-/// The type without a potential of its own.
+/// A tree of the element type without a potential of its own.
 fn free_bodies() -> Tree<6> {
     let tree = &trees::of_six()[0];
     Tree { nodes: vec![node(0, None); 3], ..tree.clone() }
@@ -124,7 +124,7 @@ fn check_random<const N: usize>(tree: &Tree<N>, seed: u64) -> Result<(), TestCas
     let system = tree.damped::<f64>(&tree.weights);
     match acceleration(&system, &q, &v, &u) {
         Ok(a) => {
-            // Relative to the terms that cancel where M is nearly singular.
+            // Relative to the terms that cancel if M is nearly singular.
             let size = 1.0 + a.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
             for (found, u) in inverse_dynamics(&system, &q, &v, &a).unwrap().iter().zip(u) {
                 prop_assert!((found - u).abs() <= 1e-11 * size, "{found} instead of {u}, a = {a:?}");

@@ -61,8 +61,8 @@ fn derivatives_are_those_of_dual_numbers() {
     check::<4>(4);
 }
 
-/// The power of the dissipation is not positive but for the rounding of terms that cancel, and of one coordinate not even that,
-/// whatever weights the network has.
+/// The power of the dissipation is not positive except for the rounding of terms that cancel, and of a single coordinate not even for that,
+/// whatever the weights of the network.
 #[test]
 fn power_is_never_positive() {
     fn check<R: Real<Weight = R> + WeightFormat<Wide = R>, const N: usize>() {
@@ -111,7 +111,7 @@ fn inverse_dynamics_inverts_acceleration() {
     check_inverse_under(&ACROBOT, (dry::<f64, 2>(), (dissipation, potential)));
 }
 
-/// Sizes that do not fit are refused with their numbers, and networks that do not serve are none.
+/// Sizes that do not fit are refused with their numbers, and networks of the wrong inputs or outputs are not taken.
 #[test]
 fn what_does_not_fit_is_refused() {
     use Coordinate::{Angle, Translation};
@@ -136,7 +136,7 @@ fn what_does_not_fit_is_refused() {
     assert!(PotentialCorrection::<f64, 2, 3, 1>::take(&mut rest, seen, &shape(2, 1)).unwrap().is_some());
 }
 
-/// L − V_c, the potential of the law taken into the Lagrangian.
+/// L − V_c: the potential of the law taken into the Lagrangian.
 struct Within<L, F>(System<L, F>);
 
 impl<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize> Lagrangian<f64, N> for Within<L, F> {
@@ -190,7 +190,7 @@ fn a_potential_beside_the_lagrangian_is_one_within() {
     check::<Galerkin>(1e-7);
 }
 
-/// The same bits on every target.
+/// Equal bits on every target.
 #[test]
 fn the_forces_have_these_bits() {
     let laws = NetworkLaws::of(3, 8);

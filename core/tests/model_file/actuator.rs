@@ -1,4 +1,4 @@
-//! The actuator between command and force: its inverse, and what a delay keeps of the signal.
+//! The actuator between command and force: its inverse, and the moments of the signal that a delay keeps.
 
 use crate::common::forces::actuator;
 use crate::common::{Random, assert_close, assert_vectors_close};
@@ -30,8 +30,8 @@ fn an_actuator_scales_shifts_and_inverts() {
     assert_eq!(samples, Control { start: [1.0, -2.0], end: [3.0, 0.5] });
 }
 
-/// ∫τ ds and ∫sτ ds over the step, s from 0 to 1, by Simpson's rule on both sides of the jump or bend: exact for what is linear
-/// there.
+/// ∫τ ds and ∫sτ ds over the step, s from 0 to 1, by Simpson's rule on both sides of the jump or bend: exact for a signal that is linear on
+/// each side.
 fn moments(delay: f64, tau: impl Fn(f64, bool) -> f64) -> [f64; 2] {
     let piece = |from: f64, to: f64, late: bool| {
         let middle = f64::midpoint(from, to);

@@ -1,4 +1,4 @@
-//! The model file of arms: what is right loads, and everything else is a typed error.
+//! The model file of arms: a right file loads, and everything else is a typed error.
 
 use crate::common::arms::{self, Arm};
 use crate::common::file::{self, Aligned};
@@ -137,7 +137,7 @@ fn an_arm_of_seven_joints_loads() {
     );
 }
 
-/// A tree's two bytes a body as they may stand in a file, mostly right.
+/// A tree's two bytes per body as they may stand in a file, mostly right.
 fn tree_bytes() -> impl Strategy<Value = Vec<u8>> {
     let body = |index: usize| (0..=2_u8, 0..=index as u8 + 1);
     let bodies = (0..=6_usize).prop_flat_map(move |n| (0..n).map(body).collect::<Vec<_>>());
@@ -147,14 +147,14 @@ fn tree_bytes() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// By the words of the format page: revolute or prismatic joints, each on the ground or on a body before its own.
+/// Whether bytes are a tree by the words of the format page: revolute or prismatic joints, each on the ground or on an earlier body.
 fn is_tree(bytes: &[u8]) -> bool {
     let (bodies, rest) = bytes.as_chunks::<2>();
     let fits = |(index, [joint, parent]): (usize, &[u8; 2])| *joint <= 1 && usize::from(*parent) <= index;
     rest.is_empty() && !bodies.is_empty() && bodies.iter().enumerate().all(fits)
 }
 
-/// As many weights as bodies and dampers need: every body that of the test.
+/// The weights for a number of bodies and dampers: every body is the one of the test.
 fn weights_of(bodies: usize) -> Vec<f32> {
     let (gravity, body) = (&weights()[..3], &weights()[3..3 + ARM_PARAMETERS]);
     [gravity, &body.repeat(bodies), &vec![0.25; bodies]].concat()
@@ -190,7 +190,7 @@ proptest! {
         }
     }
 
-    /// Whatever stands in a body's numbers, a file is refused or its arm moves: nothing panics.
+    /// Any value in a body's numbers is refused, or its arm moves: nothing panics.
     #[test]
     fn any_number_is_refused_or_evaluated(at in 0_usize..3 + 3 * ARM_PARAMETERS, bits in any::<u32>()) {
         let mut weights = weights();

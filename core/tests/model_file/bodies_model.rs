@@ -1,4 +1,4 @@
-//! The model file of bodies: what is right loads, and everything else is a typed error.
+//! The model file of bodies: a right file loads, and everything else is a typed error.
 
 use crate::common::bodies::{Bodies, body};
 use crate::common::crane::{self, CRANE, DAMPING, FRICTION, GRAVITY, HEADER, NUMBERS, weights};
@@ -60,7 +60,7 @@ fn a_loaded_tree_is_the_one_of_its_weights() {
 
 #[test]
 fn bodies_in_half_precision_are_the_same_bodies() {
-    // All numbers of the crane are exact in it.
+    // All numbers of the crane are exact in half precision.
     let half = Aligned::new(&file::write_half(HEADER, &weights(NUMBERS)));
     let single = Aligned::new(&crane::golden());
     let (half, single) =
@@ -173,7 +173,7 @@ fn a_body_is_two_bytes() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
-    /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
+    /// Random bytes behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..40)) {
         let energies = file::section_of(Section::Energies, &[&[3], &bytes[..]].concat());
@@ -195,7 +195,7 @@ proptest! {
         }
     }
 
-    /// Any two bytes a body: a tree is one where every parent comes before, and an error otherwise.
+    /// Any two bytes per body: they are a tree if every parent comes first, and an error otherwise.
     #[test]
     fn random_trees_load_or_are_refused(bodies in prop::collection::vec((0u8..4, 0u8..4), 3)) {
         let bytes: Vec<u8> = bodies.iter().flat_map(|(joint, parent)| [*joint, *parent]).collect();

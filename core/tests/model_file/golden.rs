@@ -1,10 +1,10 @@
-//! The model file is what it was, byte for byte, and what its bytes are.
+//! The model file has not changed, byte for byte; its bytes are named.
 
 use crate::common::file::{self, CARTPOLE};
 use crate::common::{crane, manipulator};
 use leastaction_core::model::Section;
 
-/// Names of the parts before the weights, and of those behind them.
+/// Names of the parts before the weights, and of the parts behind them.
 struct Parts {
     before: Vec<(usize, &'static str)>,
     weights: Vec<(usize, &'static str)>,
@@ -50,7 +50,7 @@ fn behind_weights(bytes: &[u8]) -> Vec<(usize, &'static str)> {
 
 const DAMPED: [(usize, &str); 3] = [(1, "section 2: forces"), (4, HEAD), (1, "law 0: viscous")];
 
-/// Of a cart-pole whose weights have so many bytes each.
+/// Text of a cart-pole with `each` bytes per weight.
 fn cartpole_text(bytes: &[u8], each: usize) -> String {
     let mut before = vec![
         (1, "section 1: energies"),
@@ -217,7 +217,7 @@ fn crane_text(bytes: &[u8]) -> String {
     damped_text(bytes, Parts { before, weights }, friction)
 }
 
-/// Of three damped coordinates, with what a file says of their dry friction.
+/// Text of three damped coordinates, and of the dry friction in the file.
 fn damped_text(
     bytes: &[u8],
     Parts { mut before, mut weights }: Parts,

@@ -1,4 +1,4 @@
-//! The model file of the graph family: what is right loads, and everything else is a typed error.
+//! The model file of the graph family: a right file loads, and everything else is a typed error.
 
 use crate::common::file::{self, Aligned, WEB_NUMBERS, web, web_header, web_weights};
 use crate::common::graphs::{Model, edge};
@@ -22,7 +22,7 @@ use proptest::prelude::*;
 /// The web in the sizes that fit it.
 type Web<'a> = GraphModel<'a, 2, 6, 5, 1>;
 
-/// In the place of a rod that is not read yet.
+/// Placeholder for a rod that is not read yet.
 const UNUSED: Holonomic<f32, 2> = Holonomic::Anchor { node: 0, to: [0.0; 2], length: 1.0 };
 
 fn refusal(file: &[u8]) -> ModelError {
@@ -32,7 +32,7 @@ fn refusal(file: &[u8]) -> ModelError {
         .expect_err("the file must be refused")
 }
 
-/// What loading says of a header, with as many weights as it asks for.
+/// Reason why loading refuses a header with the right number of weights.
 fn header_refusal(header: GraphHeader) -> ModelError {
     let count = header.parameters().unwrap();
     let mut weights = web_weights(WEB_NUMBERS);
@@ -78,7 +78,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(rods, [anchor, rod]);
 }
 
-/// The rods of a file are what the model is stepped under: they keep their lengths.
+/// The rods of a file hold the stepped model: they keep their lengths.
 #[test]
 fn a_loaded_model_moves_under_its_rods() {
     let (file, mut edges, mut rods) = (Aligned::new(&file::golden_web()), [Edge::default(); 3], [UNUSED; 2]);
@@ -363,7 +363,7 @@ fn evaluate(file: &Aligned, name: &str) {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
-    /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
+    /// Random bytes behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         let energies = file::section_of(Section::Energies, &[&[2], &bytes[..]].concat());

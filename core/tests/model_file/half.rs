@@ -19,7 +19,7 @@ fn files(header: Header, weights: &[f32]) -> [Aligned; 2] {
     [file::write(header, weights), file::write_half(header, weights)].map(|bytes| Aligned::new(&bytes))
 }
 
-/// In the place of a rod that is not read yet.
+/// Placeholder for a rod that is not read yet.
 const UNUSED: Holonomic<f32, 2> = Holonomic::Anchor { node: 0, to: [0.0; 2], length: 1.0 };
 
 /// An acceleration and a step of order 4, as bits.
@@ -130,7 +130,7 @@ fn damage_is_refused() {
 fn every_half_is_widened_exactly() {
     for bits in 0..=u16::MAX {
         let half = f16::from_bits(bits);
-        // By its definition, apart from what is not a number.
+        // The number by the definition of the format, except for NaN.
         let (sign, exponent, fraction) =
             (bits >> 15, i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
         let size = match exponent {
@@ -148,7 +148,7 @@ fn every_half_is_widened_exactly() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Also subnormal ones.
+    /// Weights of any bits, subnormal ones too.
     #[test]
     fn any_weights_have_the_bits_of_their_numbers(bits in prop::collection::vec(any::<u16>(), 200)) {
         let mut weights = file::weights(&CARTPOLE);

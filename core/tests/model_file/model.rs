@@ -1,4 +1,4 @@
-//! The model file: what is right loads, and everything else is a typed error.
+//! The model file: a right file loads, and everything else is a typed error.
 
 use crate::common::assert_close;
 use crate::common::file::{self, Aligned, CARTPOLE, HEADER};
@@ -15,7 +15,7 @@ use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
 use proptest::prelude::*;
 
-/// What loading as the golden cart-pole says.
+/// The error of loading as the golden cart-pole.
 fn load_error(bytes: &[u8]) -> ModelError {
     let aligned = Aligned::new(bytes);
     let loaded = InertiaNetworkModel::<2, 8, 2>::load(aligned.bytes());
@@ -100,10 +100,10 @@ fn every_change_of_a_byte_is_an_error() {
 fn additional_bytes_are_an_error() {
     let file = file::golden();
     assert!(matches!(load_error(&[&file[..], &[0]].concat()), ModelError::Checksum { .. }));
-    // Closed with a checksum of its own: what follows the last section is none.
+    // Closed with a checksum of its own: the bytes after the last section are no section.
     let longer = file::with_checksum(&[&file[..file.len() - 4], &[200, 1, 0]].concat());
     assert_eq!(load_error(&longer), ModelError::Malformed);
-    // Behind the shape, within its section.
+    // Bytes behind the shape, within its section.
     let [start, end] = file::place(&file, Section::Energies);
     let longer = file::with_section(&file, Section::Energies, &[&file[start..end], &[1, 2, 3]].concat());
     assert_eq!(load_error(&longer), ModelError::TrailingBytes { bytes: 3 });
@@ -251,7 +251,7 @@ fn impossible_encodings_are_malformed() {
     }
 }
 
-/// A reader of one family does not decode the others, of whose shapes it holds no code.
+/// A reader of one family does not decode the others: it holds no code for their shapes.
 #[test]
 fn other_families_are_refused_before_their_shape_is_decoded() {
     let file = file::golden();
@@ -308,7 +308,7 @@ proptest! {
         prop_assert!(parse(Aligned::new(&bytes).bytes()).is_err());
     }
 
-    /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
+    /// Random bytes behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..120)) {
         let file = file::with_checksum(&[&b"LACT"[..], &[FORMAT_VERSION], &bytes[..]].concat());
@@ -321,7 +321,7 @@ proptest! {
         let file = file::golden();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {
-            // From the front, or from the end.
+            // Positions count from the front, or from the end.
             let end = body.len();
             body[if position < 60 { position } else { end - (position - 59) }] = value;
         }

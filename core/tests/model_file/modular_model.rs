@@ -1,4 +1,4 @@
-//! The model file of the modular family: what is right loads, and everything else is a typed error.
+//! The model file of the modular family: a right file loads, and everything else is a typed error.
 
 use crate::common::assert_close;
 use crate::common::file::{self, ARM_DAMPING, ARM_NUMBERS, Aligned, arm, arm_header, arm_weights};
@@ -25,7 +25,7 @@ fn refusal(file: &[u8]) -> ModelError {
     Arm::load(Aligned::new(file).bytes(), "arm").map(|_| ()).expect_err("the file must be refused")
 }
 
-/// What loading says of a header, with as many weights as it asks for.
+/// Reason why loading refuses a header with the right number of weights.
 fn header_refusal(header: ModularHeader<'static>) -> ModelError {
     let count = header.parameters().unwrap();
     let mut weights = arm_weights(ARM_NUMBERS);
@@ -147,7 +147,7 @@ fn what_is_no_tree_is_an_error() {
 
 #[test]
 fn a_tree_has_at_most_64_coordinates() {
-    // As long as the pairs of a type and the ground.
+    // Pairs of a type and the ground.
     static LONG: [u8; 130] = [0; 130];
     assert!(matches!(
         header_refusal(with_tree(&LONG[..128])),
@@ -256,7 +256,7 @@ fn numbers_of_a_type_are_in_range() {
     }
 }
 
-/// Damping is of element types: elements of one type share it, in the order of the tree's coordinates.
+/// Damping belongs to element types: elements of one type share it, in the order of the tree's coordinates.
 #[test]
 fn damping_is_that_of_the_element_types() {
     let with_damping = file::write(arm_header(with_tree(&[2, 0, 1, 1, 2, 2])), &arm_weights(ARM_NUMBERS));
@@ -277,7 +277,7 @@ fn weights_are_as_many_as_the_shape_says() {
     assert_eq!(needed, (3 * 4 + 5 * 3 + 4 * 2) + (3 * 5 + 6) + 2 + 3 * ELEMENT_PARAMETERS + 2 + 3);
     let error = refusal(&file::write(arm_header(arm()), &weights[1..]));
     assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
-    // Every network as wide as it can be: more numbers than any file has, and no overflow.
+    // Every network as wide as possible: more numbers than any file has, and no overflow.
     let wide = with_shape(|shape| {
         shape.networks.slots = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 8];
     });
@@ -309,7 +309,7 @@ fn evaluate<const N: usize>(file: &Aligned, name: &str) {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
-    /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
+    /// Random bytes behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..160)) {
         let energies = file::section_of(Section::Energies, &[&[1], &bytes[..]].concat());
@@ -334,7 +334,7 @@ proptest! {
         }
     }
 
-    /// Any two bytes an element: a tree is one where every parent comes before, and an error otherwise.
+    /// Any two bytes per element: they are a tree if every parent comes first, and an error otherwise.
     #[test]
     fn random_trees_load_or_are_refused(elements in prop::collection::vec((0u8..4, 0u8..6), 1..6)) {
         let bytes: Vec<u8> = elements.iter().flat_map(|(kind, parent)| [*kind, *parent]).collect();

@@ -83,7 +83,7 @@ fn networks_in_half_precision() {
     assert_eq!(halves.force(&q, &v, &v), singles.force(&q, &v, &v), "numbers that both hold");
 }
 
-/// Trees and bodies have them by the numbers of their coordinates.
+/// Trees and bodies have such laws by the numbers of their coordinates.
 #[test]
 fn every_family_of_coordinates_has_them() {
     let network = LawNetwork { coordinates: "a", ..DISSIPATION };

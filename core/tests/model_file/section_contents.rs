@@ -1,4 +1,4 @@
-//! What sections of a model file say: laws of force, the step, the actuator.
+//! Contents of a model file's sections: laws of force, the step, the actuator.
 
 use crate::common::file::{
     self, Aligned, CARTPOLE, FRICTION, FRICTION_HEADER, HEADER, arm, arm_header, golden_whole, web,
@@ -67,7 +67,7 @@ fn laws_are_known_rising_and_compiled() {
     let second = CartpoleUnder::<(Frictionless, Viscous<f32, 2>)>::load(file.bytes()).unwrap();
     let coefficients = [first.system.forces.0.coefficients, second.system.forces.1.coefficients];
     assert_eq!(coefficients, [[0.125; 2]; 2]);
-    // A model of no law loads in a program of any.
+    // A model without laws loads in a program with any.
     let header = Header { laws: Default::default(), ..HEADER };
     let weights = file::weights(&CARTPOLE);
     let lawless = Aligned::new(&file::write(header, &weights[..weights.len() - 2]));
@@ -75,7 +75,7 @@ fn laws_are_known_rising_and_compiled() {
     assert_eq!(Cartpole::load(lawless.bytes()).unwrap().system.forces, Viscous::none());
 }
 
-/// Of the file with dry friction.
+/// The cart-pole of the file with dry friction.
 type DryCartpole<'a> = CartpoleUnder<'a, Dry<f32, 2>>;
 
 #[test]
@@ -86,7 +86,7 @@ fn dry_friction_is_what_was_written() {
     let found = coordinates.map(|of| [of.constant, of.load, of.smoothing, of.width]);
     assert_eq!((viscous.coefficients, found), ([0.125; 2], FRICTION));
     assert_eq!(parse(whole.bytes()).unwrap().header, FRICTION_HEADER);
-    // The program has to be compiled for it, and the laws of its pair rise.
+    // The program has to be compiled for dry friction, and the laws of its pair rise.
     let refused = ModelError::Law { number: 1 };
     assert_eq!(Cartpole::load(whole.bytes()).map(|_| ()).unwrap_err(), refused);
     assert_eq!(
@@ -94,10 +94,10 @@ fn dry_friction_is_what_was_written() {
         Err(refused)
     );
     assert!(refused.to_string().contains("coulomb"), "{refused}");
-    // A file without it has none.
+    // A file without dry friction loads with none.
     let damped = Aligned::new(&file::golden());
     assert_eq!(DryCartpole::load(damped.bytes()).unwrap().system.forces.1, Coulomb::none());
-    // Nor damping, where it has only this law.
+    // A file with dry friction alone has no damping.
     let alone = Header { laws: Laws::COULOMB, ..HEADER };
     let weights = file::weights(&CARTPOLE);
     let weights = [&weights[..weights.len() - 2], FRICTION.as_flattened()].concat();
@@ -108,7 +108,7 @@ fn dry_friction_is_what_was_written() {
     );
 }
 
-/// Of the modular family the numbers are those of an element's type.
+/// Dry friction of the modular family has its numbers per element type.
 #[test]
 fn dry_friction_of_a_tree_is_that_of_its_types() {
     let friction: Vec<f32> = (1..=12).map(|k| k as f32 / 16.0).collect();
@@ -145,7 +145,7 @@ fn dry_friction_out_of_range_is_refused_with_its_numbers() {
             assert_eq!((error.coded().code, error.coded().numbers), (46, numbers));
             let says = format!("the dry friction of group {group} is {value}: it must be");
             assert!(error.to_string().contains(&says), "{error}");
-            // A program without it refuses it as a law.
+            // A program without the law refuses the file.
             assert_eq!(Cartpole::load(file.bytes()).map(|_| ()).unwrap_err(), ModelError::Law { number: 1 });
         }
     }

@@ -35,7 +35,7 @@ fn sections_rise() {
     }
 }
 
-/// One that may change the physics is refused, one that may not is skipped.
+/// An unknown section that may change the physics is refused, any other is skipped.
 #[test]
 fn unknown_sections() {
     let sections = split(&golden_whole());
@@ -69,7 +69,7 @@ fn sections_may_be_missing() {
             Section::Energies | Section::Weights => {
                 assert_eq!(parsed, Err(ModelError::MissingSection { what: section.name() }));
             }
-            // Their numbers are in the weight block.
+            // The laws' numbers are in the weight block.
             Section::Forces => assert!(matches!(parsed, Err(ModelError::WeightCount { .. }))),
             _ => assert!(parsed.is_ok(), "{}", section.name()),
         }
@@ -94,7 +94,7 @@ fn lengths_that_lie_are_refused() {
     }
 }
 
-/// Of a section whose content is cut off or has one more byte, the length being right.
+/// Contents that are cut off or have one more byte, with the right length, are refused.
 #[test]
 fn contents_of_a_wrong_length_are_refused() {
     let whole = golden_whole();
@@ -128,7 +128,7 @@ fn text_is_text() {
     for section in [Section::Units, Section::Provenance] {
         let file = with_content(&golden_whole(), section, &[b'm', 0xff]);
         assert_eq!(refusal(&file), ModelError::Malformed, "{}", section.name());
-        // A program does not read it.
+        // A program does not read the section.
         assert!(Cartpole::load(Aligned::new(&file).bytes()).is_ok());
     }
 }
@@ -160,7 +160,7 @@ proptest! {
         }
     }
 
-    /// The contents of the small sections are any bytes.
+    /// Any bytes as the contents of the small sections.
     #[test]
     fn random_contents_never_panic(which in 0..4_usize, content in prop::collection::vec(any::<u8>(), 0..80)) {
         let section = [Section::Forces, Section::Actuator, Section::Step, Section::Range][which];

@@ -1,4 +1,4 @@
-//! The section of a model file that says what the training data covered.
+//! The section of a model file with the range of the training data.
 
 use crate::common::file::{self, Aligned, arm, arm_header, golden_whole};
 use crate::common::sections::{out_of_range, refusal, with_content};
@@ -77,7 +77,7 @@ fn only_the_first_tree_or_graph_is_covered() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
-    /// q and q + a whole number of periods are the same place.
+    /// q and q plus a whole number of periods are the same place.
     #[test]
     fn a_period_does_not_matter(q in -3.0_f32..3.2, turns in -3_i32..4) {
         let inside = (-2.5..=3.0).contains(&q);
@@ -87,7 +87,7 @@ proptest! {
         prop_assert_eq!(found.is_none(), inside, "{}", q);
     }
 
-    /// Any range of positions, wrapped: a point is inside where some whole number of periods brings it in.
+    /// Any range of positions, wrapped: a point is inside if some whole number of periods brings it in.
     #[test]
     fn ranges_with_periods(least in -9.0_f32..9.0, width in 0.0_f32..9.0, q in -20.0_f32..20.0) {
         let range = CoordinateRange { q: Interval { least, most: least + width }, ..file::RANGE[1] };

@@ -1,4 +1,4 @@
-//! The layer loops of a controller, one component after another, on this machine in f32: bit for bit those of f32 side by side.
+//! The layer loops of a controller, one component after another, on this machine in f32: bit for bit equal to f32 side by side.
 
 use crate::common::Random;
 use crate::common::shapes::{self, Model};
@@ -8,7 +8,7 @@ use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use proptest::prelude::*;
 
-/// f32 as a controller evaluates it: the same operations, its layers taken apart.
+/// f32 as a controller evaluates it: equal operations, its layers taken apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Controller(f32);
 
@@ -105,7 +105,7 @@ fn on_controller<const T: usize>(jets: &[Jet<f32, T>]) -> Vec<Jet<Controller, T>
     jets.iter().map(|x| Jet { value: Controller(x.value), tangent: x.tangent.map(Controller) }).collect()
 }
 
-/// A number that a difference of bits shows in, and that is the same for every NaN.
+/// A number that shows a difference of bits, equal for every NaN.
 trait Bits {
     fn bits(&self) -> u32;
 }
@@ -144,7 +144,7 @@ fn layer<W: WeightFormat<Wide = f32>, const T: usize>(inputs: usize, outputs: us
     let (mut y, mut x_bar) = (vec![Jet::zero(); outputs], vec![Jet::zero(); inputs]);
     dense.forward(&x, &mut y);
     dense.adjoint(&y_bar, &mut x_bar);
-    // What the loops find there must not matter.
+    // Earlier contents must not matter to the loops.
     let (mut found_y, mut found_x_bar) =
         (on_controller(&jets::<T>(random, outputs)), on_controller(&jets::<T>(random, inputs)));
     dense.forward(&on_controller(&x), &mut found_y);
@@ -171,7 +171,7 @@ fn layers_of_every_small_shape() {
     }
 }
 
-/// Units of a hidden layer at most.
+/// Maximum number of units of a hidden layer.
 const WIDTH: usize = 47;
 
 /// A network of two hidden layers with T tangents: values, and the adjoint of its inputs.
@@ -231,7 +231,7 @@ proptest! {
     }
 }
 
-/// All that a model gives at (q, v), one number after another.
+/// All numbers that a model gives at (q, v), one after another.
 fn evaluated<S: Scalar<Weight = f32> + Bits, const N: usize>(
     model: &Model<N>,
     q: [S; N],

@@ -1,5 +1,5 @@
-//! Errors of micromath's elementary functions beside those of ours, the table of core/README.md: why evaluations do not use it.
-//! `cargo test -p leastaction-core --test micro -- --nocapture` prints it.
+//! Errors of micromath's elementary functions beside those of ours, the table of core/README.md: the reason why evaluations do not use it.
+//! `cargo test -p leastaction-core --test micro -- --nocapture` prints the table.
 
 use leastaction_core::scalar::Scalar;
 use micromath::F32Ext;

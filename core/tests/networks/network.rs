@@ -12,7 +12,7 @@ fn slopes_and_curvatures_are_the_derivatives() {
     const STEP: f64 = 1e-4;
     for activation in Activation::ALL {
         for k in -60..=60 {
-            // Not 0, where the two branches of |z| meet and the oracle has no side.
+            // Not at 0, where the two branches of |z| meet and the oracle has no side.
             let z = f64::from(k) * 0.25 + 0.01;
             let found = activation.curve(z);
             let exact = activation.curve(Dual::moving(z, [1.0; 2]));
@@ -77,7 +77,7 @@ fn positions_are_a_permutation_in_panels_of_8_4_and_1() {
             }
         }
     }
-    // No output 9 of 7: still a number, never a loop or a panic.
+    // Output 9 of 7 does not exist: the result is still a number, never a loop or a panic.
     let _ = Dense::<f64>::position(3, 7, 9, 0);
     // 13 outputs of 2 inputs: a panel of 8, one of 4, one of 1.
     let at = |i, j| Dense::<f64>::position(2, 13, i, j);
@@ -124,7 +124,7 @@ impl Net {
         naive_network(&self.weights, x.to_vec(), hidden.iter().copied(), self.activation, *outputs)
     }
 
-    /// y at x moving along two directions, by duals.
+    /// y at x moving along two directions, by dual numbers.
     fn exact(&self, x: &[f64], along: [&[f64]; 2]) -> Vec<Dual> {
         let weights: Vec<Dual> = self.weights.iter().map(|w| Dual::constant(*w)).collect();
         let x: Vec<Jet<Dual, 0>> =
@@ -134,7 +134,7 @@ impl Net {
         y.into_iter().map(|y| y.value).collect()
     }
 
-    /// Everything at once: values and tangents forward; adjoints and their tangents backward.
+    /// Checks everything at once: values and tangents forward; adjoints and their tangents backward.
     fn check(&self) {
         let mut random = Random(3);
         let (x, d) = (random.vector(self.inputs(), 1.0), random.vector(self.inputs(), 1.0));
@@ -175,7 +175,7 @@ fn networks_with_panels_of_8_4_and_1() {
     }
 }
 
-/// A plain gradient is the same with and without a tape that carries tangents.
+/// A plain gradient does not depend on whether the tape carries tangents.
 #[test]
 fn adjoints_of_fewer_tangents_than_the_tape() {
     let net = Net::new(&[3, 7, 13, 5], Activation::Tanh, 42);
@@ -240,12 +240,12 @@ proptest! {
         let mut y = vec![Jet::zero(); outputs];
         layer.forward(&x, &mut y);
         for (y, expected) in y.iter().zip(&expected) {
-            // The stated order of the sum is the naive one, so it is the same to the last bits.
+            // The stated order of the sum is the naive one, so results agree to the last bits.
             assert_close("y", y.value, *expected, 1e-13);
         }
     }
 
-    /// Tangent after tangent, and inputs gathered piece by piece: the same sums to the last bit.
+    /// One tangent at a time, with inputs gathered in parts: the same sums to the last bit.
     #[test]
     fn layers_of_a_controller_are_sums_in_the_stated_order(
         inputs in 0usize..80, outputs in 0usize..24, seed in any::<u64>(),

@@ -1,4 +1,4 @@
-//! How far a trajectory in single precision goes from the one in double.
+//! Distance of a trajectory in single precision from the one in double.
 
 use crate::common::trees;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};

@@ -23,7 +23,7 @@ fn sweep(from: f32, to: f32, stride: usize) -> impl Iterator<Item = f32> {
     (from.to_bits()..=to.to_bits()).step_by(stride).map(f32::from_bits).flat_map(|x| [x, -x])
 }
 
-/// The largest error over a sweep: in ulp where the result is not small, and absolute.
+/// Largest errors over a sweep: in ulp where the result is not small, and absolute.
 #[derive(Debug, Default)]
 struct Errors {
     ulp: f64,
@@ -173,7 +173,7 @@ fn wrapped_angles_just_outside_a_turn_stay_below_it() {
     }
 }
 
-/// The distance of two angles the short way round, rad.
+/// Distance of two angles the short way round, rad.
 fn around(a: f64, b: f64) -> f64 {
     let whole = (a - b).abs() % TURN_F64;
     whole.min(TURN_F64 - whole)
@@ -182,7 +182,7 @@ fn around(a: f64, b: f64) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, cases: 20_000, ..ProptestConfig::default() })]
 
-    /// At every magnitude; near whole turns too, where the quotient is rounded up.
+    /// Angles of every magnitude; near whole turns too, where the quotient is rounded up.
     #[test]
     fn wrapped_angles_are_in_a_turn(bits in any::<u64>(), turns in -4000_i16..4000, ulps in -3_i8..=3) {
         let near = f32::from(turns) * TURN_F32;
@@ -192,7 +192,7 @@ proptest! {
             let wrapped = x.wrapped();
             prop_assert!((0.0..TURN_F32).contains(&wrapped), "{x:e}: {wrapped:e}");
             if x.abs() < 1e4 {
-                // 2π differs from its f32 by 1.7e-7, which counts once a turn.
+                // 2π differs from its f32 by 1.7e-7, which counts once per turn.
                 let error = around(wrapped.into(), x.into());
                 prop_assert!(error <= 1e-6 + 1e-7 * f64::from(x.abs()), "{x:e}: {wrapped:e}, {error:e} off");
             }
@@ -206,7 +206,7 @@ proptest! {
         }
     }
 
-    /// An angle that x − 2π⌊x/2π⌋ in floating point leaves in a turn has the bits of that.
+    /// An angle that x − 2π⌊x/2π⌋ in floating point leaves within a turn has exactly that value.
     #[test]
     fn ordinary_angles_are_wrapped_by_the_plain_formula(x in -100.0_f32..100.0, y in -100.0_f64..100.0) {
         let plain = x - libm::floorf(x / TURN_F32) * TURN_F32;
@@ -216,7 +216,7 @@ proptest! {
     }
 }
 
-/// All that a model gives at (q, v), one number after another.
+/// All numbers that a model gives at (q, v), one after another.
 fn evaluated<S: Scalar<Weight = f64>, const N: usize>(model: &Model<N>, q: &[S; N], v: &[S; N]) -> Vec<S> {
     let inertia_network = model.in_f64();
     let (e, g, d, h) = (
@@ -262,7 +262,7 @@ fn compensated_sums_keep_what_rounding_takes() {
     assert!((f64::from(sum.value()) + f64::from(sum.carry()) - exact).abs() < 1e-8);
 }
 
-/// Whichever is the larger.
+/// Sums keep both parts, whichever is the larger.
 #[test]
 fn compensated_sums_keep_what_a_large_increment_hides() {
     let sum = Compensated::new(1e-3_f32).plus(1e8);
@@ -271,7 +271,7 @@ fn compensated_sums_keep_what_a_large_increment_hides() {
     assert_eq!((back.value(), back.carry()), (1e-3, 0.0));
 }
 
-/// Two numbers of 24 digits, of any size: their sum and product are exactly what comes back, in f64 and, by integers, in f32.
+/// Two numbers of 24 digits, of any size: the returned parts of their sum and product are exact, in f64 and, by integers, in f32.
 #[test]
 fn sums_and_products_come_with_what_rounding_took() {
     let mut random = Random(41);

@@ -1,4 +1,4 @@
-//! The stepper against the calls that it is made of.
+//! The stepper against the calls of which it is made.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -56,15 +56,15 @@ fn commands<const N: usize>(seed: u64) -> Vec<[f32; N]> {
     (0..STEPS).map(|_| random.array::<N>(0.5).map(|u| u as f32)).collect()
 }
 
-/// A position that is not at rest.
+/// Position and velocity of a moving start.
 fn begin<const N: usize>() -> [[f32; N]; 2] {
     core::array::from_fn(|row| core::array::from_fn(|i| 0.1 + 0.2 * i as f32 - 0.15 * row as f32))
 }
 
-/// Where a stepper is, to the last bit.
+/// State and report of a stepper, to the last bit.
 type Seen<const N: usize> = (State<f32, N>, Report<f32>);
 
-/// The steps of three calls by hand, under these forces.
+/// Steps by three calls by hand, under the given forces.
 fn by_hand<L, F, P, const N: usize>(model: &Model<System<L, F>>, forces: &[Control<f32, N>]) -> Vec<Seen<N>>
 where
     L: Lagrangian<f32, N>,
@@ -81,7 +81,7 @@ where
     forces.iter().map(step).collect()
 }
 
-/// The steps of a stepper under these commands.
+/// Steps of a stepper under the given commands.
 fn by_stepper<L, F, P, K, A, const N: usize, const PAST: usize>(
     model: Model<System<L, F>>,
     commands: &[[f32; N]],
@@ -103,7 +103,7 @@ where
     commands.iter().map(step).collect()
 }
 
-/// The force over every step, of all commands from the first on.
+/// The force over every step, from all commands so far.
 fn naive<const N: usize>(
     kind: ControlKind,
     (whole, actuator): (usize, Actuator<f32, N>),
@@ -120,7 +120,7 @@ fn naive<const N: usize>(
     (0..commands.len()).map(force).collect()
 }
 
-/// Stepper and naive loop over a model, in memory of exactly so many commands and of more.
+/// Stepper and naive loop agree over a model, in memory of exactly `PAST` commands and of more.
 fn agree<L, F, P, K, const N: usize, const PAST: usize, const MORE: usize>(model: Model<System<L, F>>)
 where
     L: Lagrangian<f32, N> + Copy,
@@ -178,7 +178,7 @@ fn linear_commands_without_an_actuator_join_the_samples() {
 #[test]
 fn actuators_with_delays_are_a_naive_loop() {
     let (two, four) = (Order::Two, Order::Four);
-    // 2.3 and 1.6 steps.
+    // Delays of 2.3 and 1.6 steps.
     let (of_cartpole, of_arm) = (actuator(0.115, &PAIRS[..2]), actuator(0.016, &PAIRS));
     let inertia_network = |order, kind| cartpole(step(order, 0.05, kind), &of_cartpole);
     let tree = |order, kind| arm(step(order, 0.01, kind), &of_arm);
@@ -190,7 +190,7 @@ fn actuators_with_delays_are_a_naive_loop() {
     agree::<_, _, Galerkin, Held, 3, 2, 3>(Arm::load(tree(four, held).bytes(), "arm").unwrap());
 }
 
-/// Whole steps alone keep no command for the part of one.
+/// A delay of whole steps keeps no command for a fraction of a step.
 #[test]
 fn a_delay_of_whole_steps_is_older_commands() {
     let bytes = cartpole(step(Order::Two, 0.125, ControlKind::Held), &actuator(0.25, &PAIRS[..2]));
@@ -239,7 +239,7 @@ fn two_positions_start_as_del_does() {
     assert_eq!((stepper.q(), stepper.p()), (state.q(), state.p()));
 }
 
-/// The velocity at which it starts, up to rounding.
+/// The stepper returns the velocity at which it starts, up to rounding.
 #[test]
 fn velocities_come_back() {
     let bytes = Aligned::new(&file::golden());
@@ -252,7 +252,7 @@ fn velocities_come_back() {
     stepper.v().unwrap().iter().zip(v).for_each(|(found, v)| assert!((found - v).abs() < 1e-5));
 }
 
-/// Two steppers are at the same place with the same commands on their way.
+/// Two steppers have equal states and equal commands on their way.
 fn assert_same(mut a: Late, mut b: Late) {
     assert_eq!(a.state(), b.state());
     for u in [[0.5, -0.25], [0.125, 0.75], [-0.5, 0.0], [0.25, 1.0]] {

@@ -18,11 +18,11 @@ type Webs<'a, K, A, const PAST: usize> = ParticleStepper<'a, Web<'a>, Drive<K, A
 const NUMBERS: usize = particle_numbers::<2>(3, 2, 1, 3 * 4);
 type Memory<const NUMBERS: usize> = ParticleMemory<2, 3, 2, NUMBERS>;
 
-/// On rods of 0.5 and 2 m.
+/// Positions on rods of 0.5 and 2 m.
 const Q: [f32; 6] = [0.3, -0.4, 1.0, 1.0, 1.5, -2.0];
 const V: [f32; 6] = [0.0, 0.0, 0.2, -0.1, 0.0, 0.0];
 
-/// q, p, and how the step went.
+/// q, p, and the report of a step.
 type Seen = ([f32; 6], [f32; 6], Report<f32>);
 
 fn web(trained_step: Option<TrainedStep>, actuator: &[u8]) -> Aligned {
@@ -34,7 +34,7 @@ fn flat(vectors: &[[f32; 2]]) -> [f32; 6] {
     vectors.as_flattened().try_into().unwrap()
 }
 
-/// Steps by hand under these forces.
+/// Steps by hand under the given forces.
 fn by_hand(bytes: &[u8], forces: &[[f32; 6]]) -> Vec<Seen> {
     let (mut edges, mut rods) = ([Edge::default(); 3], [Holonomic::default(); 2]);
     let model = Web::load(bytes, "ring", &mut edges, &mut rods).unwrap();
@@ -80,7 +80,7 @@ fn steps_are_those_of_rattle_by_hand() {
 
 const PAIRS: [[f32; 2]; 6] = [[0.8, 0.05], [1.25, -0.1], [-0.5, 0.2], [1.5, 0.1], [2.0, 0.0], [0.75, -0.05]];
 
-/// The actuator of 2.3 steps.
+/// The actuator with a delay of 2.3 steps.
 fn late(kind: ControlKind) -> (Aligned, Vec<[f32; 6]>) {
     let bytes = web(step(Order::Two, 0.01, kind), &actuator(0.023, &PAIRS));
     let mut of_actuator = Actuator::ideal();

@@ -1,4 +1,4 @@
-//! What a variational integrator keeps, in single precision too: energy over long times, momentum of a cyclic coordinate,
+//! Quantities that a variational integrator keeps, in single precision too: energy over long times, momentum of a cyclic coordinate,
 //! reversibility.
 
 use crate::common::shapes::{Angle, Cyclic, Model};
@@ -14,20 +14,20 @@ use leastaction_core::scalar::Real;
 
 const STEPS: usize = 1_000_000;
 
-/// The energy error of a long run as a line and what oscillates about it, J.
+/// The energy error of a long run as a line and an oscillation about it, J.
 #[derive(Debug)]
 struct Trend {
     /// Change of the line over the whole run.
     drift: f64,
     /// Half the distance between the largest and the smallest deviation from the line.
     oscillation: f64,
-    /// Largest |T| + |V|: what rounding is relative to.
+    /// Largest |T| + |V|, to which rounding is relative.
     size: f64,
-    /// Coordinates, each of which rounds at every step.
+    /// Number of coordinates, each of which rounds at every step.
     coordinates: usize,
 }
 
-/// T and V in f64 of a state as it is.
+/// T and V in f64 of a state, without its carries.
 fn energies_at<R: Real, const N: usize>(
     exact: &impl Lagrangian<f64, N>,
     state: &State<R, N>,
@@ -37,15 +37,15 @@ fn energies_at<R: Real, const N: usize>(
     exact.energies(&q, &v)
 }
 
-/// T + V in f64 of a state as it is.
+/// T + V in f64 of a state, without its carries.
 fn energy_at<R: Real, const N: usize>(exact: &impl Lagrangian<f64, N>, state: &State<R, N>) -> f64 {
     let e = energies_at(exact, state);
     e.kinetic + e.potential
 }
 
 impl Trend {
-    /// Fits the line by least squares to the energy at every 50th of 10⁶ steps. Energies are computed in f64 from the
-    /// state as it is.
+    /// Fits the line by least squares to the energy at every 50th of 10⁶ steps. Energies are computed in f64 from the state without its
+    /// carries.
     fn of<R: Real, P: Path, const N: usize>(
         lagrangian: impl Lagrangian<R, N>,
         exact: &impl Lagrangian<f64, N>,
@@ -87,8 +87,8 @@ impl Trend {
         assert!(self.drift.abs() < self.oscillation, "{name}: {self:?} drifts");
     }
 
-    /// Where the method oscillates less than rounding does: 10⁶ roundings of the energy's size in every coordinate, each at random
-    /// half a unit, walk √(10⁶ n) half units far. A rounding with a preferred sign would go a thousand times further.
+    /// Bound if the method oscillates less than rounding does: 10⁶ roundings of the energy's size in every coordinate, each at random half
+    /// a unit, walk √(10⁶ n) half units far. A rounding with a preferred sign would go a thousand times further.
     #[track_caller]
     fn assert_random_walk(&self, name: &str, bound: f64) {
         println!("{name}: {self:?}");
@@ -206,7 +206,7 @@ fn damping_dissipates() {
     check::<Galerkin>();
 }
 
-/// Steps under a force on the other coordinate alone, to and fro; the cyclic one's momentum must stay what it was.
+/// Steps under a force on the other coordinate alone, to and fro; the momentum of the cyclic coordinate must not change.
 fn check_cyclic_momentum<R, P, L>(name: &str, lagrangian: L, cyclic: usize)
 where
     R: Real,
@@ -228,7 +228,7 @@ where
         del.step(&system, &mut state, &push(k)).unwrap();
     }
     assert_eq!(state.p()[cyclic], initial, "{name}, order {}", P::ORDER);
-    // And the momentum that the positions have, without the state's: they are up to 100 m, so 1 mm/s in f32.
+    // The momentum from positions alone is conserved as well: they are up to 100 m, so 1 mm/s in f32.
     let positions = del.start(&system, &before, &state.q(), &push(9_999)).unwrap();
     let error = (positions.p()[cyclic] - initial).abs().to_f64();
     let rounding = 2.0 * R::EPSILON.to_f64() * (1.0 + before[cyclic].abs().to_f64()) / 0.01;

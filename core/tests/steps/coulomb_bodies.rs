@@ -7,10 +7,10 @@ use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 
-/// Beyond it, rad/s or m/s, what is left is no robot.
+/// Speed, rad/s or m/s, beyond which a system is no robot.
 const SPEED: f64 = 12.0;
 
-/// Uniform between two numbers of one sign by their logarithms.
+/// Random number between two of one sign, uniform in its logarithm.
 fn between(random: &mut Random, [least, most]: [f64; 2]) -> f64 {
     least * (most / least).powf(0.5 + random.symmetric(0.5))
 }
@@ -45,7 +45,7 @@ fn friction<R: Real, const N: usize>(random: &mut Random) -> (Viscous<R, N>, Cou
     (Viscous { coefficients }, Coulomb { coordinates })
 }
 
-/// What became of the steps of many machines.
+/// Outcome of the steps of many machines.
 #[derive(Debug, Default)]
 struct Steps {
     updates: usize,
@@ -66,7 +66,7 @@ impl Steps {
         self.most = self.most.max(report.iterations);
     }
 
-    /// 1 s of a machine with every drive to and fro.
+    /// Follows a machine for 1 s with every drive to and fro.
     fn follow<R: Real, P: Path, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
     where
         L: Lagrangian<R, N>,
@@ -88,7 +88,7 @@ impl Steps {
         }
     }
 
-    /// Single steps near rest: from a momentum by a guess that is off, and from two positions, as noise gives them both.
+    /// Single steps near rest: from a momentum with a wrong guess, and from two positions with noise.
     fn strike<R: Real, P: Path, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
     where
         L: Lagrangian<R, N>,
@@ -111,7 +111,7 @@ impl Steps {
     }
 }
 
-/// Updates at most in motion and from bad guesses, in double and in single precision.
+/// Maximum number of updates in motion and from bad guesses, in double and in single precision.
 const MOST: [[u8; 2]; 2] = [[12, 16], [10, 12]];
 
 /// Moves many machines of N joints, each in both precisions.

@@ -9,7 +9,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::{Matrix, solve};
 use leastaction_core::scalar::{Real, Scalar};
 
-/// Friction of these levels, N or N m, as wide as makes steps of h seconds as stiff as `a` in every coordinate.
+/// Friction of the given levels, N or N m, with widths that make steps of h seconds as stiff as `a` in every coordinate.
 fn as_stiff<R: Real, L: Lagrangian<f64, N>, const N: usize>(
     lagrangian: &L,
     c: [f64; N],
@@ -30,7 +30,7 @@ fn as_stiff<R: Real, L: Lagrangian<f64, N>, const N: usize>(
     }
 }
 
-/// The same friction, every change of velocity trusted.
+/// Friction that trusts every change of velocity.
 struct Trusting<S, const N: usize>(Coulomb<S, N>);
 
 impl<S: Scalar, const N: usize> Forces<S, N> for Trusting<S, N> {
@@ -47,7 +47,7 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Trusting<S, N> {
     }
 }
 
-/// Updates of steps: the sum, how many steps, and most.
+/// Updates of steps: the sum, the number of steps, and the maximum.
 #[derive(Clone, Copy, Default)]
 struct Updates {
     sum: usize,
@@ -98,7 +98,7 @@ fn follow<R: Real, P: Path, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize
     (turning, all, failures)
 }
 
-/// How many steps of one system may take, and whether any fail where the law trusts every change.
+/// Checks the number of updates of one system, and returns how many trajectories fail if the law trusts every change.
 fn check_system<R, P, L, const N: usize>(name: &str, lagrangian: L, c: [f64; N], most: [u8; 3]) -> usize
 where
     R: Real,
@@ -138,8 +138,8 @@ fn newtons_method_converges_through_the_change_of_sign() {
     check_newton::<f64, Galerkin>("f64", [9, 9, 12]);
 }
 
-/// Three coordinates that turn at different times, learned and not. One of these systems has a step that fails; with friction none
-/// fails that does not without.
+/// Three coordinates that turn at different times, learned and not. One of these systems has a step that fails; with friction, no step
+/// fails that does not fail without.
 #[test]
 fn a_tree_converges_too() {
     fn check<P: Path>(tree: &trees::Tree<3>) {
@@ -180,8 +180,8 @@ fn the_bound_on_updates_stays() {
 const FREE: Trigonometric<'static, 1> =
     Trigonometric { inertia: &[(0, 0, Wave { amplitude: 0.5, wave: [0.0] })], potential: &[] };
 
-/// Near rest a midpoint step turns v into v(1 − a)/(1 + a), a step of order 4 into v(1 − a + a²/3)/(1 + a + a²/3), and energy is
-/// lost at every step whatever a is.
+/// Near rest a midpoint step turns v into v(1 − a)/(1 + a), a step of order 4 into v(1 − a + a²/3)/(1 + a + a²/3), and energy is lost at
+/// every step for any a.
 #[test]
 fn a_stiff_step_rings_and_loses_energy() {
     check_ringing::<Midpoint>(|a| (1.0 - a) / (1.0 + a));
@@ -237,7 +237,7 @@ fn energy_is_lost() {
     check::<Galerkin>(0.01, 1e-8);
 }
 
-/// The same bits on every target: position and momentum after 5 s in which the cart is pushed to and fro.
+/// Equal bits on every target: position and momentum after 5 s in which the cart is pushed to and fro.
 #[test]
 fn steps_have_these_bits() {
     fn follow<P: Path>() -> [u32; 4] {

@@ -38,7 +38,7 @@ fn runge_kutta<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     )
 }
 
-/// The slope of the error of position and momentum together over the step.
+/// Slope of the error of position and momentum together over the step size.
 fn slope<const N: usize>(reference: impl Fn(usize) -> Point<N>, solve: impl Fn(usize) -> Point<N>) -> f64 {
     log_log_slope(&STEPS.map(|steps| {
         let ((q, p), (found_q, found_p)) = (reference(steps), solve(steps));
@@ -60,7 +60,7 @@ fn command(t: f64) -> [f64; 2] {
     [3.0 * (4.0 * t).sin(), 1.0 - 2.0 * (3.0 * t).cos()]
 }
 
-/// Steps of equal length, each under the control of its number.
+/// Steps of equal length, each under its own control.
 fn stepped<P: Path, L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
     system: &System<L, F>,
     steps: usize,
@@ -97,14 +97,14 @@ fn check_forced_orders<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(name: &str, lag
 fn friction_that_sees_the_load_keeps_the_orders() {
     check_forced_orders("cart-pole", CARTPOLE, all());
     check_forced_orders("acrobot", ACROBOT, all());
-    // So wide a change of sign that these steps resolve it.
+    // A change of sign so wide that these steps resolve it.
     let (viscous, mut friction) = dry::<f64, 2>();
     friction.coordinates.iter_mut().for_each(|friction| friction.width *= 4.0);
     check_forced_orders("cart-pole, dry", CARTPOLE, (viscous, friction));
     check_forced_orders("acrobot, dry", ACROBOT, (viscous, friction));
 }
 
-/// A step takes the network of a potential in as it takes L in, and that of a dissipation as other damping.
+/// A step takes in the network of a potential as it does L, and the network of a dissipation as it does damping.
 #[test]
 fn laws_with_networks_keep_the_orders() {
     let laws = NetworkLaws::of(2, 4).scaled(0.25);
@@ -145,7 +145,7 @@ fn delayed<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
     (point.0, momentum(&system.lagrangian, &point.0, &point.1))
 }
 
-/// Slopes of the error against the motion under the true delayed signal, of steps of orders 2 and 4.
+/// Slopes of the error against the motion under the true delayed signal, for steps of orders 2 and 4.
 fn delayed_slopes<F: Forces<f64, 2> + Copy>(forces: F, delay: f64, held: bool) -> [f64; 2] {
     let (system, actuator) = (System { lagrangian: CARTPOLE, forces }, actuator(delay));
     let sample = |k: i32, h: f64| command(f64::from(k) * h);
@@ -160,9 +160,8 @@ fn delayed_slopes<F: Forces<f64, 2> + Copy>(forces: F, delay: f64, held: bool) -
     ]
 }
 
-/// The linear force of the same impulse and moment keeps order 2, and order 4 where the command is linear between samples. Of
-/// a command that is held, the step of order 4 keeps order 3, 4 where the jump is in the middle, and 2 under a law that is
-/// nonlinear in τ.
+/// The linear force of the same impulse and moment keeps order 2, and order 4 if the command is linear between samples. For a held command,
+/// the step of order 4 keeps order 3, 4 if the jump is in the middle, and 2 under a law that is nonlinear in τ.
 #[test]
 fn orders_under_a_delayed_actuator() {
     let viscous = Viscous { coefficients: [0.4, 0.9] };

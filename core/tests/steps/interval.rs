@@ -1,4 +1,4 @@
-//! The equations of a step: SyMo's, those of the discrete Lagrangian, and their exact Jacobian.
+//! The equations of a step: SyMo's equations, those of the discrete Lagrangian, and their exact Jacobian.
 
 use crate::common::shapes::{self, Model};
 use crate::common::{Random, assert_close, assert_matrices_close, dual};
@@ -51,7 +51,7 @@ fn two_positions_determine_the_momentum() {
     check::<Galerkin>();
 }
 
-/// An angle-dependent damping, so that no derivative of the force vanishes.
+/// An angle-dependent damping, so no derivative of the force vanishes.
 #[derive(Clone, Copy)]
 struct Drag;
 
@@ -75,14 +75,14 @@ impl<const N: usize> Forces<f64, N> for Drag {
     }
 }
 
-/// How the three momenta of an interval change along a direction of its unknowns, by central differences.
+/// Changes of the three momenta of an interval along a direction of its unknowns, by central differences.
 struct Slopes<const N: usize> {
     momentum: [f64; N],
     bubble: [f64; N],
     end_momentum: [f64; N],
 }
 
-/// Along (dw, ds).
+/// Slopes along (dw, ds).
 fn slopes<P: Path, F: Forces<f64, N>, L: Lagrangian<f64, N>, const N: usize>(
     interval: &Interval<f64, P, N>,
     system: &System<L, F>,
@@ -124,7 +124,7 @@ fn check_jacobian<P: Path, const N: usize>(models: &[Model<N>]) {
     }
 }
 
-/// Column j of every block.
+/// Checks column j of every block.
 fn check_column<P: Path, F: Forces<f64, N>, L: Lagrangian<f64, N>, const N: usize>(
     interval: &Interval<f64, P, N>,
     system: &System<L, F>,

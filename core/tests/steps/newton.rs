@@ -96,7 +96,7 @@ fn a_stop_of_zero_takes_a_constant_number_of_iterations() {
     }
 }
 
-/// What L_qq adds to the matrix is of a relative size of (hω)²/4: an update divides the residual by about its inverse.
+/// The part of L_qq in the matrix has a relative size of (hω)²/4: an update multiplies the residual by about that.
 #[test]
 fn an_update_divides_the_residual_by_the_square_of_the_step() {
     fn residual<P: Path>(h: f64, max_iterations: u8) -> f64 {
@@ -129,7 +129,7 @@ fn without_iterations_the_guess_is_judged() {
     assert_eq!(del.step(&system, &mut at_rest, &Control::none()).unwrap().iterations, 0);
 }
 
-/// Where terms cancel, a residual relative to their sum would never be small: no momentum, no force, no motion.
+/// Residuals relative to the sum of terms that cancel would never be small: no momentum, no force, no motion.
 #[test]
 fn systems_at_rest_step_too() {
     fn check<P: Path>() {
@@ -144,7 +144,7 @@ fn systems_at_rest_step_too() {
                 assert!(result.is_ok_and(|r| r.iterations <= 3), "step {k} from {q:?}: {result:?}");
             }
         }
-        // Gravity held by the control: the force is what rounding leaves.
+        // Gravity held by the control: only rounding is left of the force.
         let mut held = State::<f32, 1>::new(&PENDULUM, [0.8], [0.0]).unwrap();
         for _ in 0..2_000 {
             let [force] = PENDULUM.gradient(&held.q(), &[0.0]).l_q;
@@ -255,7 +255,7 @@ fn a_state_is_finite_or_refused() {
     }
 }
 
-/// A system in coordinates q′ = cq, that is in other units.
+/// A system in coordinates q′ = cq: in other units.
 #[derive(Clone, Copy)]
 struct Rescaled<L, const N: usize> {
     lagrangian: L,
@@ -290,8 +290,7 @@ impl<L: Lagrangian<f32, N>, const N: usize> Lagrangian<f32, N> for Rescaled<L, N
     }
 }
 
-/// Metres or about millimetres, radians or about hours of arc: the same updates and the same residuals, bit for bit where the
-/// factors are powers of two.
+/// Metres or about millimetres, radians or about degrees: equal updates and equal residuals, bit for bit if the factors are powers of two.
 #[test]
 fn units_of_coordinates_do_not_matter() {
     fn check<P: Path>(c: [f32; 2]) {
@@ -311,7 +310,7 @@ fn units_of_coordinates_do_not_matter() {
             }
         }
     }
-    // All leave the same row to the elimination first.
+    // Elimination takes the same row first for all of them.
     for c in [[1024.0, 1024.0], [0.0009765625, 1.0], [0.0078125, 64.0], [0.125, 0.0625]] {
         check::<Midpoint>(c);
         check::<Galerkin>(c);

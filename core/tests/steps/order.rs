@@ -11,7 +11,7 @@ use leastaction_core::lagrangian::Lagrangian;
 const END: f64 = 0.8;
 const STEPS: [usize; 4] = [20, 40, 80, 160];
 
-/// A motion: a system, where it starts, and a control that is linear in time.
+/// A motion: a system, its start, and a control that is linear in time.
 #[derive(Clone, Copy)]
 struct Motion<L, const N: usize> {
     system: System<L, Viscous<f64, N>>,
@@ -31,7 +31,7 @@ where
         core::array::from_fn(|i| self.u[i] + self.u_rate[i] * t)
     }
 
-    /// Runge–Kutta with the control followed within the step, so finely that its error is rounding: (q, p) at the end.
+    /// Runge–Kutta with the control followed within the step, so finely that its error is rounding; returns (q, p) at the end.
     fn reference(&self) -> Point<N> {
         const FINE: usize = 4_000;
         let h = END / FINE as f64;

@@ -1,4 +1,4 @@
-//! RATTLE: what it keeps over many steps, and how long they take.
+//! Conservation by RATTLE over many steps, and the time of its steps.
 
 use crate::common::cases::{Case, distance};
 use crate::common::particles::{Exact, energy, exact, hanging, rod_error, rods};
@@ -10,7 +10,7 @@ use leastaction_core::scalar::Real;
 use proptest::prelude::*;
 use std::time::Instant;
 
-/// Rods to rounding and A v = 0 at every step, whatever the lengths, masses, angles and order.
+/// Largest violations at every step, of rods and of A v = 0: rounding, whatever the lengths, masses, angles and order.
 #[derive(Debug)]
 struct Violations {
     rods: f64,
@@ -59,7 +59,7 @@ proptest! {
     }
 }
 
-/// Energy error of a long run in f64 of the state as it is: the largest, and the means of its two halves, J.
+/// Energy error of a long run in f64 of the state without its carries: the largest, and the means of its two halves, J.
 #[derive(Debug)]
 struct Energies {
     largest: f64,
@@ -85,7 +85,7 @@ impl Energies {
         found
     }
 
-    /// Bounded; and the mean of the second half is that of the first within `drift`.
+    /// The energy error is bounded, and its mean in the second half is that of the first within `drift`.
     #[track_caller]
     fn assert_kept(&self, bound: f64, drift: f64, rods: f64) {
         println!("{self:?}");
@@ -104,7 +104,7 @@ fn energy_and_rods_over_a_hundred_thousand_steps_in_f32() {
         .assert_kept(6e-3, 1e-4, 1e-6);
 }
 
-/// A chaotic motion whose tightest swings cost a step some energy now and then, by up to 0.1 J; this one has none of them.
+/// A chaotic motion whose tightest swings cost a step some energy now and then, by up to 0.1 J; the motion of this test has none of them.
 #[test]
 fn energy_and_rods_of_a_hybrid_in_f32() {
     Energies::during::<f32>(&Case::hybrid(), (0.0048, Order::Two), 20_000).assert_kept(3e-2, 3e-3, 1e-6);
@@ -132,12 +132,11 @@ fn energy_and_rods_over_a_million_steps_in_f32() {
     }
     during(&REGULAR, 4e-3, Order::Two).assert_kept(1.5e-3, 5e-4, 1e-6);
     during(&REGULAR, 1e-2, Order::Two).assert_kept(6e-3, 2e-4, 1e-6);
-    // Where the method oscillates less than rounding does: 5·10⁶ roundings of about 20 J, each at random half a unit, walk
-    // 3e-3 J far.
+    // The method oscillates less than rounding does: 5·10⁶ roundings of about 20 J, each at random half a unit, walk 3e-3 J far.
     during(&REGULAR, 1e-2, Order::Four).assert_kept(3e-3, 3e-3, 1e-6);
 }
 
-/// Seconds that a step of a ring of springs takes.
+/// Time of a step of a ring of springs, s.
 fn time_of_springs<R: Real>(nodes: usize, steps: usize) -> f64 {
     let radius = 1.1 * nodes as f64 / core::f64::consts::TAU;
     let turn = |k: usize| (core::f64::consts::TAU * k as f64 / nodes as f64).sin_cos();
@@ -151,7 +150,7 @@ fn time_of_springs<R: Real>(nodes: usize, steps: usize) -> f64 {
     start.map_or(0.0, |start| start.elapsed().as_secs_f64()) / steps as f64
 }
 
-/// In release, as above: springs without rods take time in proportion to their number.
+/// Springs without rods take time in proportion to their number; measured in release, as above.
 #[test]
 #[ignore = "a measurement of time"]
 fn time_is_linear_in_springs() {
@@ -187,7 +186,7 @@ fn steps_are_reversible() {
     }
 }
 
-/// (Σp, Σ q × p) with what rounding took.
+/// (Σp, Σ q × p), with carries.
 fn momenta<R: Real>(state: &ParticleState<R, 2>) -> [f64; 3] {
     let whole = |x: &[[R; 2]], carry: &[[R; 2]], i: usize| -> [f64; 2] {
         core::array::from_fn(|k| x[i][k].to_f64() + carry[i][k].to_f64())

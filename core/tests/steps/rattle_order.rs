@@ -1,4 +1,4 @@
-//! RATTLE: orders of accuracy, what it is without constraints, and a constraint of the caller's own.
+//! RATTLE: orders of accuracy, its limit without constraints, and a constraint of the caller's own.
 
 use crate::common::cases::{Case, Motion, distance};
 use crate::common::particles::Exact;

@@ -1,4 +1,4 @@
-//! Where RATTLE starts from beside a position and a velocity: a saved state, and two positions.
+//! Starts of RATTLE beside a position and a velocity: a saved state, and two positions.
 
 use crate::common::file::{Aligned, golden_web};
 use crate::common::particles::{Exact, Spring, hanging, rods, rounded, workspaces};
@@ -54,7 +54,7 @@ impl<R: Real> Case<R> {
         let mut state = ParticleState::new(&mechanism, &self.q, &self.v, &mut numbers, &mut work).unwrap();
         let mut last = saved(&state);
         for k in 0..100 {
-            // What was in the workspace before does not matter.
+            // Earlier contents of the workspace do not matter.
             let mut place = vec![R::constant(7.0); ParticleState::<R, 2>::workspace(3, 2)];
             let mut resumed = ParticleState::resume(&mechanism, &last, &mut place).unwrap();
             assert_eq!(saved(&resumed), last);
@@ -161,7 +161,7 @@ fn what_is_no_saved_state_is_refused() {
 fn two_positions_determine_the_state() {
     for order in [Order::Two, Order::Four] {
         Case::<f64>::new().starts_between(order, 1e-12);
-        // Positions of 2 m are known to 1.2e-7 m, 2.4e-5 m/s over a step, and every of three masses has its share.
+        // Positions of 2 m are known to 1.2e-7 m, 2.4e-5 m/s over a step, and each of three masses adds its share.
         Case::<f32>::new().starts_between(order, 2e-4);
     }
 }

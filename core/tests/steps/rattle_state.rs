@@ -1,4 +1,4 @@
-//! States of RATTLE: where one may start, what refused steps leave of it, and what it tells of the constraints.
+//! States of RATTLE: allowed starts, the state after refused steps, and the forces of constraints.
 
 use crate::common::cases::{Case, distance};
 use crate::common::particles::{Exact, rod_error, rods, rounded, workspaces};
@@ -125,7 +125,7 @@ fn refused_steps_leave_the_state() {
         ),
         "{leap:?}"
     );
-    // And the step goes on from there as if nothing had been tried.
+    // The step then goes on as if nothing had been tried.
     rattle.step(&mechanism, &mut state, None, &mut work).unwrap();
     assert_ne!(format!("{state:?}"), before);
     let again = case.run((0.01, Order::Four), 2, |_, _| ());
@@ -136,7 +136,7 @@ fn refused_steps_leave_the_state() {
     assert_eq!(wrong, ConstraintError::Shape { expected: 2, given: 3 });
 }
 
-/// What the start is off by, the first step takes away.
+/// An offset at the start is removed by the first step.
 #[test]
 fn a_start_slightly_off_is_corrected() {
     let mut case = Case::<f64>::pendulum(&[0.5, -0.2]);
