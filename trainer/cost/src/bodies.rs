@@ -1,5 +1,5 @@
-//! What a tree of rigid bodies computes, whatever its size: a sum over its bodies, over their pairs, of which one may carry the
-//! other, and over threes of which two sit on others.
+//! Operation counts of a tree of rigid bodies of any size: a sum over its bodies, over their pairs (one of which may carry the other), and
+//! over triples (two of which sit on others).
 
 use crate::counted::{Counted, Operations, count};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies};
@@ -19,21 +19,21 @@ pub(super) enum Evaluation {
     Linearization,
 }
 
-/// Where bodies move.
+/// Space in which bodies move.
 #[derive(Clone, Copy)]
 pub(super) enum Where {
     Plane,
     Space,
 }
 
-/// Additions and multiplications of an evaluation, taken in pairs.
+/// Additions and multiplications of an evaluation, counted in pairs.
 pub(super) fn multiply_adds(place: Where, bodies: &[TreeBody], evaluation: Evaluation) -> usize {
     let alone = |joint| counted(place, [TreeBody { joint, parent: None }], evaluation);
     let together = |first: &TreeBody, second: &TreeBody, parent| {
         let pair = [TreeBody { joint: first.joint, parent: None }, TreeBody { joint: second.joint, parent }];
         counted(place, pair, evaluation) - alone(first.joint) - alone(second.joint)
     };
-    // A body costs otherwise on its parent than further up, and two cost otherwise where they part than apart.
+    // The cost of a body differs between its parent and bodies further down, and that of two bodies between a common carrier and none.
     let three = |[first, second, third]: [&TreeBody; 3], on: u8| {
         let with = |body: &TreeBody, parent| TreeBody { joint: body.joint, parent };
         let tree = [with(first, None), with(second, Some(0)), with(third, Some(on))];
@@ -63,7 +63,7 @@ pub(super) fn multiply_adds(place: Where, bodies: &[TreeBody], evaluation: Evalu
     sum.unsigned_abs().div_ceil(2) as usize
 }
 
-/// The bodies that carry one.
+/// Indices of the bodies that carry `body`.
 fn carriers(bodies: &[TreeBody], body: &TreeBody) -> Vec<usize> {
     let below = |body: &TreeBody| body.parent.map(usize::from);
     let next = |j: &usize| bodies.get(*j).and_then(below);

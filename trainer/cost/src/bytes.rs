@@ -1,25 +1,25 @@
-//! What the arrays of a solver take on a controller, whatever the number of coordinates.
+//! RAM of a solver's arrays on a controller, for any number of coordinates.
 
 use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};
 use leastaction_core::forces::{Coulomb, Viscous};
 
-/// Bytes of what has as many entries as there are coordinates, or pairs of them.
+/// Sizes in bytes of arrays with one entry per coordinate, or per pair of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Bytes {
-    /// What a program keeps between steps.
+    /// State that a program keeps between steps.
     pub state: usize,
     /// Viscous damping.
     pub damping: usize,
     /// Dry friction.
     pub dry: usize,
-    /// What Newton's method has at hand in a step of order 2.
+    /// Workspace of Newton's method in a step of order 2.
     pub newton_order_2: usize,
-    /// The same of order 4.
+    /// Workspace of Newton's method in a step of order 4.
     pub newton_order_4: usize,
 }
 
 impl Bytes {
-    /// Those of n coordinates, from what core's types take of 1, 2 and 3: all are polynomials of degree 2 in n.
+    /// The sizes for n coordinates, from those of core's types for 1, 2 and 3: all are polynomials of degree 2 in n.
     pub fn of(n: usize) -> Self {
         let sizes = [Self::compiled::<1>(), Self::compiled::<2>(), Self::compiled::<3>()];
         let at = |field: fn(&Self) -> usize| extrapolated(sizes.each_ref().map(field), n);
@@ -47,7 +47,7 @@ fn newton<P: Path, const N: usize>() -> usize {
     size_of::<Linearised<f32, P, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>()
 }
 
-/// At n the polynomial of degree 2 that has these values at 1, 2 and 3, by Newton's forward differences.
+/// Value at n of the polynomial of degree 2 with these values at 1, 2 and 3, by Newton's forward differences.
 fn extrapolated([one, two, three]: [usize; 3], n: usize) -> usize {
     let (k, first, second) = (n.saturating_sub(1), two - one, three + one - 2 * two);
     one + k * first + k * k.saturating_sub(1) / 2 * second

@@ -1,16 +1,16 @@
-//! What laws with networks take.
+//! Cost of laws with networks.
 
 use super::{LAYER, WORD, Work, jet, network_weights, tape};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::Law;
 use leastaction_models::Architecture;
 
-/// Of the networks that correct a model.
+/// Cost of the networks that correct a model.
 pub(super) struct CorrectionsCost {
     pub handle_bytes: usize,
-    /// Their force.
+    /// Evaluation of their force.
     pub force: Work,
-    /// Their force, and once more with its derivatives.
+    /// Evaluation of their force, plus one of the force with its derivatives.
     pub with_derivatives: Work,
 }
 
@@ -26,8 +26,8 @@ impl CorrectionsCost {
         all
     }
 
-    /// Dissipation takes a forward pass, and one with n tangents for positions and one for velocities; a potential a forward pass and
-    /// an adjoint, the forward pass with n tangents for its second derivatives.
+    /// Adds a network. Dissipation takes a forward pass, and for derivatives one pass with n tangents each for positions and velocities. A
+    /// potential takes a forward pass and an adjoint, and for second derivatives a forward pass with n tangents.
     fn add(&mut self, law: Law, shape: &NetworkShape, n: usize) {
         let (weights, (widths, depth)) = (network_weights(shape), shape.widths());
         let widest = widths.into_iter().max().unwrap_or(0);

@@ -1,51 +1,51 @@
-//! A scalar that counts the operations done in it. The benchmarks of core count with it as well.
+//! A scalar that counts the operations done with it; core's benchmarks use it as well.
 
 use leastaction_core::scalar::{Real, Scalar, WeightFormat};
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A scalar with its operations counted, thread by thread.
+/// A scalar whose operations are counted, separately for every thread.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Counted<R>(pub R);
 
-/// Operations done.
+/// Numbers of operations.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Operations {
-    /// Additions, subtractions, multiplications and changes of sign, those of layers apart.
+    /// Additions, subtractions, multiplications and changes of sign outside layers.
     pub flops: u64,
     /// Divisions.
     pub divisions: u64,
     /// Square roots.
     pub roots: u64,
-    /// eˣ.
+    /// Exponentials eˣ.
     pub exponentials: u64,
-    /// ln(1 + x).
+    /// Logarithms ln(1 + x).
     pub logarithms: u64,
-    /// tanh.
+    /// Hyperbolic tangents.
     pub tangents: u64,
     /// Sines with their cosines.
     pub sines: u64,
-    /// In layers: multiply-adds of panels of eight outputs, of four, and of one.
+    /// Multiply-adds in layers, by panels of eight outputs, of four, and of one.
     pub multiply_adds: [u64; 3],
-    /// In layers: panels.
+    /// Panels in layers.
     pub panels: u64,
-    /// In layers: passes through panels, each with as many inputs and outputs as are gathered at a time.
+    /// Passes through panels in layers; a pass has as many inputs and outputs as are gathered at a time.
     pub passes: u64,
-    /// In layers: inputs and outputs of these passes.
+    /// Inputs and outputs of these passes.
     pub moved: u64,
-    /// In layers: values and tangents gone through, each in one pass or more.
+    /// Values and tangents computed by layers, each in one pass or more.
     pub components: u64,
-    /// Layers gone through.
+    /// Layers evaluated.
     pub layers: u64,
 }
 
 thread_local! {
     static DONE: Cell<Operations> = Cell::new(Operations::default());
-    /// Where the outputs of the last panel end.
+    /// End address of the last panel's outputs.
     static OUTPUTS_END: Cell<usize> = const { Cell::new(0) };
 }
 
-/// What `call` does.
+/// Runs `call`; returns its result and the operations it did.
 pub fn count<O>(call: impl FnOnce() -> O) -> (O, Operations) {
     DONE.set(Operations::default());
     let output = call();
@@ -95,7 +95,7 @@ impl<R: Real> SubAssign for Counted<R> {
     }
 }
 
-/// Counts a panel of a layer; where its outputs do not follow those of the last, a pass begins.
+/// Counts a panel of a layer; if its outputs do not follow those of the last panel, a new pass begins.
 fn panel<R, const P: usize>(inputs: usize, outputs: &[Counted<R>; P]) {
     let ends = outputs.as_ptr_range();
     let begins = OUTPUTS_END.replace(ends.end as usize) != ends.start as usize;
@@ -115,7 +115,7 @@ fn panel<R, const P: usize>(inputs: usize, outputs: &[Counted<R>; P]) {
 impl<R: Real> Scalar for Counted<R> {
     type Weight = R::Weight;
 
-    /// As on a controller.
+    /// Computes component by component, as on a controller.
     const COMPONENTWISE: bool = true;
 
     fn component(index: usize) {

@@ -1,4 +1,4 @@
-//! What a graph costs, whatever its size.
+//! Cost of a graph of any size.
 
 use crate::{Cost, LAYER, WORD, Work, network_weights, tape};
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
@@ -6,10 +6,10 @@ use leastaction_core::energy::graph::{Edge, GraphShape, Kinetic, NodeShape, Pote
 use leastaction_core::model::ModelError;
 use leastaction_models::GraphArchitecture;
 
-/// Steps of order 2 that one of order 4 is composed of.
+/// Number of steps of order 2 that make up one of order 4.
 pub(super) const COMPOSED: usize = 5;
 
-/// A step is RATTLE's: forces once, momenta and velocities of every node; state and workspace are the caller's.
+/// The cost of RATTLE steps: forces once, then momenta and velocities of every node; state and workspace belong to the caller.
 pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError> {
     let graph = architecture.graph()?;
     let shape = &architecture.shape;
@@ -28,7 +28,7 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
     let forces = Forces::of(shape, &graph.nodes, &graph.edges).multiply_adds();
     Ok(Cost {
         state_bytes: size_of::<f32>() * numbers,
-        // The shape, the networks' layers, and the edges, which are read into RAM.
+        // The shape, the networks' layers, and the edges, which are copied into RAM.
         handle_bytes: size_of::<GraphShape>()
             + shape.networks.len() * (depth + 1) * LAYER
             + size_of::<Edge>() * graph.edges.len()
@@ -40,7 +40,7 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
     })
 }
 
-/// Weights that one evaluation of all networks multiplies.
+/// Numbers of weights in one evaluation of all networks.
 struct Forces {
     potentials: usize,
     kinetics: usize,
@@ -76,8 +76,8 @@ impl Forces {
         }
     }
 
-    /// Potentials and messages: a forward pass and an adjoint; edges: one with a derivative; kinetic energies: one with a derivative
-    /// for the momentum and one with two for the mass.
+    /// Multiply-adds of the forces. Potentials and messages take a forward pass and an adjoint; edges a forward pass with a derivative;
+    /// kinetic energies one with a derivative for the momentum and one with two derivatives for the mass.
     fn multiply_adds(&self) -> usize {
         2 * (self.potentials + self.edges + self.messages) + 5 * self.kinetics
     }
@@ -98,7 +98,7 @@ mod tests {
         assert_eq!(pendulums.step_order_4.multiply_adds, 5 * 2 * 3 * (2 * 8 + 8));
         let springs = cost(&lgnn_shape(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
         assert_eq!(springs.acceleration.multiply_adds, 2 * 5 * (16 + 16));
-        // Two states of six vectors a node; without rods there is no room to solve in.
+        // Two states of six vectors per node; without rods there is no workspace for a solution.
         assert_eq!(springs.state_bytes, 4 * 2 * 6 * 5 * 2);
     }
 

@@ -1,4 +1,4 @@
-//! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
+//! Cost of a model on a chip, from its shape: multiply-adds, flash, RAM and stack.
 
 mod bodies;
 mod bytes;
@@ -24,7 +24,7 @@ use serde::Serialize;
 /// Work and memory of one evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Work {
-    /// Multiply-adds in the layers of the network, of rigid bodies in their energies; activations, features, friction and small matrices come
+    /// Multiply-adds in the layers of networks, or in the energies of rigid bodies; activations, features, friction and small matrices come
     /// on top.
     pub multiply_adds: usize,
     /// Bytes of the arrays that are live at once on the stack; call frames and spilled registers come on top.
@@ -32,7 +32,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// Both, one after the other.
+    /// The work of both, one after the other.
     fn before(self, other: Self) -> Self {
         Self {
             multiply_adds: self.multiply_adds + other.multiply_adds,
@@ -50,18 +50,18 @@ pub struct Cost {
     pub handle_bytes: usize,
     /// One acceleration.
     pub acceleration: Work,
-    /// What is done for a step of order 2.
+    /// One Newton iteration of a step of order 2, or the whole step; see `iterated`.
     pub step_order_2: Work,
-    /// The same of order 4.
+    /// One Newton iteration of a step of order 4, or the whole step; see `iterated`.
     pub step_order_4: Work,
-    /// Whether that is one Newton iteration, of which a step takes 2 to 3; else the whole step.
+    /// Whether the steps are given as one Newton iteration, of which a step takes 2 to 3; otherwise as the whole step.
     pub iterated: bool,
 }
 
 /// The cost of models of this shape.
 ///
 /// # Errors
-/// [`ModelError::NoSuchGraph`] where there is no such graph, [`ModelError::OtherFamily`] of a family that nobody has counted.
+/// [`ModelError::NoSuchGraph`] if there is no such graph, [`ModelError::OtherFamily`] for a family without operation counts.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     if let Some(graph) = architecture.family.graph() {
         return graph::cost(graph);
@@ -95,7 +95,7 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     })
 }
 
-/// What the evaluations of a Lagrangian take, from which the solvers are made.
+/// Cost of the evaluations of a Lagrangian, from which the solvers are composed.
 struct Evaluations {
     handle_bytes: usize,
     dynamics: Work,
@@ -104,14 +104,14 @@ struct Evaluations {
 }
 
 impl Evaluations {
-    /// A step takes a forward pass with N tangents. So do the dynamics up to two coordinates; beyond, one with a single tangent
-    /// and a plain adjoint.
+    /// The cost of an inertia network. A step takes a forward pass with N tangents, and so do the dynamics of up to two coordinates; for
+    /// more coordinates the dynamics take a forward pass with a single tangent and an adjoint.
     fn inertia_network(inertia_network: &InertiaNetworkArchitecture, bytes: &Bytes) -> Self {
         let n = inertia_network.n();
         let weights: usize = inertia_network.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
         let widest = inertia_network.widths.iter().copied().max().map_or(0, usize::from);
         let depth = inertia_network.widths.len();
-        // A layer is written while the one below it is read; then its slopes.
+        // A layer is written while the one below it is read; its slopes are computed afterwards.
         let units = (2 * jet(n) + WORD) * widest;
         let linearization = Work { multiply_adds: (1 + n) * weights, stack_bytes: units + ends(n, n) };
         let dynamics = if n <= 2 {
@@ -120,15 +120,15 @@ impl Evaluations {
             Work { multiply_adds: 3 * weights, stack_bytes: tape(1, 0, widest, depth) + ends(1, n) }
         };
         Self {
-            // Two slices and a length a layer, the kinds of coordinates, the inertia, the damping.
+            // Two slices and a length per layer, the kinds of coordinates, the inertia, the damping.
             handle_bytes: (depth + 1) * LAYER + n.next_multiple_of(WORD) + bytes.damping + 5 * WORD,
             dynamics,
             linearization,
         }
     }
 
-    /// Positions take one pass a derivative of the transform; potentials a forward pass and an adjoint, each with as many
-    /// tangents as the positions that they see have components.
+    /// The cost of a tree of elements. Positions take one pass per derivative of the transform; potentials take a forward pass and an
+    /// adjoint, each with as many tangents as the positions that they depend on have components.
     fn modular(modular: &ModularArchitecture, bytes: &Bytes) -> Self {
         let weights = NetworkWeights::of(modular);
         let multiply_adds = |derivatives: usize, element: usize, pair: usize| {
@@ -148,8 +148,8 @@ impl Evaluations {
         }
     }
 
-    /// No layer; the arrays are those of the bodies in motion, and of the sums over what each carries. An acceleration of up to two
-    /// coordinates is the evaluation of a step.
+    /// The cost of rigid bodies. There are no layers; the arrays are the bodies in motion, and the sums over what each carries. An
+    /// acceleration of up to two coordinates uses the evaluation of a step.
     fn bodies((place, numbers): (Where, usize), tree: &[TreeBody], bytes: &Bytes) -> Self {
         let n = tree.len();
         let stack_bytes = n * numbers * WORD + 3 * n * n * WORD;
@@ -162,7 +162,8 @@ impl Evaluations {
         }
     }
 
-    /// One evaluation at every Gauss point measures an update and makes the next; `solver` are the bytes of the solver's own.
+    /// The cost of a Newton iteration: one evaluation at every Gauss point measures an update and makes the next. `solver` is the size of
+    /// the solver's own arrays in bytes.
     fn newton<P: Path>(&self, solver: usize) -> Work {
         let nodes = P::points::<f32>().as_ref().len();
         Work {
@@ -172,7 +173,7 @@ impl Evaluations {
     }
 }
 
-/// Weights that one evaluation of all networks of a tree multiplies.
+/// Numbers of weights in one evaluation of all networks of a tree.
 struct NetworkWeights {
     transforms: usize,
     potentials: usize,
@@ -218,30 +219,30 @@ fn network_weights(network: &NetworkShape) -> usize {
     sum
 }
 
-/// A number with so many tangents.
+/// Bytes of a number with `tangents` tangents.
 const fn jet(tangents: usize) -> usize {
     (1 + tangents) * WORD
 }
 
-/// The tape of a forward pass with so many tangents (units, slopes) and two layers of an adjoint with its own; each layer of each
-/// counts its units.
+/// Bytes of the tape of a forward pass (units, slopes) with `tangents` tangents, and of two layers of an adjoint with `of_adjoint`
+/// tangents; every layer also stores its number of units.
 fn tape(tangents: usize, of_adjoint: usize, widest: usize, depth: usize) -> usize {
     depth * (2 * jet(tangents) * widest + 2 * WORD) + 2 * (jet(of_adjoint) * widest + WORD)
 }
 
-/// Inputs and outputs of the network of n coordinates.
+/// Bytes of the inputs and outputs of a network of n coordinates.
 fn ends(tangents: usize, n: usize) -> usize {
     4 * n * n * jet(tangents)
 }
 
-/// Numbers of a body in motion: its own, of its frame, of the sums over what it carries, of its rotor.
+/// Numbers per planar body in motion: its own, its frame's, the sums over what it carries, its rotor's.
 const BODY: usize = 9 + 9 + 7 + 3;
-/// The same in space: a frame, the motion of its joint, what it carries, its inertia and momentum, a rotor.
+/// Numbers per body in space: frame, motion of its joint, what it carries, inertia and momentum, rotor.
 const ARM_BODY: usize = 12 + 12 + 12 + 10 + 6 + 1;
 /// Bytes of a joint and its parent.
 const JOINT: usize = 3;
 const WORD: usize = 4;
-/// Two slices and a length.
+/// Bytes of a layer: two slices and a length.
 const LAYER: usize = 5 * WORD;
 
 #[cfg(test)]
@@ -261,7 +262,7 @@ mod tests {
         let cost = cost(&cartpole(24)).unwrap();
         let weights = 3 * 24 + 24 * 24 + 24 * 4;
         assert_eq!(cost.acceleration.multiply_adds, 3 * weights);
-        // An evaluation of a step's equations is that of an acceleration, once a Gauss point.
+        // The equations of a step take the evaluation of an acceleration, once per Gauss point.
         assert_eq!(cost.step_order_2.multiply_adds, 3 * weights);
         assert_eq!(cost.step_order_4.multiply_adds, 6 * weights);
     }

@@ -1,4 +1,4 @@
-//! What an evaluation does, counted by doing it.
+//! Operations of an evaluation, counted by doing it.
 
 use crate::counted::{Counted, Operations, count};
 use leastaction_core::constraints::{Constrained, Holonomic};
@@ -21,7 +21,7 @@ use leastaction_models::{AnyFamily, Architecture, DEPTH, GraphArchitecture, MAX_
 
 type Real = Counted<f64>;
 
-/// What is counted: an acceleration, and steps of both orders with two updates of Newton's method by one Jacobian.
+/// Operation counts of an acceleration and of steps of both orders, with two Newton updates per Jacobian.
 pub struct Evaluations {
     /// An acceleration.
     pub acceleration: Operations,
@@ -31,8 +31,8 @@ pub struct Evaluations {
     pub step_order_4: Operations,
 }
 
-/// Counts at a state of no importance, without dry friction; `None` where the shape is beyond what was measured on chips, which is but for
-/// graphs of up to 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
+/// Counts operations at an arbitrary state, without dry friction. `None` if the shape is beyond those measured on chips (except for graphs
+/// up to 4 coordinates, since code and stack grow unevenly), or if its networks are wider or deeper than those compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
     match (&architecture.family, architecture.n()) {
         (AnyFamily::Graph(graph), _) if graph.dimension() == 3 => particles::<3>(graph, weights),
@@ -114,7 +114,7 @@ where
     outcome.ok().map(|_| done)
 }
 
-/// Nodes in a row aslant, 1 m apart, on whatever rods there are.
+/// Counts with the nodes in a slanted row, 1 m apart, whatever the rods.
 fn particles<const D: usize>(architecture: &GraphArchitecture, weights: &[f64]) -> Option<Evaluations> {
     let layout = architecture.graph().ok()?;
     let types = architecture.host_types::<f64, D>(weights).ok()?;

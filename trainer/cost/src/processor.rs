@@ -1,8 +1,8 @@
-//! What an image of a model takes on a processor, predicted from the model file alone.
+//! Cost of a model's image on a processor, predicted from the model file alone.
 //!
-//! The operations of an evaluation are counted by doing it, in a scalar that counts; what each costs in instructions, and how
-//! stack and code grow with a shape, was fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
-//! `fit_processors` of `leastaction-tests` fits, `processors.json` has the outcome.
+//! The operations of an evaluation are counted by doing it with a counting scalar. The instructions per operation, and the growth of stack
+//! and code with the shape, are fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
+//! `fit_processors` of `leastaction-tests` fits, `processors.json` holds the result.
 
 use crate::counted::Operations;
 use crate::graph::COMPOSED;
@@ -26,10 +26,10 @@ pub enum Processor {
 }
 
 impl Processor {
-    /// All of them.
+    /// All processors.
     pub const ALL: [Self; 2] = [Self::CortexM4f, Self::CortexM7];
 
-    /// As on the command line and in measurements.
+    /// Name on the command line and in measurements.
     pub fn name(self) -> &'static str {
         match self {
             Self::CortexM4f => "cortex-m4f",
@@ -37,8 +37,7 @@ impl Processor {
         }
     }
 
-    /// What a model takes; `None` where its shape is beyond what was measured or this program was compiled for, or its precision was not
-    /// measured.
+    /// Predicts the cost of a model; `None` if its shape is beyond those measured or compiled here, or if its precision was not measured.
     pub fn predict(self, model: &Model) -> Option<Prediction> {
         let shape = CostFactors::of(model)?;
         let mut fits: BTreeMap<String, BTreeMap<String, Fit>> = serde_json::from_str(FITS).ok()?;
@@ -60,10 +59,10 @@ impl Processor {
 
 const FITS: &str = include_str!("processors.json");
 
-/// What is fitted for models of a family on a processor: numbers by the names of what they stand before.
+/// Fit for models of a family on a processor: coefficients by the names of their features.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Fit {
-    /// Instructions of an operation.
+    /// Instructions per operation.
     pub instructions: Coefficients,
     /// Bytes of stack.
     pub stack: Coefficients,
@@ -74,7 +73,7 @@ pub struct Fit {
 /// Coefficients by name.
 pub type Coefficients = BTreeMap<String, f64>;
 
-/// What an evaluation takes.
+/// Cost of an evaluation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Taken {
     /// Instructions.
@@ -83,23 +82,22 @@ pub struct Taken {
     pub stack_bytes: u64,
 }
 
-/// What an image takes that loads a model and evaluates it, compiled for exactly its sizes at opt-level 2,
-/// loops rolled.
+/// Cost of an image that loads a model and evaluates it, compiled for exactly its sizes at opt-level 2 with rolled loops.
 #[derive(Clone, Debug, Serialize)]
 pub struct Prediction {
-    /// On which processor.
+    /// Name of the processor.
     pub processor: &'static str,
     /// An acceleration.
     pub acceleration: Taken,
-    /// A step of order 2, two updates of Newton's method by one Jacobian.
+    /// A step of order 2, with two Newton updates per Jacobian.
     pub step_order_2: Taken,
-    /// The same of order 4.
+    /// A step of order 4, with two Newton updates per Jacobian.
     pub step_order_4: Taken,
     /// Bytes of code with steps of order 2, or of order 4.
     pub code_bytes: [u64; 2],
 }
 
-/// What is measured of a model.
+/// Evaluations that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evaluation {
     /// An acceleration.
@@ -117,29 +115,29 @@ impl Evaluation {
         }
     }
 
-    /// Steps of both orders keep the same arrays.
+    /// Name of the kind: steps of both orders keep the same arrays.
     fn kind(self) -> &'static str {
         if self == Self::Acceleration { "acceleration" } else { "step" }
     }
 }
 
-/// What of a model its cost depends on.
+/// Features of a model that determine its cost.
 pub struct CostFactors {
-    /// inertia-network, modular, bodies or graph.
+    /// Name of the family: inertia-network, modular, bodies or graph.
     pub family: &'static str,
     evaluations: Evaluations,
     cost: Cost,
     coordinates: usize,
     /// Units of each hidden layer.
     widths: Vec<usize>,
-    /// Whether it has dry friction.
+    /// Whether the model has dry friction.
     dry: bool,
-    /// Whether a network moves an element: it keeps its units beside those of the potentials.
+    /// Whether a network moves an element: its units are then live beside those of the potentials.
     moved_by_network: bool,
 }
 
 impl CostFactors {
-    /// Of a model.
+    /// The features of a model; `None` if its cost cannot be predicted.
     pub fn of(model: &Model) -> Option<Self> {
         let architecture = &model.architecture;
         let (family, coordinates) = (architecture.name(), architecture.n());
@@ -165,7 +163,7 @@ impl CostFactors {
         }
     }
 
-    /// The evaluation itself: of graphs a step of order 4 is several of order 2.
+    /// The evaluation that is measured, and how many of it there are: for a graph a step of order 4 is several of order 2.
     fn once(&self, evaluation: Evaluation) -> (String, f64) {
         match evaluation {
             Evaluation::Step(4) if self.family == GRAPH => {
@@ -175,25 +173,25 @@ impl CostFactors {
         }
     }
 
-    /// What instructions are a sum over.
+    /// Features of the number of instructions.
     pub fn work(&self, evaluation: Evaluation) -> Coefficients {
         let energies =
             if self.family == BODIES { self.measured(evaluation.name()) } else { self.counted(evaluation) };
         energies.into_iter().chain(self.friction(evaluation.name())).collect()
     }
 
-    /// Of rigid bodies, which differ little but in their number: what was measured of so many.
+    /// The feature of rigid bodies, which differ little except in their number: a measurement for this number.
     fn measured(&self, name: &str) -> Coefficients {
         [(format!("{name}_of_{}", self.coordinates), 1.0)].into()
     }
 
-    /// Dry friction is the same beside any energies.
+    /// Features of dry friction, which costs the same for any energies.
     fn friction(&self, name: &str) -> Coefficients {
         let dry = f64::from(self.dry);
         [(format!("dry_{name}"), dry), (format!("dry_n_{name}"), dry * self.coordinates as f64)].into()
     }
 
-    /// Operations that were counted.
+    /// Counted operations.
     fn counted(&self, evaluation: Evaluation) -> Coefficients {
         let done = self.operations(evaluation);
         let [eights, fours, ones] = done.multiply_adds;
@@ -221,14 +219,14 @@ impl CostFactors {
         all.chain([self.once(evaluation), ("recorded".to_owned(), recorded)]).collect()
     }
 
-    /// Units of the layers that leave a tape to an adjoint: of the acceleration of a network of three coordinates or more.
+    /// Units of the layers that leave a tape for an adjoint: for the acceleration of a network of three or more coordinates.
     fn recorded(&self, evaluation: Evaluation) -> &[usize] {
         let by_adjoint =
             self.family == INERTIA_NETWORK && self.coordinates > 2 && evaluation == Evaluation::Acceleration;
         if by_adjoint { &self.widths } else { &[] }
     }
 
-    /// What stack is a sum over.
+    /// Features of the stack.
     pub fn stack(&self, evaluation: Evaluation) -> Coefficients {
         let energies =
             if self.family == BODIES { self.measured(evaluation.name()) } else { self.arrays(evaluation) };
@@ -243,13 +241,13 @@ impl CostFactors {
             Evaluation::Step(_) => step_order_4,
         };
         let (kind, n) = (evaluation.kind(), self.coordinates as f64);
-        // A tape of several layers is made beside its place.
+        // A tape of several layers is built beside its final place.
         let recorded = self.recorded(evaluation);
         let widest = recorded.iter().max().copied().filter(|_| recorded.len() > 1).unwrap_or(0);
         let common =
             [(format!("arrays_{kind}"), arrays.stack_bytes as f64), ("recorded".to_owned(), widest as f64)];
         if self.family == GRAPH {
-            // Whatever the order: its steps are the same.
+            // The order does not matter: steps of both orders are alike.
             return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();
         }
         let name = evaluation.name();
@@ -262,7 +260,7 @@ impl CostFactors {
         common.into_iter().chain(own).collect()
     }
 
-    /// What code is a sum over.
+    /// Features of the code size.
     pub fn code(&self, order: u8) -> Coefficients {
         let name = Evaluation::Step(order).name();
         let energies = if self.family == BODIES { self.measured(name) } else { self.functions(order) };

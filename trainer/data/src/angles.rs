@@ -1,22 +1,22 @@
-//! Angles that go on across the seam of a sensor that measures within one turn.
+//! Unwrapping of angles from sensors that measure within one turn.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::note::Note;
 use crate::{Dataset, Trajectory};
 
-/// What rounding and noise may add to a turn, rad.
+/// Tolerance for rounding and noise beyond one turn, rad.
 const SLACK: f64 = 1e-3;
 
 impl Dataset {
-    /// Takes out the seams of angles that are given within one turn, and tells of them.
+    /// Unwraps angles that are given within one turn; returns a note for each.
     ///
-    /// `letters` has one letter a coordinate: `t` translation, `a` angle, `c` cyclic. A seam is an interval over which an angle moves
-    /// by 2π, give or take a quarter turn, more than over the neighbouring intervals; whole turns are added from there on.
+    /// `letters` has one letter per coordinate: `t` translation, `a` angle, `c` cyclic. A seam is an interval over which an angle moves by
+    /// 2π, give or take a quarter turn, more than over the neighbouring intervals; from there on whole turns are added.
     ///
-    /// A cyclic coordinate may be an angle or a length. It is taken for an angle where it jumps so and the trajectory keeps to [−π, π]
-    /// or [0, 2π]: a length does not jump from one end of just that range to the other. Velocities and accelerations are neither
-    /// read nor changed.
+    /// A cyclic coordinate may be an angle or a length. It is taken as an angle if it has such jumps and the trajectory stays within [−π,
+    /// π] or [0, 2π]: a length does not jump from one end of just this range to the other. Velocities and accelerations are neither read
+    /// nor changed.
     #[must_use]
     pub fn unwrap_angles(&mut self, letters: &str) -> Vec<Note> {
         let columns = letters.chars().take(self.n).enumerate();
@@ -49,7 +49,7 @@ fn keeps_to_a_turn(trajectory: &Trajectory, coordinate: usize) -> bool {
     ranges.into_iter().any(within)
 }
 
-/// Makes a column go on across its seams, and counts them.
+/// Unwraps a column; returns the number of seams.
 fn unwrap(trajectory: &mut Trajectory, coordinate: usize) -> usize {
     let angles: Vec<f64> = trajectory.q.column(coordinate).collect();
     let seams = seams(&angles, TAU);
@@ -61,8 +61,8 @@ fn unwrap(trajectory: &mut Trajectory, coordinate: usize) -> usize {
     seams.iter().filter(|seam| **seam != 0).count()
 }
 
-/// Of every interval 1 or −1 where the values move by ±`turn`, give or take a quarter, more than over the neighbouring intervals; else
-/// 0.
+/// For every interval 1 or −1 if the values move by ±`turn`, give or take a quarter turn, more than over the neighbouring intervals;
+/// otherwise 0.
 pub(crate) fn seams(values: &[f64], turn: f64) -> Vec<i8> {
     let moves: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let seam = |k: usize| {
@@ -73,7 +73,7 @@ pub(crate) fn seams(values: &[f64], turn: f64) -> Vec<i8> {
     (0..moves.len()).map(|k| if seam(k) { moves[k].signum() as i8 } else { 0 }).collect()
 }
 
-/// The mean of the moves before and after `k`. Of a value that shakes about the seam, which jumps back at once, the jumps do not count.
+/// The mean of the moves before and after `k`. If a value flickers about the seam, its immediate jumps back do not count.
 fn expected(moves: &[f64], k: usize, turn: f64) -> f64 {
     let back = |other: f64| other.abs() > turn / 2.0 && other * moves[k] < 0.0;
     let neighbours = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|k| moves.get(k));

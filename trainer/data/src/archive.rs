@@ -1,4 +1,4 @@
-//! The arrays of an NPZ archive: looked at before they are unpacked, so that a small file cannot fill the memory.
+//! The arrays of an NPZ archive, checked before they are unpacked, so that a small file cannot fill the memory.
 
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -13,30 +13,30 @@ use crate::error::{Fault, Problem};
 use crate::npy_text;
 use crate::place::Place;
 
-/// NumPy refuses longer headers too: nothing honest needs them, and a parser can be drowned in them.
+/// Longest header, bytes. NumPy refuses longer ones, too: no honest file needs them, and they can overwhelm a parser.
 const LONGEST_HEADER: usize = 10_000;
 
-/// Bytes of an array before the text of its header, at most.
+/// Largest number of bytes in an array before the text of its header.
 const BEFORE_HEADER: usize = 12;
 
-/// Brackets within brackets in a header: a record type has three.
+/// Largest number of opening brackets in a header; a record type has three.
 const DEEPEST_HEADER: usize = 8;
 
-/// Numbers that are unpacked of one archive at most, as many as fill 8 GiB.
+/// Largest count of numbers unpacked from one archive: 8 GiB.
 const MOST: u64 = 1 << 30;
 
-/// Numbers that are unpacked of any archive: 64 MiB of them, …
+/// Count of numbers that may be unpacked from any archive: 64 MiB.
 const MOST_ANYWAY: u64 = 1 << 23;
 
-/// … and of a larger one for each of its bytes: motion does not compress to a hundredth.
+/// Further numbers per byte of the archive: motion does not compress to a hundredth.
 const MOST_PER_BYTE: u64 = 12;
 
-/// An archive whose arrays are unpacked as they are asked for.
+/// An archive whose arrays are unpacked on demand.
 pub(crate) struct Archive<'a> {
     zip: Zip<'a>,
-    /// The names of the arrays, in the order of the archive.
+    /// Names of the arrays, in the order of the archive.
     keys: Vec<String>,
-    /// Numbers that may still be unpacked.
+    /// Count of numbers that may still be unpacked.
     room: Cell<u64>,
     most: u64,
 }
@@ -49,7 +49,7 @@ impl<'a> Archive<'a> {
             return Err((Place::File, Problem::Empty));
         }
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
-        // The library keeps one entry of each name and says nothing of others.
+        // The library keeps one entry per name and does not report duplicates.
         if declared_entries(bytes).is_some_and(|declared| declared != zip.len()) {
             return Err((Place::File, Problem::Duplicate("an array".to_owned())));
         }
@@ -106,7 +106,7 @@ fn broken(error: zip::result::ZipError) -> Fault {
     (Place::File, Problem::NotNpz(error.to_string()))
 }
 
-/// The number of entries in the archive's last record, unless it is stored elsewhere for being too large.
+/// The number of entries according to the archive's end record; `None` if it is too large for this record.
 fn declared_entries(bytes: &[u8]) -> Option<usize> {
     let record = bytes.windows(4).rposition(|window| window == b"PK\x05\x06")?;
     let count = bytes.get(record + 10..record + 12)?;
@@ -119,21 +119,21 @@ pub(crate) struct Array<'a> {
     zip: Zip<'a>,
     index: usize,
     key: String,
-    /// Element type without its byte order, as `f8`.
+    /// Element type without its byte order, such as `f8`.
     kind: String,
     pub(crate) shape: Vec<usize>,
 }
 
 impl<'a> Array<'a> {
     fn new(zip: &Zip<'a>, index: usize, key: &str) -> Result<Self, Fault> {
-        // A reader of its own; what is known of the archive is shared.
+        // A reader of its own; the archive's directory is shared.
         let mut zip = zip.clone();
         let (kind, shape) =
             header(&mut zip, index).map_err(|problem| (Place::Key(key.to_owned()), problem))?;
         Ok(Self { zip, index, key: key.to_owned(), kind, shape })
     }
 
-    /// Of an array \[samples\] or \[samples, columns\]; `None` for another shape.
+    /// Numbers of samples and columns of an array \[samples\] or \[samples, columns\]; `None` for another shape.
     pub(crate) fn samples_and_columns(&self) -> Option<(usize, usize)> {
         match *self.shape.as_slice() {
             [samples] => Some((samples, 1)),
@@ -170,7 +170,7 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// The values, or the place of one that is not finite; a row has `stride` of them.
+    /// The values, or the place of the first that is not finite; a row has `stride` values.
     pub(crate) fn finite_reals(&self, stride: usize) -> Result<Vec<f64>, Fault> {
         let values = self.reals()?;
         match values.iter().position(|x| !x.is_finite()) {
@@ -192,7 +192,7 @@ impl<'a> Array<'a> {
     fn convert<T: ReadableElement + Copy, U>(&self, into: impl Fn(T) -> U) -> Result<Vec<U>, Fault> {
         let array = self.unpacked::<T>().map_err(|problem| self.fault(problem))?;
         if array.is_standard_layout() {
-            // In place, where elements of both types have one size.
+            // Collected in place if the elements of both types have the same size.
             return Ok(array.into_raw_vec_and_offset().0.into_iter().map(into).collect());
         }
         Ok(array.iter().map(|&x| into(x)).collect())
@@ -201,7 +201,7 @@ impl<'a> Array<'a> {
     fn unpacked<T: ReadableElement>(&self) -> Result<ArrayD<T>, Problem> {
         let mut zip = self.zip.clone();
         let file = zip.by_index(self.index).map_err(|error| Problem::NotNpz(error.to_string()))?;
-        // The byte beyond the end has the container compare its checksum.
+        // Reading one byte beyond the end makes the container compare its checksum.
         let size = file.size().saturating_add(1);
         ArrayD::read_npy(file.take(size)).map_err(|error| match error {
             ReadNpyError::Io(error) => Problem::NotNpz(error.to_string()),
@@ -210,7 +210,7 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Element type and shape, once they are known to fit the stated size.
+/// Element type and shape, checked against the stated size.
 fn header(zip: &mut Zip<'_>, index: usize) -> Result<(String, Vec<usize>), Problem> {
     let (size, start) = start(zip, index)?;
     let mut rest = start.as_slice();
@@ -219,7 +219,7 @@ fn header(zip: &mut Zip<'_>, index: usize) -> Result<(String, Vec<usize>), Probl
     fitting(header, data)
 }
 
-/// The size of an array, and its first bytes, among them the whole of a header that may be parsed.
+/// The size of an array, and its first bytes; these contain the whole header if it is short enough to be parsed.
 fn start(zip: &mut Zip<'_>, index: usize) -> Result<(u64, Vec<u8>), Problem> {
     let file = zip.by_index(index).map_err(|error| Problem::NotNpz(error.to_string()))?;
     let (size, mut start) = (file.size(), Vec::new());

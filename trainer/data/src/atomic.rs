@@ -1,27 +1,27 @@
-//! Files that are either the old or the new content, never half of each.
+//! Atomic writing: a file holds either the old or the new content, never half of each.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes `bytes` to `path`, replacing what was there in one step.
+/// Writes `bytes` to `path`, replacing an existing file in one step.
 ///
 /// # Errors
-/// As [`write_with`].
+/// See [`write_with`].
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_with(path, |file| file.write_all(bytes))
 }
 
-/// Lets `fill` write a new file and puts it at `path` in one step.
+/// Lets `fill` write a new file and moves it to `path` in one step.
 ///
-/// The content goes to a temporary file in the same folder, is flushed to the disk, renamed onto `path`, and the
-/// folder is flushed too: a crash, a full disk or an error of `fill` leaves the old content, and no temporary file
-/// (a killed process may leave one, named `.NAME.*.tmp`). A symbolic link stays a link; what it points to is
-/// replaced. A device or pipe (`/dev/stdout`) cannot be replaced and is written to directly.
+/// The content goes to a temporary file in the same folder, which is flushed to the disk and renamed to `path`; then the folder is flushed,
+/// too. A crash, a full disk or an error of `fill` leaves the old content and no temporary file (a killed process may leave one, named
+/// `.NAME.*.tmp`). A symbolic link is kept, and its target is replaced. A device or pipe (`/dev/stdout`) cannot be replaced and is written
+/// to directly.
 ///
 /// # Errors
-/// What the file system reports (no such folder, no permission, no space), or what `fill` returns.
+/// Errors of the file system (no such folder, no permission, no space), or the error of `fill`.
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let target = resolve(path);
     match fs::metadata(&target) {
@@ -31,7 +31,7 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -
     }
 }
 
-/// What to do about a file that could not be written, as a part of a sentence: "free some space".
+/// Remedy for a failure to write, as part of a sentence: "free some space".
 #[must_use]
 pub fn remedy(error: &io::Error) -> &'static str {
     use io::ErrorKind as Kind;
@@ -70,7 +70,7 @@ fn replace(target: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io:
     if let Some(permissions) = permissions_for(target) {
         builder.permissions(permissions);
     }
-    // The temporary name, which the error would give, means nothing to anybody.
+    // The error would show the temporary name, which means nothing to the user.
     let mut temporary = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
     fill(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
@@ -85,7 +85,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Those of the file that is replaced; else what any new file gets (temporary files are private by default).
+/// Permissions of the file that is replaced, or else those of any new file (temporary files are private by default).
 #[cfg(unix)]
 fn permissions_for(target: &Path) -> Option<Permissions> {
     use std::os::unix::fs::PermissionsExt;

@@ -1,4 +1,4 @@
-//! Files of what a program was doing: what they are, the content as postcard, and a checksum over both.
+//! Files with a signature, content as postcard, and a checksum over both; they hold the state of a program.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -10,10 +10,10 @@ use thiserror::Error;
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 
-/// Writes a file that begins with `magic`, in one step.
+/// Writes a file that begins with `magic`, atomically.
 ///
 /// # Errors
-/// Where the content cannot be put in order as bytes, and as [`crate::atomic::write`].
+/// An error if the content cannot be serialised; otherwise see [`crate::atomic::write`].
 pub fn write(file: &Path, magic: &[u8], content: &impl Serialize) -> io::Result<()> {
     let mut bytes = postcard::to_extend(content, magic.to_vec()).map_err(io::Error::other)?;
     let sum = CRC.checksum(&bytes);
@@ -21,18 +21,18 @@ pub fn write(file: &Path, magic: &[u8], content: &impl Serialize) -> io::Result<
     crate::atomic::write(file, &bytes)
 }
 
-/// A file that cannot be read.
+/// The reason why a file cannot be read.
 #[derive(Debug, Error)]
 pub enum ReadError {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("{}: {error}", file.display())]
     File {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// It begins otherwise, or was damaged.
+    /// The file has another signature or is damaged.
     #[error("{}: not an undamaged file of this version of leastaction", file.display())]
     Damaged {
         /// The file.
@@ -48,7 +48,7 @@ impl ReadError {
     }
 }
 
-/// The content of a file that begins with `magic`.
+/// Reads the content of a file that begins with `magic`.
 ///
 /// # Errors
 /// [`ReadError`].
@@ -57,14 +57,14 @@ pub fn read<T: DeserializeOwned>(file: &Path, magic: &[u8]) -> Result<T, ReadErr
     decode(&bytes, magic).ok_or_else(|| ReadError::Damaged { file: file.to_owned() })
 }
 
-/// The content of the bytes of such a file; `None` where they begin otherwise, or were damaged.
+/// Decodes the bytes of such a file; `None` if they begin differently or are damaged.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8], magic: &[u8]) -> Option<T> {
     let (body, sum) = bytes.split_last_chunk::<8>()?;
     let intact = CRC.checksum(body) == u64::from_le_bytes(*sum);
     postcard::from_bytes(body.strip_prefix(magic).filter(|_| intact)?).ok()
 }
 
-/// A fingerprint in the making: CRC-64/XZ, which tells one input from another by accident, not by malice.
+/// A fingerprint under construction: CRC-64/XZ, which tells inputs apart by accident, not by malice.
 pub struct Fingerprint(Digest<'static, u64, Table<16>>);
 
 impl Default for Fingerprint {
@@ -74,12 +74,12 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// Takes more of the input.
+    /// Adds more of the input.
     pub fn add(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 
-    /// That of all that was taken.
+    /// The checksum of all bytes added so far.
     #[must_use]
     pub fn finish(self) -> u64 {
         self.0.finalize()

@@ -1,4 +1,4 @@
-//! Columns of a log under names and in units of its own.
+//! Columns of a log with names and units of their own.
 
 use crate::error::{Fault, Problem};
 use crate::join::Widths;
@@ -7,13 +7,13 @@ use crate::table::Table;
 use crate::{Rows, positive};
 use std::f64::consts::TAU;
 
-/// One column of a log, and what makes its numbers SI: value = scale × number.
+/// A column of a log, with its conversion to SI units: value = scale × number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name in the header line of a `.csv` file, or the array of an `.npz` file; `name[i]` is column i of a two-dimensional
-    /// array, which without an index gives all of them. Of an `.mcap` file `topic/joint/position`, `velocity` or `effort`; time is `t`.
+    /// Name in the header line of a `.csv` file, or of the array in an `.npz` file, with `name[i]` for column i of a two-dimensional array;
+    /// without an index the array gives all its columns. In an `.mcap` file `topic/joint/position`, `velocity` or `effort`; time is `t`.
     pub name: String,
-    /// Finite and not 0; below 0 where the sign is to change.
+    /// Scale factor, finite and not 0; negative to reverse the sign.
     pub scale: f64,
 }
 
@@ -24,23 +24,22 @@ impl Column {
     }
 }
 
-/// Which columns of a log are t, q, v and u. All others are ignored.
+/// The columns of a log that are t, q, v and u. All other columns are ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
-    /// Time, to s.
+    /// Time, scaled to s.
     pub t: Column,
-    /// Generalised coordinates, to m or rad.
+    /// Generalised coordinates, scaled to m or rad.
     pub q: Vec<Column>,
-    /// Velocities, to m/s or rad/s; none where it is empty.
+    /// Velocities, scaled to m/s or rad/s; may be empty.
     pub v: Vec<Column>,
-    /// Forces of the drives, to N or N m; none where it is empty.
+    /// Drive forces, scaled to N or N m; may be empty.
     pub u: Vec<Column>,
-    /// B of B u, the generalised force: a row for every coordinate, in it an entry for every drive. Without it drive i acts on coordinate
-    /// i.
+    /// Actuation matrix B of the generalised force B u: a row per coordinate, an entry per drive. Without B drive i acts on coordinate i.
     pub actuation: Option<Vec<Vec<f64>>>,
 }
 
-/// Units of columns, with what one of them is in SI.
+/// Units of columns, with their size in SI.
 pub const UNITS: [(&str, f64); 14] = [
     ("s", 1.0),
     ("ms", 1e-3),
@@ -58,14 +57,14 @@ pub const UNITS: [(&str, f64); 14] = [
     ("Nm", 1.0),
 ];
 
-/// What one of a unit is in SI; `None` for an unknown one.
+/// Size of a unit in SI; `None` for an unknown unit.
 #[must_use]
 pub fn unit(name: &str) -> Option<f64> {
     UNITS.into_iter().find(|(known, _)| *known == name).map(|(_, scale)| scale)
 }
 
 impl Columns {
-    /// All but time: q, v, u.
+    /// The columns of q, v and u.
     pub(crate) fn wanted(&self) -> impl Iterator<Item = &Column> {
         self.q.iter().chain(&self.v).chain(&self.u)
     }
@@ -74,10 +73,10 @@ impl Columns {
         Widths { q: self.q.len(), v: self.v.len(), u: self.u.len() }
     }
 
-    /// Refuses what cannot be, before any file is opened.
+    /// Checks the columns for contradictions, before any file is opened.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A description of the problem.
     pub fn check(&self) -> Result<(), String> {
         let (n, drives) = (self.q.len(), self.u.len());
         if n == 0 {
@@ -104,7 +103,7 @@ impl Columns {
 }
 
 impl Table {
-    /// The same in SI units, where every name is that of one column.
+    /// Converts to SI units; here every name stands for one column.
     pub(crate) fn scaled(self, columns: &Columns) -> Self {
         let t = self.t.map(|t| t.into_iter().map(|t| t * columns.t.scale).collect());
         let q = scaled(&self.q, &columns.q);
@@ -113,7 +112,7 @@ impl Table {
         Self { t, q, v, u, ..self }
     }
 
-    /// The same with u as generalised forces.
+    /// Replaces u by generalised forces.
     pub(crate) fn driven(self, actuation: Option<&[Vec<f64>]>) -> Result<Self, Fault> {
         let n = self.q.width();
         if let Some(v) = self.v.as_ref().filter(|v| v.width() != n) {
@@ -128,13 +127,13 @@ fn inconsistent(name: &'static str, found: usize, expected: usize) -> Fault {
     (Place::File, Problem::Inconsistent { name, what: "columns", found, expected })
 }
 
-/// Every column by its own scale.
+/// Multiplies every column by its own scale.
 fn scaled(rows: &Rows, columns: &[Column]) -> Rows {
     let mut scales = columns.iter().map(|column| column.scale).cycle();
     rows.map(|x| x * scales.next().unwrap_or(1.0))
 }
 
-/// B u, or u itself where B is not given.
+/// B u, or u itself if B is not given.
 fn acting(u: Rows, actuation: Option<&[Vec<f64>]>, n: usize) -> Result<Rows, Fault> {
     let Some(actuation) = actuation else {
         return if u.width() == n { Ok(u) } else { Err(inconsistent("u", u.width(), n)) };

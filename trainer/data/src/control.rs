@@ -1,12 +1,12 @@
-//! What the control does between samples, as files and the command line say it.
+//! Names of control kinds, as used in files and on the command line.
 
 use leastaction_core::forces::ControlKind;
 
-/// Every kind with its name.
+/// All kinds with their names.
 pub const CONTROL_KINDS: [(&str, ControlKind); 2] =
     [("held", ControlKind::Held), ("linear", ControlKind::Linear)];
 
-/// The name of a kind.
+/// Returns the name of a kind.
 #[must_use]
 pub fn control_name(kind: ControlKind) -> &'static str {
     match kind {
@@ -15,7 +15,7 @@ pub fn control_name(kind: ControlKind) -> &'static str {
     }
 }
 
-/// The kind of a name.
+/// Returns the kind with this name; `None` if there is none.
 #[must_use]
 pub fn control_of_name(name: &str) -> Option<ControlKind> {
     CONTROL_KINDS.into_iter().find(|(known, _)| *known == name).map(|(_, kind)| kind)

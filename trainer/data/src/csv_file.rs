@@ -1,4 +1,4 @@
-//! CSV: one header line, one line for each sample.
+//! CSV files: one header line, then one line per sample.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -15,10 +15,10 @@ use leastaction_core::forces::ControlKind;
 
 const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
 
-/// The fields in the order of [`Header::fields`].
+/// Names of the fields, in the order of [`Header::fields`].
 const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
 
-/// The table of a file, whose columns are found by their names in this layout, or in one of the log's own.
+/// Reads the table of a file, with columns named as in this layout, or as `named` says.
 pub(crate) fn read(bytes: &[u8], named: Option<&Columns>) -> Result<Table, Fault> {
     let content = decoded(bytes)?;
     let known = |name: &[u8]| named.map_or_else(|| is_known(name), |named| is_named(name, named));
@@ -53,7 +53,7 @@ fn stated_control(text: &[u8]) -> Result<Option<ControlKind>, Fault> {
     control_of_name(value.trim_matches('"')).map(Some).ok_or((place, Problem::Control(value)))
 }
 
-/// The value of the first comment `# name = …` before the header line, and where it stands.
+/// The value and place of the first comment `# name = …` before the header line.
 fn stated(text: &[u8], name: &str) -> Option<(String, Place)> {
     let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
     let comments = lines.take_while(|(_, text)| text.starts_with(b"#") || text.trim_ascii().is_empty());
@@ -64,10 +64,10 @@ fn stated(text: &[u8], name: &str) -> Option<(String, Place)> {
     })
 }
 
-/// Where in a line each quantity stands.
+/// Positions of the quantities in a line.
 struct Header {
     names: Vec<String>,
-    /// For q, v, a and u the positions of coordinates 0 to n − 1; empty when the field is not there.
+    /// Positions of coordinates 0 to n − 1, for q, v, a and u; empty if the field is missing.
     fields: [Vec<usize>; 4],
     t: Option<usize>,
     trajectory: Option<usize>,
@@ -128,25 +128,25 @@ impl Header {
     }
 }
 
-/// Whether `name` is the letter of a field, alone or with a number.
+/// Whether `name` is the field's letter, alone or followed by a number.
 fn is_field(name: &str, field: &str) -> bool {
     name.strip_prefix(field).is_some_and(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Whether a column of this name means something here.
+/// Whether this layout has a column of this name.
 fn is_known(name: &[u8]) -> bool {
     let name = text(name);
     let field = FIELDS.into_iter().any(|field| is_field(&name, field));
     field || name == "t" || name == "trajectory" || name.starts_with('_')
 }
 
-/// Whether a configuration names a column so.
+/// Whether `columns` names this column.
 fn is_named(name: &[u8], columns: &Columns) -> bool {
     let all = [std::slice::from_ref(&columns.t), &columns.q, &columns.v, &columns.u];
     all.into_iter().flatten().any(|column| column.name.as_bytes() == name)
 }
 
-/// Refuses a column that stands twice, as columns with `_` may.
+/// Refuses duplicate columns, except those that begin with `_`.
 fn refuse_duplicates(names: &[String]) -> Result<(), Problem> {
     let mut seen = HashSet::new();
     let named = names.iter().filter(|name| !name.is_empty() && !name.starts_with('_'));
@@ -156,7 +156,7 @@ fn refuse_duplicates(names: &[String]) -> Result<(), Problem> {
     }
 }
 
-/// The positions of `field`0 to `field`{n−1}, or none of them.
+/// The positions of `field`0 to `field`{n−1}; empty if there are none.
 fn field_columns(names: &[String], field: &'static str, n: usize) -> Result<Vec<usize>, Problem> {
     let given = names.iter().filter(|name| is_field(name, field)).count();
     if given == 0 {
@@ -175,7 +175,7 @@ fn field_columns(names: &[String], field: &'static str, n: usize) -> Result<Vec<
     (0..n).map(one).collect()
 }
 
-/// The position of the column of a name.
+/// The position of the column with this name.
 fn position(names: &[String], name: &str) -> Option<usize> {
     names.iter().position(|other| other == name)
 }
@@ -273,7 +273,7 @@ pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {
     Ok(out.into_bytes())
 }
 
-/// `{:?}` prints the fewest digits that give the same bits back.
+/// Appends text; `{:?}` prints the fewest digits that restore the same bits.
 fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
     // Writing to a string does not fail.
     let _ = out.write_fmt(text);

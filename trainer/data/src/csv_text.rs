@@ -1,4 +1,4 @@
-//! The text of a CSV file: its encoding, what separates its cells, and how its numbers are written.
+//! The text of a CSV file: its encoding, its separator, and the notation of its numbers.
 
 use std::borrow::Cow;
 
@@ -7,10 +7,10 @@ use csv::{ByteRecord, Error, Reader, ReaderBuilder, Trim};
 use crate::error::{Fault, Problem};
 use crate::place::Place;
 
-/// What may separate cells; of those that fit equally well the last is taken.
+/// Possible separators; of equally good ones the last is taken.
 const SEPARATORS: [u8; 3] = [b'\t', b';', b','];
 
-/// The file as UTF-8, without a byte order mark. UTF-16, which some spreadsheets write, is known by its mark.
+/// Decodes a file to UTF-8 without a byte order mark. UTF-16, which some spreadsheets write, is recognised by its mark.
 pub(crate) fn decoded(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
     let text = match bytes {
         [0xEF, 0xBB, 0xBF, text @ ..] => Cow::Borrowed(text),
@@ -34,7 +34,7 @@ fn not_text(reason: &'static str) -> Fault {
     (Place::File, Problem::NotText(reason))
 }
 
-/// The lines that are no comments, as cells.
+/// Reads the lines that are not comments as cells.
 pub(crate) fn reader(text: &[u8], separator: u8) -> Reader<&[u8]> {
     ReaderBuilder::new()
         .delimiter(separator)
@@ -45,7 +45,7 @@ pub(crate) fn reader(text: &[u8], separator: u8) -> Reader<&[u8]> {
         .from_reader(text)
 }
 
-/// What separates the cells: that which makes the most of the header line's cells names by `known`.
+/// The separator with which the most cells of the header line are `known` names.
 pub(crate) fn separator(text: &[u8], known: impl Fn(&[u8]) -> bool) -> u8 {
     let names = |separator: &u8| {
         let header: Option<Result<ByteRecord, Error>> = reader(text, *separator).byte_records().next();
@@ -54,19 +54,19 @@ pub(crate) fn separator(text: &[u8], known: impl Fn(&[u8]) -> bool) -> u8 {
     SEPARATORS.into_iter().max_by_key(names).unwrap_or(b',')
 }
 
-/// Numbers with decimal points or decimal commas, as long as it is clear which.
+/// Parser of numbers with decimal points or decimal commas, as long as the file is unambiguous.
 #[derive(Default)]
 pub(crate) struct Numbers {
     /// Whether a number had a point.
     points: bool,
-    /// The first number with a comma, and where.
+    /// The first number with a comma, and its place.
     comma: Option<(Place, String)>,
-    /// Whether a comma stood where none that separates thousands can.
+    /// Whether a comma occurred that cannot separate thousands.
     decimal: bool,
 }
 
 impl Numbers {
-    /// The finite number in a cell.
+    /// Reads the finite number in a cell.
     pub(crate) fn read(&mut self, cell: String, place: impl Fn() -> Place) -> Result<f64, Problem> {
         self.points |= cell.contains('.');
         let value = match cell.split_once(',') {
@@ -84,7 +84,7 @@ impl Numbers {
         }
     }
 
-    /// Refuses commas that may separate thousands.
+    /// Refuses commas that could separate thousands.
     pub(crate) fn check(self) -> Result<(), Fault> {
         match self.comma {
             Some((place, cell)) if self.points || !self.decimal => Err((place, Problem::Comma(cell))),
@@ -93,7 +93,7 @@ impl Numbers {
     }
 }
 
-/// Whether a comma between these may separate thousands, as in 1,500.
+/// Whether a comma between these parts could separate thousands, as in 1,500.
 fn may_be_thousands(whole: &str, rest: &str) -> bool {
     let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
     let whole = whole.trim_start_matches(['+', '-']);
@@ -104,7 +104,7 @@ fn may_be_thousands(whole: &str, rest: &str) -> bool {
         && digits(rest)
 }
 
-/// What the reader of cells says, at its line.
+/// An error of the CSV reader, with its line.
 pub(crate) fn broken(error: csv::Error) -> Fault {
     let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
     (place, Problem::NotCsv(error.to_string()))

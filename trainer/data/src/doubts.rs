@@ -1,69 +1,69 @@
-//! What a log can hardly mean: mixed-up units, numbers that stand for none.
+//! Doubts about a log: mixed-up units, placeholder numbers.
 
 use std::fmt;
 
 use crate::angles::seams;
 use crate::{Dataset, Rows, Trajectory};
 
-/// A position, velocity, acceleration or force above this is none, in SI units: from there on squares and differences have no digits
-/// left in single precision.
+/// Largest plausible position, velocity, acceleration or force, in SI units: beyond it squares and differences lose all digits in single
+/// precision.
 const LARGEST: f64 = 1e12;
 
-/// Steps of mechanisms are within these, s.
+/// Plausible steps of a mechanism, s.
 const STEPS: std::ops::Range<f64> = 1e-6..1.0;
 
-/// Mechanisms do not move faster, m/s or rad/s.
+/// Largest plausible speed, m/s or rad/s.
 const FASTEST: f64 = 1e6;
 
-/// Velocities and the differences of positions may disagree by this factor, as those of undersampled motion do.
+/// Largest ratio between velocities and differences of positions that is accepted, as undersampled motion has it.
 const DISAGREEMENT: f64 = 5.0;
 
-/// Velocities and differences of positions have one shape where their squared correlation is above this.
+/// Squared correlation above which velocities and differences of positions have the same shape.
 const ALIKE: f64 = 0.8;
 
-/// A reason to look at a log before anything is learned from it or judged by it.
+/// A reason to inspect a log before anything is learned from it or judged by it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
-    /// A number that is too large to be one.
+    /// An implausibly large number.
     Value {
         /// q, v, a or u.
         field: &'static str,
-        /// From 0.
+        /// Coordinate, from 0.
         coordinate: usize,
         /// Id of the trajectory.
         trajectory: i64,
-        /// In the trajectory, from 0.
+        /// Sample in the trajectory, from 0.
         sample: usize,
         /// The number.
         value: f64,
     },
-    /// A step that is hardly one of a mechanism (s).
+    /// An implausible step (s).
     Step(f64),
-    /// Positions too far apart for neighbours.
+    /// Consecutive positions that are too far apart.
     Leap {
-        /// From 0.
+        /// Coordinate, from 0.
         coordinate: usize,
         /// Id of the trajectory.
         trajectory: i64,
-        /// The later of both, in the trajectory, from 0.
+        /// Later of the two samples in the trajectory, from 0.
         sample: usize,
-        /// Of the motion between them (m/s, rad/s).
+        /// Speed between them (m/s, rad/s).
         speed: f64,
     },
-    /// Velocities that are not the differences of positions.
+    /// Velocities that differ from the differences of positions.
     Velocity {
-        /// From 0.
+        /// Coordinate, from 0.
         coordinate: usize,
-        /// By which they are larger.
+        /// Ratio of velocities to differences.
         factor: f64,
     },
     /// An angle that jumps by 360.
     Degrees {
-        /// From 0.
+        /// Coordinate, from 0.
         coordinate: usize,
         /// Id of the trajectory.
         trajectory: i64,
-        /// After the jump, in the trajectory, from 0.
+        /// First sample after the jump in the trajectory, from 0.
         sample: usize,
     },
 }
@@ -108,7 +108,7 @@ fn readable(factor: f64) -> String {
     }
 }
 
-/// What makes velocities wrong by a factor.
+/// Question about the cause of velocities that are wrong by this factor.
 fn hint(factor: f64) -> &'static str {
     let near = |other: f64| (factor.max(1.0 / factor) / other - 1.0).abs() < 0.15;
     if near(1000.0) {
@@ -121,18 +121,18 @@ fn hint(factor: f64) -> &'static str {
 }
 
 impl Dataset {
-    /// What the log can hardly mean: one doubt of a kind, of values one of a field. `letters` has one letter a coordinate, as of [`Dataset::unwrap_angles`],
-    /// which should come first.
+    /// Doubts about the log: at most one of each kind, and one value per field. `letters` has one letter per coordinate, as in
+    /// [`Dataset::unwrap_angles`], which should be called first.
     #[must_use]
     pub fn doubts(&self, letters: &str) -> Vec<Doubt> {
         let fields = (0..4).filter_map(|field| self.trajectories.iter().find_map(|t| too_large(t, field)));
         let values: Vec<Doubt> = fields.collect();
         if values.iter().any(|value| matches!(value, Doubt::Value { field: "q", .. })) {
-            // Nothing can be computed with it.
+            // No further check can be computed with such a position.
             return values;
         }
         let step = (!STEPS.contains(&self.h)).then_some(Doubt::Step(self.h));
-        // Of a wrong step everything leaps.
+        // With a wrong step every position leaps.
         let mut trajectories = self.trajectories.iter().filter(|_| step.is_none());
         let leap = trajectories.find_map(|trajectory| leap(trajectory, self.h));
         let velocity = (0..self.n).find_map(|i| self.velocity(i));
@@ -142,7 +142,7 @@ impl Dataset {
         values.into_iter().chain([step, leap, velocity, degrees].into_iter().flatten()).collect()
     }
 
-    /// Compares velocities with central differences of positions: those of one shape and another size differ by units.
+    /// Compares velocities with central differences of positions: a difference in units shows as the same shape with another size.
     fn velocity(&self, coordinate: usize) -> Option<Doubt> {
         let (mut of_both, mut of_differences, mut of_velocities) = (0.0, 0.0, 0.0);
         for trajectory in &self.trajectories {
@@ -161,7 +161,7 @@ impl Dataset {
     }
 }
 
-/// The first number of a field, q, v, a or u, that is too large.
+/// The first implausibly large number of field number `field` of q, v, a, u.
 fn too_large(trajectory: &Trajectory, field: usize) -> Option<Doubt> {
     let (field, rows) = trajectory.fields().into_iter().nth(field)?;
     let rows = rows?;

@@ -1,4 +1,4 @@
-//! What can be wrong with a file of logged motion, and where.
+//! Errors in a file of logged motion, with their place.
 
 use std::io;
 use std::path::PathBuf;
@@ -12,120 +12,120 @@ use thiserror::Error;
 pub struct DataError {
     /// The file.
     pub file: PathBuf,
-    /// Where in the file.
+    /// Place in the file.
     pub place: Place,
-    /// What is wrong there.
+    /// Problem at this place.
     pub problem: Problem,
 }
 
-/// What is wrong. The message says what to do about it.
+/// Problem in a file. The message says what to do about it.
 #[derive(Debug, Error)]
 pub enum Problem {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// Neither `.npz`, `.csv` nor `.mcap`.
+    /// A file that is neither `.npz`, `.csv` nor `.mcap`.
     #[error("unknown kind of file; name it .npz, .csv or .mcap")]
     Extension,
     /// A file to be written that is neither `.npz` nor `.csv`.
     #[error("logs are not written to files of this kind; name it .npz or .csv")]
     NotWritten,
-    /// A `.mcap` file without names of columns.
+    /// An `.mcap` file without column names.
     #[error(
         "which joints are the coordinates? Name them under [data.columns]; `leastaction look` lists them and writes a configuration"
     )]
     Unnamed,
-    /// Not a readable MCAP file.
+    /// An unreadable MCAP file.
     #[error(
         "not a readable .mcap file: {0}; what is sound of a recording that was cut off can be saved by `mcap recover`"
     )]
     NotMcap(String),
-    /// A chunk of an MCAP file that claims to unpack to too much.
+    /// A chunk of an MCAP file that states too large an unpacked size.
     #[error(
         "a chunk says that it unpacks to {bytes} bytes; at most {most} are read: write the file with smaller chunks"
     )]
     LargeChunk {
-        /// As it says.
+        /// Stated size.
         bytes: u64,
-        /// That are read.
+        /// Limit.
         most: u64,
     },
-    /// An MCAP file that unpacks to more than an honest one of its size.
+    /// An MCAP file that unpacks to more than is plausible for its size.
     #[error(
         "its chunks unpack to {bytes} bytes up to here, more than the {most} that are read of a file of its size"
     )]
     Unpacked {
-        /// Up to here.
+        /// Unpacked size so far.
         bytes: u64,
-        /// That are read.
+        /// Limit.
         most: u64,
     },
-    /// A chunk of an MCAP file that is compressed in a way that is not known here.
+    /// A chunk of an MCAP file with an unknown compression.
     #[error("a chunk is compressed by {0:?}; zstd, lz4 and none are read: `mcap compress` writes them")]
     Compression(String),
-    /// A message that is not what its schema says.
+    /// A message that does not match its schema.
     #[error("not a sensor_msgs/JointState in CDR: {0}")]
     NotJointState(&'static str),
-    /// An MCAP file without what is read of one.
+    /// An MCAP file without joint states.
     #[error("no messages of sensor_msgs/JointState in CDR, as ROS 2 writes them; the file has {}", list(.0))]
     NoJointStates(Vec<String>),
-    /// A message that has some of the joints of its topic that are wanted.
+    /// A message with only some of the wanted joints of its topic.
     #[error(
         "{0} is missing, though other columns of this topic are there; name joints that are sent together"
     )]
     MissingJoint(String),
-    /// A time of recording beyond those that are known.
+    /// A time of recording out of range.
     #[error("it was recorded {0} ns after 1970, which no clock says")]
     BadTime(u64),
-    /// A file whose partner has another name than the configuration says.
+    /// A file whose name lacks the text to be replaced for a join.
     #[error("{part:?} is not in its name, so that nothing says which file {name:?} is; see [data.join]")]
     NoPartner {
-        /// What is to be replaced in the name.
+        /// Text to be replaced in the name.
         part: String,
-        /// Of the join.
+        /// Name of the join.
         name: String,
     },
-    /// A file named under leave_out that is not read.
+    /// A file named under leave_out that is not among those read.
     #[error("leave_out under [data] names it, but the path of none of the {0} files that are read ends so")]
     NoSuchLog(usize),
-    /// A log whose samples are all in intervals to leave out.
+    /// A log whose samples are all left out.
     #[error("no samples are left outside the intervals of leave_out under [data]; 3 in a row are needed")]
     AllLeftOut,
-    /// Clocks of one recording that never ran together.
+    /// Clocks of one recording that do not overlap.
     #[error(
         "of {samples} samples of the coordinates {shared} lie where all other columns have some too; do the stamps of all of them \
          come from one clock?"
     )]
     NoOverlap {
-        /// Of the coordinates.
+        /// Samples of the coordinates.
         samples: usize,
-        /// Where everything is there.
+        /// Samples for which all columns have data.
         shared: usize,
     },
-    /// Not a readable zip archive.
+    /// An unreadable zip archive.
     #[error("not a readable .npz file ({0}); write it again, with numpy.savez(path, q=..., t=...)")]
     NotNpz(String),
-    /// Not a readable array.
+    /// An unreadable array.
     #[error("not a readable array ({0}); write it again, as plain numbers")]
     NotNpy(String),
-    /// An archive that unpacks to more than an honest one of its size.
+    /// An archive that unpacks to more than is plausible for its size.
     #[error(
         "with this array the file holds more than the {most} numbers that are read of one of its size; if it is sound, write it with \
          numpy.savez, which does not compress, or leave samples out"
     )]
     TooLarge {
-        /// Of this array.
+        /// Numbers in this array.
         numbers: u64,
-        /// Of all arrays that are read together.
+        /// Limit for all arrays that are read together.
         most: u64,
     },
-    /// An element type that is not a real number.
+    /// An element type other than real numbers.
     #[error("elements are of type {0}; store float64, float32 or integers")]
     ElementType(String),
-    /// Broken CSV.
+    /// Malformed CSV.
     #[error("{0}; write comma-separated values with one header line")]
     NotCsv(String),
-    /// A CSV file that is no text.
+    /// A CSV file that is not text.
     #[error("not readable as text ({0}); save it as UTF-8")]
     NotText(&'static str),
     /// No sample at all.
@@ -134,115 +134,115 @@ pub enum Problem {
     /// No positions.
     #[error("no positions; {0} is needed")]
     MissingPositions(&'static str),
-    /// Nothing says how far the samples are apart.
+    /// No indication of the time between samples.
     #[error("no time; give the stamps t or the step h ({0})")]
     MissingTime(&'static str),
-    /// An array of the layout that is not there.
+    /// A missing array of the layout.
     #[error("{0} is missing")]
     MissingKey(&'static str),
-    /// A column between others that is not there.
+    /// A missing column of a field.
     #[error("column {column} is missing; {field} needs {n} columns, {field}0 to {field}{}", n - 1)]
     MissingColumn {
-        /// The missing name.
+        /// Name of the missing column.
         column: String,
-        /// Its letter: q, v, a or u.
+        /// Letter of the field: q, v, a or u.
         field: &'static str,
-        /// How many columns the letter needs.
+        /// Number of columns that the field needs.
         n: usize,
     },
-    /// A name outside the layout.
+    /// A name that is not in the layout.
     #[error(
         "{name:?} is not a known name; known are {known}; rename it, or put _ before it to have it ignored"
     )]
     UnknownName {
-        /// The name as it stands.
+        /// Name in the file.
         name: String,
-        /// The names of the layout.
+        /// Names of the layout.
         known: &'static str,
     },
-    /// A column that the configuration names and the file does not have.
+    /// A column that the configuration names but the file lacks.
     #[error("there is no column {name:?}; the file has {}", list(known))]
     NoColumn {
-        /// As configured.
+        /// Configured name.
         name: String,
-        /// Of the file.
+        /// Names in the file.
         known: Vec<String>,
     },
-    /// An array without such a column.
+    /// A column index beyond the columns of an array.
     #[error("there is no column {index}; it has {found}, counted from 0")]
     NoIndex {
-        /// As configured.
+        /// Configured index.
         index: usize,
         /// Columns of the array.
         found: usize,
     },
-    /// Files of different steps that are to be read as one log.
+    /// Files with different steps that are to be read as one log.
     #[error("the step is {found} s where {} has {expected} s; name one for all of them: step under [data]", first.display())]
     OtherStep {
-        /// Of this file (s).
+        /// Step of this file (s).
         found: f64,
-        /// Of the first one (s).
+        /// Step of the first file (s).
         expected: f64,
         /// The first file.
         first: PathBuf,
     },
-    /// Files of different numbers of coordinates that are to be read as one log.
+    /// Files with different numbers of coordinates that are to be read as one log.
     #[error("there are {found} coordinates where {} has {expected}", first.display())]
     OtherCoordinates {
-        /// Of this file.
+        /// Coordinates in this file.
         found: usize,
-        /// Of the first one.
+        /// Coordinates in the first file.
         expected: usize,
         /// The first file.
         first: PathBuf,
     },
-    /// Files that say different things of the control.
+    /// Files that disagree on the control.
     #[error("u is {found} between samples where {} has it {expected}; say control under [data]", first.display())]
     OtherControl {
-        /// Of this file.
+        /// Control kind of this file.
         found: &'static str,
-        /// Of the first one.
+        /// Control kind of the first file.
         expected: &'static str,
         /// The first file.
         first: PathBuf,
     },
-    /// A pattern that no file matches.
+    /// A pattern that matches no file.
     #[error("no file is called so")]
     NoFile,
-    /// A pattern that is none.
+    /// An invalid pattern.
     #[error("not a pattern of file names: {0}")]
     Pattern(String),
-    /// A name that stands twice.
+    /// A duplicate name.
     #[error("{0} stands twice; remove one")]
     Duplicate(String),
-    /// An array of the wrong shape.
+    /// An array with the wrong shape.
     #[error("shape {found:?} where {expected} is needed")]
     Shape {
-        /// Of the array.
+        /// Shape of the array.
         found: Vec<usize>,
-        /// In words.
+        /// Expected shape, in words.
         expected: String,
     },
     /// A line with too few or too many cells.
     #[error("{found} cells where the header names {expected} columns")]
     CellCount {
-        /// In the line.
+        /// Cells in the line.
         found: usize,
-        /// In the header.
+        /// Columns in the header.
         expected: usize,
     },
-    /// Twice as many cells as columns, as decimal commas make of a line that commas separate.
+    /// Twice as many cells as columns, as in a line with both decimal and separating commas.
     #[error(
         "{found} cells where the header names {expected} columns; if they are decimal commas, write points, or separate the columns by \
          semicolons"
     )]
     CommaSeparates {
-        /// In the line.
+        /// Cells in the line.
         found: usize,
-        /// In the header.
+        /// Columns in the header.
         expected: usize,
     },
-    /// Text that is no number.
+    /// Text that is not a number.
     #[error("{0:?} is not a number; write 1.5 or -2e-3")]
     NotNumber(String),
     /// A number whose comma may be a decimal comma or separate thousands.
@@ -250,18 +250,18 @@ pub enum Problem {
         "the comma of {0:?} may be a decimal one or separate thousands; write decimal points and no thousands separators"
     )]
     Comma(String),
-    /// A number that is no whole one, as a trajectory's id must be.
+    /// A number that is not an integer, as a trajectory's id must be.
     #[error("{0} is not a whole number that fits 64 bits")]
     NotInteger(String),
     /// An array that should be one string.
     #[error("elements of type {kind} in shape {shape:?}; store one string")]
     NotString {
-        /// Of its elements.
+        /// Type of the elements.
         kind: String,
-        /// Of the array.
+        /// Shape of the array.
         shape: Vec<usize>,
     },
-    /// A word that is no kind of control.
+    /// A word that is not a kind of control.
     #[error("{0:?} is not what u does between samples; write \"held\" or \"linear\", or leave control out")]
     Control(String),
     /// NaN or infinite.
@@ -275,55 +275,55 @@ pub enum Problem {
         /// Stamp at this place (s).
         after: f64,
     },
-    /// An interval that is not the step nor a multiple of it.
+    /// An interval that is neither the step nor a multiple of it.
     #[error("an interval of {found} s where the step is {expected} s; resample to one step")]
     ChangingStep {
-        /// Since the sample before (s).
+        /// Time since the previous sample (s).
         found: f64,
-        /// Everywhere else (s).
+        /// Step elsewhere (s).
         expected: f64,
     },
     /// Stamps that contradict the stated step.
     #[error("h is {stated} s but the stamps t are {measured} s apart; remove the wrong one")]
     StepMismatch {
-        /// As written (s).
+        /// Stated step (s).
         stated: f64,
         /// Median interval (s).
         measured: f64,
     },
-    /// Stamps whose rounding hides the step.
+    /// Stamps whose rounding is too coarse for the step.
     #[error(
         "the stamps are rounded by {rounding} s, too much for a step of {h} s; let t start near 0, in float64"
     )]
     CoarseTime {
-        /// What two stamps may be off (s).
+        /// Rounding error of the difference of two stamps (s).
         rounding: f64,
-        /// The step (s).
+        /// Step (s).
         h: f64,
     },
     /// A step that is not a positive number.
     #[error("the step h is {0} s; it must be positive and finite")]
     BadStep(f64),
-    /// A step to resample onto that is far below the interval between samples.
+    /// A resampling step far below the interval between samples.
     #[error("a step of {h} s is less than a tenth of the {median:.3e} s between samples; name a longer one")]
     FineStep {
-        /// As wanted (s).
+        /// Requested step (s).
         h: f64,
-        /// Of the intervals (s).
+        /// Median interval (s).
         median: f64,
     },
-    /// A trajectory the discrete Euler-Lagrange equation cannot use.
+    /// A trajectory that is too short for the discrete Euler–Lagrange equation.
     #[error("trajectory {id} has {samples} samples; at least 3 are needed")]
     TooShort {
-        /// Of the trajectory.
+        /// Id of the trajectory.
         id: i64,
-        /// It has.
+        /// Number of its samples.
         samples: usize,
     },
-    /// A trajectory whose samples do not stand together.
+    /// A trajectory whose samples are not contiguous.
     #[error("trajectory {0} was left and comes again; keep its samples together, or number it anew")]
     Scattered(i64),
-    /// Two trajectories of one id, side by side in memory.
+    /// Two trajectories in memory with the same id.
     #[error("trajectory {0} is there twice; number the trajectories differently")]
     SameId(i64),
     /// Trajectories in memory that disagree.
@@ -331,38 +331,38 @@ pub enum Problem {
     Inconsistent {
         /// q, v, a or u.
         name: &'static str,
-        /// Columns or samples.
+        /// "columns", "samples" or "rows".
         what: &'static str,
-        /// There are.
+        /// Actual number.
         found: usize,
-        /// There should be.
+        /// Expected number.
         expected: usize,
     },
-    /// v, a or u in some trajectories only.
+    /// A field v, a or u that only some trajectories have.
     #[error("{0} is given for some trajectories only; give it for all or none")]
     Partial(&'static str),
-    /// A control the layout has no room for.
+    /// A nonzero control that the layout cannot store.
     #[error("u is not 0 at coordinate {0}; this layout stores the control of the actuated coordinate only")]
     SecondControl(usize),
-    /// A control of a kind that the layout does not have.
+    /// A kind of control that the layout cannot store.
     #[error(
         "u is held between samples; this layout stores a control that is linear between them, or constant"
     )]
     HeldControl,
-    /// An actuated coordinate that does not exist.
+    /// An actuated coordinate out of range.
     #[error("coordinate {index} cannot be the actuated one of {n}; it is counted from 0")]
     BadActuated {
-        /// As given.
+        /// Given index.
         index: usize,
         /// Number of coordinates.
         n: usize,
     },
 }
 
-/// A problem and its place, before the file is known.
+/// A problem with its place, before the file is known.
 pub(crate) type Fault = (Place, Problem);
 
-/// Names, the first dozen of many.
+/// A list of names, cut after the first dozen.
 fn list(names: &[String]) -> String {
     const MOST: usize = 12;
     let shown = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");

@@ -1,9 +1,9 @@
-//! The intervals between samples.
+//! Intervals between samples.
 
-/// An interval of more median ones than this is a gap.
+/// Ratio to the median interval above which an interval is a gap.
 pub(crate) const GAP: f64 = 2.5;
 
-/// Intervals above 0, in rising order.
+/// Positive intervals in ascending order.
 pub(crate) struct Intervals {
     sorted: Vec<f64>,
     pub(crate) median: f64,
@@ -11,7 +11,7 @@ pub(crate) struct Intervals {
 }
 
 impl Intervals {
-    /// `None` where there is no interval.
+    /// Collects intervals; `None` if there are none.
     pub(crate) fn of(intervals: impl Iterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = intervals.collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -19,22 +19,22 @@ impl Intervals {
         Some(Self { sorted, median, shortest })
     }
 
-    /// How many.
+    /// Number of intervals.
     pub(crate) fn count(&self) -> usize {
         self.sorted.len()
     }
 
-    /// Those that are no gaps; at least one.
+    /// The intervals that are not gaps; at least one.
     pub(crate) fn steps(&self) -> &[f64] {
         self.up_to(GAP * self.median)
     }
 
-    /// Those up to a limit.
+    /// The intervals up to a limit.
     pub(crate) fn up_to(&self, limit: f64) -> &[f64] {
         &self.sorted[..self.sorted.partition_point(|interval| *interval <= limit)]
     }
 
-    /// The mean step between samples, of which an interval around twice the median has two.
+    /// The mean step between samples; an interval of about twice the median counts as two steps.
     pub(crate) fn mean_step(&self) -> f64 {
         let of_one = |(span, steps): (f64, f64), interval: &f64| {
             (span + interval, steps + (interval / self.median).round().max(1.0))

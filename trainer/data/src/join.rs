@@ -1,7 +1,7 @@
-//! Columns of different clocks in one table, which has the stamps of the first coordinate's.
+//! Joining of columns with different clocks into one table with the stamps of the first coordinate's clock.
 //!
-//! Of another clock positions, velocities and linear controls are taken from the straight lines between its samples, held controls are averaged
-//! from one stamp of the table to the next. Where the other clock has a gap, or has not begun or has ended, the table has none either.
+//! From another clock, positions, velocities and linear controls are interpolated linearly, and held controls are averaged from one stamp
+//! of the table to the next. Samples of the table within a gap of the other clock, or outside its time span, are left out.
 
 use crate::columns::Column;
 use crate::error::{Fault, Problem};
@@ -14,22 +14,22 @@ use crate::{MIN_SAMPLES, Rows};
 use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 
-/// Columns, each with its place among all of q, v and u.
+/// Columns, each with its index among all columns of q, v and u.
 pub(crate) type Wanted = Vec<(usize, Column)>;
 
-/// Columns of one clock.
+/// Columns with a common clock.
 pub(crate) struct Part {
     /// Stamps, s.
     pub t: Vec<f64>,
-    /// In SI units.
+    /// Values in SI units.
     pub values: Rows,
     pub wanted: Wanted,
     pub origin: Origin,
-    /// What u does between samples, by the file.
+    /// Control kind that the file states.
     pub control: Option<ControlKind>,
 }
 
-/// How many columns are q, v and u.
+/// Numbers of columns of q, v and u.
 #[derive(Clone, Copy)]
 pub(crate) struct Widths {
     pub q: usize,
@@ -43,7 +43,7 @@ impl Widths {
     }
 }
 
-/// One table of all parts; the first one has the first coordinate.
+/// Joins all parts into one table; the first part has the first coordinate.
 pub(crate) fn joined(
     parts: Vec<Part>,
     widths: Widths,
@@ -60,7 +60,7 @@ pub(crate) fn joined(
     whole.table()
 }
 
-/// The table in the making: every sample of the first clock, and which of them all clocks have.
+/// The table under construction: all samples of the first clock, and which of them all clocks cover.
 struct Whole {
     widths: Widths,
     t: Vec<f64>,
@@ -91,7 +91,7 @@ impl Whole {
         }
     }
 
-    /// Brings a part onto the stamps of the table.
+    /// Resamples a part at the stamps of the table.
     fn add(&mut self, part: Part, control: ControlKind) -> Result<(), Fault> {
         if !self.joined {
             self.only_rising()?;
@@ -117,7 +117,7 @@ impl Whole {
         Ok(())
     }
 
-    /// Until when what acts at a stamp acts: until the next, or as long as there is no gap.
+    /// End of the time over which the values at a stamp act: the next stamp, but not beyond a gap.
     fn ends(&self) -> Vec<f64> {
         let end = |(k, now): (usize, &f64)| match self.t.get(k + 1) {
             Some(next) => next.min(now + GAP * self.median),
@@ -126,7 +126,7 @@ impl Whole {
         self.t.iter().enumerate().map(end).collect()
     }
 
-    /// Leaves samples out that have the stamp of the one before; where time goes back is an error.
+    /// Drops samples with the same stamp as the one before; an error if time goes back.
     fn only_rising(&mut self) -> Result<(), Fault> {
         self.joined = true;
         let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
@@ -163,7 +163,7 @@ impl Whole {
 }
 
 impl Part {
-    /// Its stamps and the rows they belong to, of equal ones the first.
+    /// Stamps, and the rows they belong to; of equal stamps the first.
     fn rising(&self) -> Result<(Vec<f64>, Vec<usize>), Fault> {
         let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
         let too_few = || (Place::File, Problem::NoOverlap { samples: t.len(), shared: 0 });
@@ -176,7 +176,7 @@ fn median(t: &[f64]) -> f64 {
     Intervals::of(intervals).map_or(0.0, |intervals| intervals.median)
 }
 
-/// Whether a clock says something of this time: in an interval that is no gap, or, where its values are held, soon after its last one.
+/// Whether a clock has data at a time: within an interval that is no gap or, for held values, soon after its last stamp.
 fn covers(t: &[f64], now: f64, longest: f64, held: bool) -> bool {
     let after = t.partition_point(|stamp| *stamp <= now);
     let Some(before) = after.checked_sub(1).and_then(|before| t.get(before)) else { return false };
@@ -200,7 +200,7 @@ mod tests {
         }
     }
 
-    /// q of `t`, and u of another clock.
+    /// A table with q on stamps `t`, and u on another clock.
     fn with_control(t: &[f64], of_u: &[f64], u: &[f64], control: ControlKind) -> Result<Table, Fault> {
         let widths = Widths { q: 1, v: 0, u: 1 };
         joined(vec![part(t, t, 0), part(of_u, u, 1)], widths, Some(control)).map(|(table, _)| table)

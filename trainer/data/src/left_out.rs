@@ -1,4 +1,4 @@
-//! Logs without the samples of some intervals of time.
+//! Removal of time intervals from logs.
 
 use crate::error::{Fault, Problem};
 use crate::note::Note;
@@ -7,8 +7,8 @@ use crate::table::Table;
 use crate::{MIN_SAMPLES, Rows};
 
 impl Table {
-    /// The same without the samples whose stamps are in closed intervals (s). What follows such a one is another trajectory; a piece of
-    /// fewer than 3 samples is left out as well.
+    /// Removes the samples whose stamps are in closed intervals (s). Samples after such an interval form another trajectory; pieces of
+    /// fewer than 3 samples are removed as well.
     pub(crate) fn without(self, intervals: &[(f64, f64)]) -> Result<(Self, Vec<Note>), Fault> {
         self.check_finite()?;
         let (mut rows, mut ids, mut notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -46,7 +46,7 @@ impl Table {
         Ok((self.selected(&rows, ids), notes))
     }
 
-    /// The stamp of a row; counted from the first of its trajectory where the file has a step alone (s).
+    /// The stamp of a row (s); counted from the first row of its trajectory if the file only has a step.
     pub(crate) fn stamp(&self, row: usize, first: usize) -> f64 {
         match (&self.t, &self.h) {
             (Some(t), _) => t.get(row).copied().unwrap_or_default(),

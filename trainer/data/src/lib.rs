@@ -1,4 +1,4 @@
-//! Logged motion: trajectories in memory, in `.npz`, `.csv` and `.mcap` files.
+//! Logged motion: trajectories in memory and in `.npz`, `.csv` and `.mcap` files.
 //!
 //! | name | `.npz` array | `.csv` columns | unit |
 //! |---|---|---|---|
@@ -11,39 +11,40 @@
 //! | `trajectory` | \[samples\], integer | `trajectory` | |
 //! | `control` | `"held"` or `"linear"`, optional | comment line `# control = held` above the header | |
 //!
-//! One of `t` and `h` is needed; both are written. Without `trajectory` the file is one trajectory. For n = 1 arrays may be
-//! one-dimensional and the columns be named `q`, `v`, `a`, `u`. Arrays are of any real element type, byte order and memory
-//! order, compressed or not; an archive is read as long as it unpacks to no more than 2²³ numbers and 12 for each of its bytes, 2³⁰ at
-//! most. CSV files have one header line; lines beginning with `#` are comments. Cells are separated by commas,
-//! semicolons or tabs, whichever makes names of the header line; a decimal comma is read where nothing in the file speaks for one
-//! that separates thousands. The text is UTF-8, or UTF-16 with a byte order mark. A name that begins with
-//! `_` is ignored; any other name is an error, so that a misspelt one is not lost in silence.
+//! One of `t` and `h` is needed; both are written. Without `trajectory` the file is a single trajectory. For n = 1 arrays may be
+//! one-dimensional, and columns may be named `q`, `v`, `a`, `u`. Arrays may have any real element type, byte order and memory order,
+//! compressed or not; an archive may unpack to 2²³ numbers plus 12 for each of its bytes, but to no more than 2³⁰. CSV files have one
+//! header line; lines beginning with `#` are comments. Cells are separated by commas, semicolons or tabs, whichever makes names of the
+//! header line; decimal commas are read unless something in the file suggests that they separate thousands. The text is UTF-8, or UTF-16
+//! with a byte order mark. A name that begins with `_` is ignored; any other unknown name is an error, so that a misspelt one is not
+//! silently lost.
 //!
-//! **Bags of ROS 2** (`.mcap`, `sensor_msgs/JointState`) are read by names of columns alone: `topic/joint/position`, `velocity` or `effort`, at the
-//! stamps of their messages, in s from the first one. Columns of several topics, or of several files of one recording ([`Join`]), are joined: the
-//! samples are those of the first coordinate; of other clocks positions, velocities and linear controls are taken from straight lines, held
-//! controls averaged from sample to sample; samples where another clock has a gap, or does not run, are left out.
+//! **Bags of ROS 2** (`.mcap`, `sensor_msgs/JointState`) are read only by names of columns: `topic/joint/position`, `velocity` or `effort`,
+//! at the stamps of their messages, in s from the first message. Columns of several topics, or of several files of one recording
+//! ([`Join`]), are joined: the samples are those of the first coordinate; from other clocks positions, velocities and linear controls are
+//! interpolated linearly, and held controls are averaged from sample to sample; samples are left out if another clock has a gap there, or
+//! does not run.
 //!
-//! **Columns of other names and units** are read by a [`Reading`] that names them ([`Columns`]); all others are then ignored. [`read_logs`] makes
-//! one log of several files. Both resample uneven stamps, and all stamps where a step is named: the new samples of a stretch without gaps
-//! lie at t₀, t₀ + h, …; positions, velocities and accelerations go along straight lines between samples, a held control is averaged over the
-//! step in which it acts, a linear one goes along straight lines. An interval of more than 2.5 steps and 2.5 median intervals is a gap;
-//! of samples with one stamp the first is kept. The default step is the shortest decimal number within half a percent of the mean one.
+//! **Columns with other names and units** are read through a [`Reading`] that names them ([`Columns`]); all other columns are then ignored.
+//! [`read_logs`] makes one log of several files. Both resample uneven stamps, and all stamps if a step is given: the new samples of a
+//! stretch without gaps lie at t₀, t₀ + h, …; positions, velocities and accelerations are interpolated linearly, a held control is averaged
+//! over the step in which it acts, a linear one is interpolated. An interval of more than 2.5 steps and 2.5 median intervals is a gap; of
+//! samples with the same stamp the first is kept. The default step is the shortest decimal number within half a percent of the mean step.
 //!
-//! **Control.** `control` says what u does between samples. `held`: u_k acts from t_k to t_{k+1}, as a controller's output does; the
-//! last u of a trajectory is then unused. `linear`: u goes along a straight line from u_k to u_{k+1}, as a sensor of the force sees
-//! it. A file need not say it; then what reads the file decides, and takes it for held where nothing else is said.
+//! **Control.** `control` states the behaviour of u between samples. `held`: u_k acts from t_k to t_{k+1}, as a controller's output does;
+//! the last u of a trajectory is then unused. `linear`: u is linear from u_k to u_{k+1}, as a force sensor sees it. A file need not state
+//! it; the reader then decides, and takes it as held by default.
 //!
-//! **Time.** Samples are uniform. A stated `h` is exact. Else the step is the mean of the intervals that agree with
-//! the median one, taken as the shortest decimal number the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of the stamps, which
-//! is 4 ε max|t|, at most h/4, with ε = 2⁻²⁴ when all of them are single-precision numbers (or printed ones), else 2⁻⁵³.
+//! **Time.** Samples are uniform. A stated `h` is exact. Otherwise the step is the mean of the intervals that agree with the median one,
+//! taken as the shortest decimal number that the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of
+//! the stamps, which is 4 ε max|t|, at most h/4, with ε = 2⁻²⁴ if all stamps are single-precision numbers (or printed ones), else 2⁻⁵³.
 //!
-//! **Gaps.** An interval of a whole multiple of h is a gap: the trajectory is split there, what follows it gets a fresh id
-//! above all others, a piece of fewer than 3 samples is left out, and a [`Note`] tells of both. Three equal
-//! such intervals in a row are no gaps but another step, which is an error.
+//! **Gaps.** An interval of several times h is a gap: the trajectory is split there, its continuation gets a fresh id above all others, a
+//! piece of fewer than 3 samples is left out, and a [`Note`] reports both. Three equal such intervals in a row are not gaps but another
+//! step, which is an error.
 //!
-//! **Angles** may be given within one turn, as encoders give them, in [−π, π] or [0, 2π] or any other. A file does not say which
-//! coordinates are angles, so [`read`] leaves them as they are; who knows, takes the seams out by [`Dataset::unwrap_angles`].
+//! **Angles** may be given within one turn, as encoders give them, in [−π, π], [0, 2π] or any other range. A file does not say which
+//! coordinates are angles, so [`read`] leaves them as they are; [`Dataset::unwrap_angles`] removes the seams.
 
 mod angles;
 mod archive;
@@ -93,7 +94,7 @@ use error::Fault;
 use leastaction_core::forces::ControlKind;
 use source::{Format, Source, format_of};
 
-/// The fewest samples of a trajectory: one discrete Euler-Lagrange equation.
+/// Least number of samples in a trajectory: one discrete Euler–Lagrange equation.
 pub const MIN_SAMPLES: usize = 3;
 
 /// One uninterrupted, uniformly sampled motion.
@@ -109,7 +110,7 @@ pub struct Trajectory {
     pub v: Option<Rows>,
     /// Accelerations (m/s², rad/s²).
     pub a: Option<Rows>,
-    /// Controls as generalised forces (N, N·m). Where they are held, the last row is unused: nothing follows on it.
+    /// Controls as generalised forces (N, N·m). If they are held, the last row is unused: no step follows it.
     pub u: Option<Rows>,
 }
 
@@ -120,7 +121,7 @@ impl Trajectory {
         self.q.len()
     }
 
-    /// Some consecutive samples of one that is sampled every h (s); those beyond the last are left out.
+    /// Consecutive samples of a trajectory with step h (s); samples beyond the last are left out.
     #[must_use]
     pub fn part(&self, samples: Range<usize>, h: f64) -> Self {
         let rows: Vec<usize> = samples.clone().collect();
@@ -135,7 +136,7 @@ impl Trajectory {
         }
     }
 
-    /// The fields under their names in files.
+    /// Fields with their names in files.
     fn fields(&self) -> [(&'static str, Option<&Rows>); 4] {
         [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())]
     }
@@ -169,7 +170,7 @@ pub struct Dataset {
     pub n: usize,
     /// Time between samples (s).
     pub h: f64,
-    /// What u does between samples, where the file says it.
+    /// Control kind, if the file states it.
     pub control: Option<ControlKind>,
     /// The motions, in the order of the file.
     pub trajectories: Vec<Trajectory>,
@@ -189,13 +190,13 @@ impl Dataset {
         self.trajectories.iter().any(forced)
     }
 
-    /// What u does between samples: it is held where nothing says otherwise.
+    /// The control kind; held unless stated otherwise.
     #[must_use]
     pub fn control_kind(&self) -> ControlKind {
         self.control.unwrap_or_default()
     }
 
-    /// The sample whose u acts at the end of the step from sample `k`: between, u is linear.
+    /// The sample whose u acts at the end of the step from sample `k`; u is linear in between.
     #[must_use]
     pub fn control_end(&self, k: usize) -> usize {
         match self.control_kind() {
@@ -204,17 +205,17 @@ impl Dataset {
         }
     }
 
-    /// Whether u changes during any trajectory, so that it matters what it does between samples.
+    /// Whether u changes during any trajectory, so that its behaviour between samples matters.
     #[must_use]
     pub fn control_changes(&self) -> bool {
         let changes = |u: &Rows| u.iter().skip(1).any(|row| u.iter().next() != Some(row));
         self.trajectories.iter().any(|t| t.u.as_ref().is_some_and(changes))
     }
 
-    /// Has u do this between samples.
+    /// Sets the control kind.
     ///
     /// # Errors
-    /// What it does by the file, where that is another thing and u changes.
+    /// The control kind of the file, if it differs and u changes.
     pub fn set_control(&mut self, kind: ControlKind) -> Result<(), ControlKind> {
         match self.control {
             Some(stated) if stated != kind && self.control_changes() => Err(stated),
@@ -225,7 +226,7 @@ impl Dataset {
         }
     }
 
-    /// The first `k` trajectories, or all when there are fewer.
+    /// The first `k` trajectories, or all if there are fewer.
     #[must_use]
     pub fn truncated(&self, k: usize) -> Self {
         self.split(k).0
@@ -248,7 +249,7 @@ impl Dataset {
         Self { trajectories, ..*self }
     }
 
-    /// Refuses what [`read`] would refuse.
+    /// Refuses a data set that [`read`] would refuse.
     fn check(&self) -> Result<(), Fault> {
         positive(self.h).map_err(|problem| (Place::File, problem))?;
         if self.trajectories.is_empty() {
@@ -281,7 +282,7 @@ fn positive(h: f64) -> Result<(), Problem> {
     if h.is_finite() && h > 0.0 { Ok(()) } else { Err(Problem::BadStep(h)) }
 }
 
-/// Reads a log, by its extension `.npz` or `.csv`, with notes on what was decided about gaps.
+/// Reads a log in the format of its extension, `.npz` or `.csv`, with notes on the handling of gaps.
 ///
 /// # Errors
 /// [`DataError`] with the file, the place in it and the problem.
@@ -290,19 +291,19 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
     located(path, || Source::open(path)?.table()?.into_dataset())
 }
 
-/// As [`read`], of the content of a file; `path` tells the format and stands in errors.
+/// Reads a log as [`read`] does, from the content of a file; `path` gives the format and appears in errors.
 ///
 /// # Errors
-/// As [`read`].
+/// See [`read`].
 pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
     located(path, || Source::of(format_of(path)?, bytes).table()?.into_dataset())
 }
 
-/// As [`read_as`], of the content of a file; `path` tells the format and stands in errors. Nothing is joined from other files.
+/// Reads a log as [`read_as`] does, from the content of a file; `path` gives the format and appears in errors. No other files are joined.
 ///
 /// # Errors
-/// As [`read_as`].
+/// See [`read_as`].
 pub fn decode_as(
     path: impl AsRef<Path>,
     bytes: &[u8],
@@ -312,9 +313,9 @@ pub fn decode_as(
     located(path, || logs::even(Source::of(format_of(path)?, bytes), reading, path))
 }
 
-/// Writes a data set, by the extension `.npz` or `.csv`; the file is replaced in one step or not at all.
+/// Writes a data set in the format of the extension, `.npz` or `.csv`; the file is replaced atomically.
 ///
-/// Numbers are written so that [`read`] gives the same bits.
+/// [`read`] restores the same bits.
 ///
 /// # Errors
 /// [`DataError`]; also for a data set that [`read`] would refuse.

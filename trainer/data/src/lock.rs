@@ -1,24 +1,24 @@
-//! Folders that one process at a time writes to.
+//! Locks on folders that only one process at a time may write to.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The file that is locked. It stays in the folder when the lock is gone: whoever removes it while another process is about to
-/// lock it lets in a third.
+/// Name of the locked file. The file stays in the folder after the lock is released: removing it while another process is about to lock it
+/// would let in a third.
 pub const FILE: &str = ".lock";
 
-/// The right to write to a folder; gone with the value, and with the process however it ends.
+/// The right to write to a folder; released when dropped, and when the process ends in any way.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,
 }
 
 impl Lock {
-    /// Makes the folder where there is none, and locks it. On a disk that has no locks nothing is locked.
+    /// Creates the folder if needed, and locks it. On a file system without locks nothing is locked.
     ///
     /// # Errors
-    /// [`io::ErrorKind::ResourceBusy`] where another process has the lock; else what the file system reports.
+    /// [`io::ErrorKind::ResourceBusy`] if another process has the lock; otherwise the error of the file system.
     pub fn new(folder: &Path) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let file = File::options().write(true).create(true).truncate(false).open(file(folder))?;

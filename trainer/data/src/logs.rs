@@ -1,4 +1,4 @@
-//! Several files as one log, read as a configuration says.
+//! Reading of several files as one log, according to a configuration.
 
 use crate::columns::{Column, Columns};
 use crate::error::{Fault, Problem};
@@ -11,25 +11,25 @@ use crate::{DataError, Dataset, control_name, located};
 use leastaction_core::forces::ControlKind;
 use std::path::{Path, PathBuf};
 
-/// How files become one log.
+/// Settings for reading files as one log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// Names and units of the columns, where they are not those of this layout.
+    /// Names and units of the columns, if they differ from this layout.
     pub columns: Option<Columns>,
-    /// The step (s) that all samples are resampled onto; else that of the files, or one near their median interval where it is uneven.
+    /// Step (s) onto which all samples are resampled; by default that of the files or, for uneven stamps, one near their mean interval.
     pub step: Option<f64>,
-    /// What u does between samples, where a file does not say it.
+    /// Control kind for files that do not state it.
     pub control: Option<ControlKind>,
-    /// Further files of each recording; needs names of columns.
+    /// Further files of each recording; they need named columns.
     pub joins: Vec<Join>,
-    /// Intervals that are left out, as gaps are.
+    /// Time intervals that are left out, like gaps.
     pub leave_out: Vec<LeftOut>,
 }
 
-/// An interval of time that is left out.
+/// A time interval that is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Of the file whose path ends so; of every file where there is none.
+    /// End of the path of the file that it applies to; `None`: all files.
     pub file: Option<PathBuf>,
     /// First stamp that is left out (s).
     pub from: f64,
@@ -38,7 +38,7 @@ pub struct LeftOut {
 }
 
 impl Reading {
-    /// Refuses intervals of a file that is none of these.
+    /// Refuses intervals for a file that is not among `files`.
     ///
     /// # Errors
     /// [`Problem::NoSuchLog`].
@@ -54,28 +54,28 @@ impl Reading {
         }
     }
 
-    /// The intervals that a file is without (s).
+    /// The intervals that are left out of a file (s).
     fn left_out(&self, path: &Path) -> Vec<(f64, f64)> {
         let of_file = |left: &&LeftOut| left.file.as_ref().is_none_or(|file| path.ends_with(file));
         self.leave_out.iter().filter(of_file).map(|left| (left.from, left.to)).collect()
     }
 }
 
-/// Another file of the same recording, whose columns are named with what it is called before them: `torque:tau1`.
+/// Another file of the same recording; its columns are named with a prefix, as in `torque:tau1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Join {
-    /// What it is called.
+    /// Prefix of its columns.
     pub name: String,
-    /// Its path is that of the file of the coordinates with the last such text …
+    /// Text whose last occurrence in the path of the coordinates' file is replaced.
     pub replace: String,
-    /// … replaced by this.
+    /// Replacement that gives the path of this file.
     pub by: String,
-    /// Its time, of the same clock, to s.
+    /// Time column, of the same clock, scaled to s.
     pub t: Column,
 }
 
 impl Join {
-    /// The file that belongs to one of coordinates.
+    /// The path of the file that belongs to the coordinates' file at `path`.
     fn partner(&self, path: &Path) -> Result<PathBuf, Fault> {
         let text = path.to_string_lossy();
         let no = || Problem::NoPartner { part: self.replace.clone(), name: self.name.clone() };
@@ -86,16 +86,17 @@ impl Join {
         Ok(PathBuf::from(partner))
     }
 
-    /// The name of a column in the file, where it is of this file.
+    /// The column's name within this file, if the column belongs to it.
     fn strip<'n>(&self, name: &'n str) -> Option<&'n str> {
         name.strip_prefix(&self.name)?.strip_prefix(':')
     }
 }
 
-/// The files that patterns name, those of each in the order of their names: `*` and `?` stand for any characters, `**` for folders.
+/// The files that match the patterns, in the order of the patterns and then of their names: `*` and `?` stand for any characters, `**` for
+/// folders.
 ///
 /// # Errors
-/// [`DataError`] where a pattern is none, or no file is called so.
+/// [`DataError`] if a pattern is invalid or matches no file.
 pub fn files(patterns: &[PathBuf]) -> Result<Vec<PathBuf>, DataError> {
     let mut all = Vec::new();
     for pattern in patterns {
@@ -107,7 +108,7 @@ pub fn files(patterns: &[PathBuf]) -> Result<Vec<PathBuf>, DataError> {
 
 fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
     let text = pattern.to_string_lossy();
-    // A file may be called as a pattern is.
+    // A file name may look like a pattern.
     if pattern.exists() || !text.contains(['*', '?', '[']) {
         return Ok(vec![pattern.to_owned()]);
     }
@@ -117,10 +118,10 @@ fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
     if found.is_empty() { Err((Place::File, Problem::NoFile)) } else { Ok(found) }
 }
 
-/// Reads files as one log; their trajectories are numbered anew where there are several files. Each note has its file.
+/// Reads files as one log; if there are several, their trajectories are renumbered. Each note comes with its file.
 ///
 /// # Errors
-/// [`DataError`] with the file, the place in it and the problem; also where files differ in step or in coordinates.
+/// [`DataError`] with the file, the place in it and the problem; also if files differ in step, coordinates or control.
 pub fn read_logs(files: &[PathBuf], reading: &Reading) -> Result<(Dataset, Vec<(PathBuf, Note)>), DataError> {
     let mut all: Option<Dataset> = None;
     let mut notes = Vec::new();
@@ -143,7 +144,7 @@ pub fn read_logs(files: &[PathBuf], reading: &Reading) -> Result<(Dataset, Vec<(
     Ok((all, notes))
 }
 
-/// Refuses to join what does not belong together.
+/// Refuses to combine logs that do not match.
 fn alike(all: &Dataset, log: &Dataset, first: &Path) -> Result<(), Fault> {
     let first = first.to_owned();
     let problem = if all.n != log.n {
@@ -159,7 +160,7 @@ fn alike(all: &Dataset, log: &Dataset, first: &Path) -> Result<(), Fault> {
     Err((Place::File, problem))
 }
 
-/// Reads one file, and those that are joined to it.
+/// Reads a file and the files that are joined to it.
 ///
 /// # Errors
 /// [`DataError`] with the file, the place in it and the problem.
@@ -173,7 +174,7 @@ pub fn read_as(path: &Path, reading: &Reading) -> Result<(Dataset, Vec<Note>), D
     }
 }
 
-/// A log of one file.
+/// The log of a single file.
 pub(crate) fn even(
     source: Source<'_>,
     reading: &Reading,
@@ -186,7 +187,7 @@ pub(crate) fn even(
     finished(table, notes, reading, path)
 }
 
-/// A log of a table.
+/// The log of a table.
 fn finished(
     table: Table,
     mut notes: Vec<Note>,
@@ -197,7 +198,7 @@ fn finished(
         Some(columns) => table.driven(columns.actuation.as_deref())?,
         None => table,
     };
-    // What a file says of itself goes before; that it contradicts the configuration is said by who knows both.
+    // A file's own statement has precedence; the caller, who knows both, reports a contradiction to the configuration.
     table.control = table.control.or(reading.control);
     let left_out = reading.left_out(path);
     if !left_out.is_empty() {
@@ -210,7 +211,7 @@ fn finished(
     Ok((log, notes))
 }
 
-/// The files of one recording in one table.
+/// Joins the files of one recording into one table.
 fn joined_files(path: &Path, columns: &Columns, reading: &Reading) -> Result<(Table, Vec<Note>), DataError> {
     let joins = &reading.joins;
     let (mut of_path, mut of_joins): (Wanted, Vec<Wanted>) = (Vec::new(), vec![Vec::new(); joins.len()]);
@@ -237,14 +238,14 @@ fn joined_files(path: &Path, columns: &Columns, reading: &Reading) -> Result<(Ta
     for (join, wanted) in joins.iter().zip(of_joins) {
         read(&located(path, || join.partner(path))?, &join.t, wanted)?;
     }
-    // The clock is that of the first coordinate.
+    // The first coordinate gives the clock.
     parts.sort_by_key(|part| part.wanted.first().map_or(usize::MAX, |(index, _)| *index));
     let (table, more) = located(path, || joined(parts, columns.widths(), reading.control))?;
     notes.extend(more);
     Ok((table, notes))
 }
 
-/// Columns of one file.
+/// The wanted columns of one file.
 fn part(
     file: &Path,
     t: &Column,

@@ -1,4 +1,4 @@
-//! The samples of a file at their own stamps, for those who bring them onto a step by a rule of their own.
+//! The samples of a file at their own stamps, for callers with a resampling rule of their own.
 
 use crate::columns::Columns;
 use crate::error::{Fault, Problem};
@@ -9,7 +9,7 @@ use crate::table::Table;
 use crate::{DataError, Rows, located};
 use std::path::Path;
 
-/// What a file logged, in SI units: stamps rise, and of samples with one stamp the first is kept.
+/// Logged data in SI units; stamps increase, and of samples with the same stamp the first is kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// Stamps (s).
@@ -18,12 +18,12 @@ pub struct Measured {
     pub q: Rows,
     /// Velocities (m/s, rad/s).
     pub v: Option<Rows>,
-    /// Forces of the drives, one column each, however many (N, N m).
+    /// Drive forces, one column per drive (N, N m).
     pub u: Option<Rows>,
 }
 
 impl Measured {
-    /// A field of these samples at rising times (s), along straight lines between stamps; before the first and after the last it stays.
+    /// Interpolates a field linearly at increasing times (s); constant before the first stamp and after the last.
     #[must_use]
     pub fn straight(&self, field: &Rows, at: &[f64]) -> Rows {
         if self.t.len() < 2 {
@@ -34,7 +34,7 @@ impl Measured {
     }
 }
 
-/// Reads the columns of a file as they are: nothing is resampled, split at gaps or made a generalised force.
+/// Reads the columns of a file as they are: without resampling, splitting at gaps, or conversion to generalised forces.
 ///
 /// # Errors
 /// [`DataError`] with the file, the place in it and the problem.

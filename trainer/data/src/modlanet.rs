@@ -1,9 +1,8 @@
 //! The layout of the ModLaNet authors' data sets (Lu et al., ICML 2022).
 //!
-//! One `.npz` file of two parts, without trajectories' numbers: `x`, `v`, `ac`: \[rows, n\], positions, velocities and
-//! accelerations; `t`, `E`: \[rows, 1\] or \[rows\], time since the start of the trajectory (s) and total energy (J), both
-//! optional; and the same under `test_x` … . Any real element type is read, float64 written. Other arrays are ignored and not
-//! written.
+//! One `.npz` file of two parts, without trajectory numbers: `x`, `v`, `ac`: \[rows, n\], positions, velocities and accelerations; `t`,
+//! `E`: \[rows, 1\] or \[rows\], time since the start of the trajectory (s) and total energy (J), both optional; and the same under
+//! `test_x` … . Any real element type is read, float64 is written. Other arrays are ignored and not written.
 
 use std::fs;
 use std::ops::Range;
@@ -15,7 +14,7 @@ use crate::npz::Writer;
 use crate::place::Place;
 use crate::{Dataset, Rows, Trajectory, expect, finite, located, store};
 
-/// Rows of whole trajectories, one after the other.
+/// Rows of whole trajectories, one trajectory after another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModlanetRows {
     /// Positions, \[rows\]\[n\] (m, rad).
@@ -33,9 +32,9 @@ pub struct ModlanetRows {
 /// The two parts of a data set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModlanetSet {
-    /// To learn from.
+    /// Training data.
     pub train: ModlanetRows,
-    /// To judge by: whole trajectories that `train` has nothing of.
+    /// Test data: whole trajectories, none of them in `train`.
     pub test: ModlanetRows,
 }
 
@@ -54,7 +53,7 @@ const TEST: Keys = Keys { x: "test_x", v: "test_v", ac: "test_ac", t: "test_t", 
 /// Reads a data set.
 ///
 /// # Errors
-/// [`DataError`] with the file, key and row: for an array that is missing, of another shape than it should be, or not finite.
+/// [`DataError`] with the file, key and row, for an array that is missing, of the wrong shape, or not finite.
 pub fn read(path: impl AsRef<Path>) -> Result<ModlanetSet, DataError> {
     let path = path.as_ref();
     located(path, || {
@@ -66,7 +65,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<ModlanetSet, DataError> {
     })
 }
 
-/// Writes the layout; the file is replaced in one step or not at all.
+/// Writes the layout; the file is replaced atomically.
 ///
 /// # Errors
 /// [`DataError`]; also for a set that [`read`] would refuse.
@@ -138,10 +137,8 @@ fn add_part(writer: &mut Writer, keys: &Keys, part: &ModlanetRows) -> Result<(),
 }
 
 impl ModlanetRows {
-    /// The samples of trajectories that have v and a, with the energy of each as `energy` gives it from (q, v), noise
-    /// included.
-    ///
-    /// `None` where v or a is missing, or there is no sample.
+    /// The samples of trajectories with v and a, noise included; `energy` computes the energy of each from (q, v).
+    /// `None` if v or a is missing, or if there are no samples.
     #[must_use]
     pub fn from_dataset(data: &Dataset, energy: impl Fn(&[f64], &[f64]) -> f64) -> Option<Self> {
         let joined = |field: fn(&Trajectory) -> Option<&Rows>| {
@@ -157,8 +154,8 @@ impl ModlanetRows {
         Some(Self { q, v, a, t: Some(t), energy: Some(energy) })
     }
 
-    /// The rows that trajectories begin with: the first, and each whose time is not after that before it. Without times, the
-    /// first alone.
+    /// The rows at which trajectories begin: the first, and every row whose time is not after that of the row before. Without times, only
+    /// the first.
     #[must_use]
     pub fn starts(&self) -> Vec<usize> {
         let pairs = self.t.iter().flat_map(|t| t.windows(2)).zip(1..);
@@ -181,7 +178,7 @@ impl ModlanetRows {
         }
     }
 
-    /// Mean squared acceleration, over rows and coordinates: the loss of a model that always says 0.
+    /// Mean squared acceleration over rows and coordinates: the loss of a model that always predicts 0.
     #[must_use]
     pub fn mean_squared_acceleration(&self) -> f64 {
         let a = self.a.as_flat();

@@ -1,59 +1,59 @@
-//! What a reader decided about a log that it accepted.
+//! Notes of a reader on a log that it accepted.
 
 use crate::place::Place;
 use std::fmt;
 
-/// Something the reader decided about a log that it accepted. Tell the user.
+/// A decision of the reader about a log that it accepted; to be shown to the user.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Note {
-    /// The stamps were uneven or another step was wanted.
+    /// The samples were resampled, because stamps were uneven or another step was wanted.
     Resampled(Resampled),
-    /// Samples are missing, so the trajectory was split before this place.
+    /// Samples are missing; the trajectory was split before this place.
     Gap {
         /// First sample after the gap.
         place: Place,
         /// Id in the file.
         trajectory: i64,
-        /// Steps without a sample.
+        /// Number of missing samples.
         missing: u64,
-        /// Id of what follows the gap.
+        /// Id of the continuation after the gap.
         continues_as: i64,
     },
     /// A piece between gaps with fewer than 3 samples was left out.
     Dropped {
-        /// Its first sample.
+        /// First sample of the piece.
         place: Place,
         /// Id in the file.
         trajectory: i64,
-        /// In the piece.
+        /// Number of samples in the piece.
         samples: usize,
     },
-    /// Messages of a topic have the time at which they were recorded, for want of a stamp.
+    /// Messages of a topic lack stamps; their times of recording are used.
     Unstamped {
         /// The topic.
         topic: String,
     },
-    /// Samples of the coordinates were left out where columns of another clock have none.
+    /// Samples of the coordinates were left out because columns of another clock have no data there.
     Uncovered {
-        /// That were left out.
+        /// Number of samples left out.
         samples: usize,
     },
-    /// Samples were left out that lie in intervals to leave out.
+    /// Samples in the intervals to leave out were left out.
     LeftOut {
-        /// That were left out.
+        /// Number of samples left out.
         samples: usize,
-        /// Pieces that the log has now.
+        /// Number of pieces that the log now has.
         pieces: usize,
     },
-    /// Whole turns were added to an angle, so that it goes on across the seam of its range.
+    /// Whole turns were added to an angle to make it continuous across the seam of its range.
     Seams {
-        /// From 0.
+        /// Coordinate, from 0.
         coordinate: usize,
         /// Whether the coordinate was not known to be an angle, but moves as one.
         cyclic: bool,
-        /// In all trajectories.
+        /// Number of seams in all trajectories.
         seams: usize,
-        /// Ids of the trajectories that have some.
+        /// Ids of the trajectories with seams.
         trajectories: Vec<i64>,
     },
 }
@@ -95,23 +95,24 @@ impl fmt::Display for Note {
     }
 }
 
-/// How samples came onto one step.
+/// Result of resampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resampled {
-    /// The step now (s).
+    /// New step (s).
     pub h: f64,
     /// Median interval in the file (s).
     pub median: f64,
     /// Shortest interval (s).
     pub shortest: f64,
-    /// Longest interval that is no gap (s).
+    /// Longest interval that is not a gap (s).
     pub longest: f64,
-    /// Samples with the stamp of the one before, which were left out.
+    /// Number of samples left out because their stamp repeats the one before.
     pub repeated: usize,
 }
 
 impl Resampled {
-    /// Of several files that came onto one step: the median of their medians, the shortest and longest interval. `None` for no file.
+    /// Summary of several files resampled onto the same step: the median of their medians, the shortest and the longest interval. `None` if
+    /// there are no files.
     #[must_use]
     pub fn together(files: &[Self]) -> Option<Self> {
         let mut medians: Vec<f64> = files.iter().map(|file| file.median).collect();
@@ -142,7 +143,7 @@ impl fmt::Display for Resampled {
     }
 }
 
-/// Trajectories by their ids, the first five of many.
+/// Lists trajectories by their ids, at most the first five.
 fn few(ids: &[i64]) -> String {
     const MOST: usize = 5;
     let shown: Vec<String> = ids.iter().take(MOST).map(i64::to_string).collect();

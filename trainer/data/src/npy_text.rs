@@ -1,16 +1,16 @@
-//! An array of NumPy that is one string.
+//! NumPy arrays that hold a single string.
 
 use ndarray_npy::npy::header::Header;
 
 use crate::error::Problem;
 
-/// Bytes before the text of a header of version 1.
+/// Bytes before the header text, in format version 1.
 const PREFIX: usize = 10;
 
-/// What the size of a header is a multiple of.
+/// Alignment of the header size.
 const ALIGNMENT: usize = 64;
 
-/// The string of an array of shape () or (1,), of type `U` or `S`, whose header was looked at before.
+/// The string of an array of shape () or (1,), of type `U` or `S`; its header must have been checked before.
 pub(crate) fn read(npy: &[u8]) -> Result<String, Problem> {
     let mut rest = npy;
     let header = Header::from_reader(&mut rest).map_err(|error| Problem::NotNpy(error.to_string()))?;
@@ -35,11 +35,11 @@ fn utf_32(bytes: &[u8], big_endian: bool) -> Option<String> {
     text.filter(|_| rest.is_empty())
 }
 
-/// An array of shape () that is this string, as `numpy.savez(path, key="…")` writes it.
+/// An array of shape () that holds this string, as `numpy.savez(path, key="…")` writes it.
 pub(crate) fn write(text: &str) -> Vec<u8> {
     let dictionary =
         format!("{{'descr': '<U{}', 'fortran_order': False, 'shape': (), }}", text.chars().count());
-    // One more for the line's end.
+    // One byte more for the newline.
     let length = (PREFIX + dictionary.len() + 1).next_multiple_of(ALIGNMENT) - PREFIX;
     let mut npy = b"\x93NUMPY\x01\x00".to_vec();
     npy.extend((length as u16).to_le_bytes());

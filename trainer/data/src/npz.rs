@@ -34,7 +34,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
     })
 }
 
-/// A field \[samples, n\], or \[samples\] when n = 1; of the given (samples, n) if any.
+/// A field \[samples, n\], or \[samples\] if n = 1; its size must be `size`, if given.
 fn rows(array: Option<Array<'_>>, size: Option<(usize, usize)>) -> Result<Option<Rows>, Fault> {
     let Some(array) = array else { return Ok(None) };
     match (array.samples_and_columns(), size) {
@@ -64,7 +64,7 @@ fn scalar(array: Option<Array<'_>>) -> Result<Option<f64>, Fault> {
     }
 }
 
-/// What u does between samples, if the archive says it.
+/// The control kind, if the archive states it.
 fn control(archive: &Archive<'_>) -> Result<Option<ControlKind>, Fault> {
     let Some(name) = archive.text("control")? else { return Ok(None) };
     let kind = control_of_name(&name);
@@ -95,7 +95,7 @@ fn failed(key: &str, error: &dyn std::fmt::Display) -> Fault {
     (Place::Key(key.to_owned()), Problem::NotNpz(error.to_string()))
 }
 
-/// An archive in the making; the same arrays give the same bytes.
+/// An archive under construction; equal arrays give equal bytes.
 pub(crate) struct Writer {
     zip: ZipWriter<Cursor<Vec<u8>>>,
 }
@@ -116,7 +116,7 @@ impl Writer {
         array.write_npy(&mut self.zip).map_err(|error| failed(key, &error))
     }
 
-    /// One string.
+    /// Adds a string.
     fn add_text(&mut self, key: &str, text: &str) -> Result<(), Fault> {
         self.start(key)?;
         self.zip.write_all(&npy_text::write(text)).map_err(|error| failed(key, &error))

@@ -1,4 +1,4 @@
-//! NPZ archives whose arrays have names of their own.
+//! NPZ archives with array names of their own.
 
 use crate::Rows;
 use crate::archive::Archive;
@@ -22,14 +22,14 @@ pub(crate) fn read(bytes: &[u8], columns: &Columns) -> Result<Table, Fault> {
     Ok(Table { q, v, a: None, u, t, h: None, trajectory: None, control: None, origin: Origin::rows() })
 }
 
-/// The arrays of an archive, each unpacked once.
+/// The arrays of an archive, each unpacked at most once.
 struct Arrays<'a> {
     archive: Archive<'a>,
     read: HashMap<String, Rows>,
 }
 
 impl Arrays<'_> {
-    /// Columns side by side, in SI units; `None` where none is named.
+    /// Columns side by side, in SI units; `None` if `columns` is empty.
     fn rows(&mut self, columns: &[Column], samples: Option<usize>) -> Result<Option<Rows>, Fault> {
         let parts = columns.iter().map(|column| self.column(column)).collect::<Result<Vec<_>, _>>()?;
         let Some(first) = parts.first() else { return Ok(None) };
@@ -44,7 +44,7 @@ impl Arrays<'_> {
         Ok(Rows::from_flat(width, (0..samples).flat_map(row).collect()))
     }
 
-    /// A column, or all of an array, in SI units.
+    /// A column, or a whole array, in SI units.
     fn column(&mut self, column: &Column) -> Result<Rows, Fault> {
         let (key, index) = indexed(&column.name);
         if !self.read.contains_key(key) {
@@ -76,7 +76,7 @@ impl Arrays<'_> {
     }
 }
 
-/// `name[i]` as name and i.
+/// Splits `name[i]` into name and index.
 fn indexed(name: &str) -> (&str, Option<usize>) {
     let inner = name.strip_suffix(']').and_then(|name| name.rsplit_once('['));
     match inner.and_then(|(key, index)| Some((key, index.parse().ok()?))) {

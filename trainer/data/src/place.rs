@@ -1,8 +1,8 @@
-//! Where in a file something is.
+//! Places in a file.
 
 use std::fmt;
 
-/// Where in a file something is. Lines count from 1, rows and columns of arrays from 0.
+/// Place in a file. Lines count from 1, rows and columns of arrays from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
     /// The file as a whole.
@@ -11,7 +11,7 @@ pub enum Place {
     Line(u64),
     /// A cell of a CSV file.
     Cell {
-        /// Line in the file, comments counted.
+        /// Line in the file, including comments.
         line: u64,
         /// Name in the header line.
         column: String,
@@ -22,14 +22,14 @@ pub enum Place {
     Row {
         /// Name of the array.
         key: String,
-        /// Index along its first axis.
+        /// Index along the first axis.
         row: usize,
     },
-    /// A message of an MCAP file, counted from 1 over all topics; where the file is damaged, the first that cannot be read.
+    /// A message of an MCAP file, counted from 1 over all topics; in a damaged file the first that cannot be read.
     Message(u64),
     /// A number in a message of an MCAP file.
     Value {
-        /// From 1, over all topics.
+        /// Message, from 1, over all topics.
         message: u64,
         /// Name of the column.
         column: String,
@@ -54,7 +54,7 @@ impl fmt::Display for Place {
 }
 
 impl Place {
-    /// The same without the name of a column.
+    /// The place without the name of the column.
     pub(crate) fn without_column(self) -> Self {
         match self {
             Self::Cell { line, .. } => Self::Line(line),

@@ -1,8 +1,8 @@
-//! Uneven samples onto one step.
+//! Resampling of uneven samples onto one step.
 //!
-//! The new samples of a stretch without gaps lie at t₀, t₀ + h, t₀ + 2h, …, t₀ the stamp of its first sample. Between two samples
-//! positions, velocities and accelerations go along a straight line. A held control, u_j acting from t_j to t_{j+1}, is averaged over
-//! the step in which it acts, so that its impulse stays; one that is linear between samples goes along a straight line as well.
+//! The new samples of a stretch without gaps lie at t₀, t₀ + h, t₀ + 2h, …, with t₀ the stamp of its first sample. Positions, velocities
+//! and accelerations are interpolated linearly. A held control, with u_j acting from t_j to t_{j+1}, is averaged over the step in which it
+//! acts, which keeps its impulse; a linear control is interpolated.
 
 use crate::error::{Fault, Problem};
 use crate::intervals::{GAP, Intervals};
@@ -14,13 +14,13 @@ use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
 use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 
-/// The default step is the decimal number of the fewest digits within this part of the mean interval.
+/// Tolerance of the default step, relative to the mean interval: the decimal number with the fewest digits within it is taken.
 const ROUNDING: f64 = 5e-3;
 
-/// A step of less than this part of the median interval invents most of its samples.
+/// Ratio to the median interval below which a step would invent most of its samples.
 const FINEST: f64 = 0.1;
 
-/// The stamps of a trajectory, each once: repeated ones are left out.
+/// The distinct stamps of a trajectory, with their rows.
 pub(crate) struct Stamped {
     id: i64,
     pub(crate) t: Vec<f64>,
@@ -28,7 +28,7 @@ pub(crate) struct Stamped {
 }
 
 impl Table {
-    /// As [`Table::into_dataset`]; where the stamps are uneven, or a step is wanted that is not theirs, resampled.
+    /// Converts like [`Table::into_dataset`], but resamples if the stamps are uneven or another step is wanted.
     pub(crate) fn into_even(self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
         self.check_finite()?;
         match self.uniform() {
@@ -70,7 +70,7 @@ impl Table {
         Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
     }
 
-    /// The stamps of a run, of equal ones the first.
+    /// The stamps of a run; of equal stamps the first is kept.
     pub(crate) fn stamped(&self, run: Run) -> Result<Stamped, Fault> {
         let stamps = run.rows.clone().map(|row| (row, self.stamp(row, run.rows.start)));
         let (t, rows) = rising(stamps, |row| self.place("t", row))?;
@@ -78,7 +78,7 @@ impl Table {
     }
 }
 
-/// Stamps with their rows, of equal ones the first; where time goes back is an error.
+/// Stamps with their rows; of equal stamps the first is kept, and decreasing time is an error.
 pub(crate) fn rising(
     stamps: impl Iterator<Item = (usize, f64)>,
     place: impl Fn(usize) -> Place,
@@ -99,7 +99,7 @@ pub(crate) fn rising(
     Ok((t, rows))
 }
 
-/// Trajectories of one step in the making.
+/// Trajectories with a common step, under construction.
 struct Even<'a> {
     table: &'a Table,
     h: f64,
@@ -111,7 +111,7 @@ struct Even<'a> {
 }
 
 impl Even<'_> {
-    /// The stretches of a run between its gaps.
+    /// Adds the stretches of a run between its gaps.
     fn take(&mut self, run: &Stamped) -> Result<(), Fault> {
         let (mut start, mut id) = (0, run.id);
         for k in 1..=run.t.len() {
@@ -133,7 +133,7 @@ impl Even<'_> {
     fn keep(&mut self, run: &Stamped, part: Range<usize>, id: i64) {
         let (t, rows) = (&run.t[part.clone()], &run.rows[part.clone()]);
         let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
-        // Rounding must not cost the last sample.
+        // The tolerance keeps rounding from dropping the last sample.
         let samples = (span / self.h + 1e-6).floor() as usize + 1;
         if samples < MIN_SAMPLES {
             let place = self.table.place("t", rows.first().copied().unwrap_or_default());
@@ -155,7 +155,7 @@ impl Even<'_> {
     }
 }
 
-/// Samples of a stretch without gaps at their stamps (s), which rise and are two at least, and the rows of the fields they belong to.
+/// A stretch of samples without gaps: at least two increasing stamps (s), and the rows of the fields that belong to them.
 pub(crate) struct Track<'a> {
     pub(crate) t: &'a [f64],
     pub(crate) rows: &'a [usize],
@@ -166,7 +166,7 @@ impl Track<'_> {
         self.rows.get(j).and_then(|row| field.get(*row)).unwrap_or_default()
     }
 
-    /// At rising times, along straight lines between samples.
+    /// Interpolates linearly at increasing times.
     pub(crate) fn straight(&self, field: &Rows, at: &[f64]) -> Rows {
         let (mut values, mut j) = (Vec::with_capacity(at.len() * field.width()), 0);
         for now in at {
@@ -180,7 +180,7 @@ impl Track<'_> {
         Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
     }
 
-    /// Means over intervals that follow one another, each sample acting until the next; what acts after the last is the last.
+    /// Averages over consecutive intervals; each sample acts until the next, and the last one from then on.
     pub(crate) fn averaged(&self, field: &Rows, from: &[f64], to: &[f64]) -> Rows {
         let (mut values, mut j) = (Vec::with_capacity(from.len() * field.width()), 0);
         for (from, to) in from.iter().zip(to) {
@@ -192,7 +192,7 @@ impl Track<'_> {
         Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
     }
 
-    /// The mean over [from, to], sample j acting at its beginning.
+    /// The mean over [from, to]; sample `first` acts at the beginning.
     fn mean(&self, field: &Rows, first: usize, from: f64, to: f64) -> Vec<f64> {
         let mut sum = vec![0.0; field.width()];
         let mut begin = from;
@@ -255,7 +255,7 @@ mod tests {
         let even = data.trajectories[0].u.as_ref().unwrap();
         let whole = even.len() - 1;
         let found: f64 = even.column(0).take(whole).map(|u| u * data.h).sum();
-        // The last step is not whole: what acts after the last whole one is the rest.
+        // The last step is partial: the impulse after the last whole step is the rest.
         let end = t[0] + whole as f64 * data.h;
         let rest: f64 = t.windows(2).zip(&u).map(|(pair, u)| u * (pair[1] - pair[0].max(end)).max(0.0)).sum();
         assert!((found + rest - impulse).abs() < 1e-12, "{found} + {rest} instead of {impulse}");

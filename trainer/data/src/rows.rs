@@ -34,7 +34,7 @@ impl Rows {
         Self { width: N, values: rows.as_flattened().to_vec() }
     }
 
-    /// Entries of a sample, n.
+    /// Number of entries per sample, n.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
@@ -63,12 +63,12 @@ impl Rows {
         self.values.chunks_exact(self.width)
     }
 
-    /// Coordinate `i` of every sample; nothing when `i` ≥ n.
+    /// Coordinate `i` of every sample; empty if `i` ≥ n.
     pub fn column(&self, i: usize) -> impl Iterator<Item = f64> + '_ {
         self.iter().filter_map(move |row| row.get(i).copied())
     }
 
-    /// Coordinate `i` of every sample, to change.
+    /// Mutable access to coordinate `i` of every sample.
     pub(crate) fn column_mut(&mut self, i: usize) -> impl Iterator<Item = &mut f64> {
         self.values.iter_mut().skip(i).step_by(self.width)
     }
@@ -79,21 +79,21 @@ impl Rows {
         &self.values
     }
 
-    /// A copy of the samples in `range`, cut to those there are.
+    /// A copy of the samples in `range`, clipped to the existing samples.
     #[must_use]
     pub fn slice(&self, range: Range<usize>) -> Self {
         let rows = self.iter().take(range.end).skip(range.start);
         Self { width: self.width, values: rows.flatten().copied().collect() }
     }
 
-    /// The samples of these numbers in this order, but for those there are not.
+    /// The samples with these indices, in this order; indices out of range are skipped.
     #[must_use]
     pub fn select(&self, samples: &[usize]) -> Self {
         let rows = samples.iter().filter_map(|k| self.get(*k));
         Self { width: self.width, values: rows.flatten().copied().collect() }
     }
 
-    /// `f` of every value, in order.
+    /// Applies `f` to every value, in order.
     #[must_use]
     pub fn map(&self, f: impl FnMut(f64) -> f64) -> Self {
         Self { width: self.width, values: self.values.iter().copied().map(f).collect() }
@@ -103,7 +103,7 @@ impl Rows {
 impl Index<usize> for Rows {
     type Output = [f64];
 
-    /// Sample `k`. Panics beyond the last, as a slice does.
+    /// Sample `k`. Panics beyond the last sample, like a slice.
     fn index(&self, k: usize) -> &[f64] {
         &self.values[k * self.width..][..self.width]
     }

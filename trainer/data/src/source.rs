@@ -1,4 +1,4 @@
-//! Files of every kind, as tables.
+//! Files of all formats, as tables.
 
 use crate::bag::Bag;
 use crate::columns::Columns;
@@ -13,11 +13,11 @@ use std::fs::{self, File};
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// The content of a file, of which a `.mcap` one is read bit by bit.
+/// The content of a file; an `.mcap` file is read sequentially.
 pub(crate) enum Source<'a> {
     Npz(Cow<'a, [u8]>),
     Csv(Cow<'a, [u8]>),
-    /// And its length in bytes.
+    /// Reader of the file, and its length in bytes.
     Mcap(Box<dyn Read + 'a>, u64),
 }
 
@@ -45,7 +45,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// What it holds under the names of this layout.
+    /// Reads the columns by the names of this layout.
     pub(crate) fn table(self) -> Result<Table, Fault> {
         match self {
             Self::Npz(bytes) => npz::read(&bytes),
@@ -54,7 +54,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// What it holds under names of its own, in SI units.
+    /// Reads the columns named by `columns`, in SI units.
     pub(crate) fn named(
         self,
         columns: &Columns,
@@ -73,14 +73,14 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What a file is by its name.
+/// Format of a file.
 pub(crate) enum Format {
     Npz,
     Csv,
     Mcap,
 }
 
-/// By the extension.
+/// The format given by the extension.
 pub(crate) fn format_of(path: &Path) -> Result<Format, Fault> {
     let extension = path.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("npz") {

@@ -1,10 +1,9 @@
 //! The layout of the SyMo authors' data sets (Santos et al., L4DC 2022).
 //!
-//! One `.npz` file: `train_x`, `test_x`, `int_x`: \[trajectories, samples, 2n\], positions then velocities; `train_u`,
-//! `test_u`, `int_u`: \[trajectories, samples\], the generalised force at the one actuated coordinate. The step is not in the
-//! file. The authors take the control to be linear between samples, (h/4)(u₋ + 2u + u₊) in their equation; in their sets it is constant
-//! in a trajectory. Any real element type is read, float64 written. Other arrays (the authors add the start states `x0`, `int_x0`) are
-//! ignored and not written.
+//! One `.npz` file: `train_x`, `test_x`, `int_x`: \[trajectories, samples, 2n\], positions then velocities; `train_u`, `test_u`, `int_u`:
+//! \[trajectories, samples\], the generalised force at the one actuated coordinate. The step is not in the file. The authors take the
+//! control as linear between samples, (h/4)(u₋ + 2u + u₊) in their equation; in their sets it is constant within a trajectory. Any real
+//! element type is read, float64 is written. Other arrays (the authors add the start states `x0`, `int_x0`) are ignored and not written.
 
 use std::fs;
 use std::path::Path;
@@ -20,15 +19,15 @@ use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, expect, located, positive, s
 /// The three parts of a data set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SymoSet {
-    /// Forced motions to learn from.
+    /// Forced motions for training.
     pub train: Dataset,
-    /// Forced motions to judge one step ahead by.
+    /// Forced motions for testing one step ahead.
     pub test: Dataset,
-    /// Long free motions to judge the integration by.
+    /// Long free motions for testing the integration.
     pub integration: Dataset,
 }
 
-/// Keys of the states and controls of a part.
+/// Keys of the states and controls of each part.
 const PARTS: [(&str, &str); 3] = [("train_x", "train_u"), ("test_x", "test_u"), ("int_x", "int_u")];
 
 /// Reads a data set of step `h` (s) whose control acts on coordinate `actuated` (from 0).
@@ -36,8 +35,8 @@ const PARTS: [(&str, &str); 3] = [("train_x", "train_u"), ("test_x", "test_u"), 
 /// Every trajectory has `v` and `u` (zero at the other coordinates), starts at t = 0 and is numbered from 0 in its part.
 ///
 /// # Errors
-/// [`DataError`] with the file, key and row: for a part that is missing, of another shape, or not finite, and for
-/// an `h` or `actuated` out of range.
+/// [`DataError`] with the file, key and row, for a part that is missing, of the wrong shape, or not finite, and for an `h` or `actuated`
+/// out of range.
 pub fn read(path: impl AsRef<Path>, h: f64, actuated: usize) -> Result<SymoSet, DataError> {
     let path = path.as_ref();
     located(path, || {
@@ -58,13 +57,13 @@ fn same_width(key: &str, found: usize, expected: usize) -> Result<(), Fault> {
     expect("q", "columns", found, expected).map_err(|problem| (Place::Key(key.to_owned()), problem))
 }
 
-/// Writes the layout; the control must be zero everywhere but at coordinate `actuated` (from 0).
+/// Writes the layout; the control must be zero except at coordinate `actuated` (from 0).
 ///
-/// The file is replaced in one step or not at all. Ids, start times and accelerations have no place in the layout and are lost.
+/// The file is replaced atomically. Ids, start times and accelerations are not part of the layout and are lost.
 ///
 /// # Errors
-/// [`DataError`]; also for trajectories of unequal length within a part, without `v` or `u`, or with a second control or one that is
-/// held.
+/// [`DataError`]; also for trajectories of unequal length within a part, without `v` or `u`, with a second control, or with a held control
+/// that changes.
 pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(), DataError> {
     let path = path.as_ref();
     located(path, || {
@@ -81,7 +80,7 @@ pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(
     })
 }
 
-/// The arrays of a part, their shapes checked.
+/// The arrays of a part, with checked shapes.
 struct PlacedNetwork<'a> {
     states: Array<'a>,
     controls: Array<'a>,

@@ -1,4 +1,4 @@
-//! From the flat table of a file to trajectories.
+//! Conversion of a file's flat table to trajectories.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use crate::place::Place;
 use crate::time::Stamps;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
 
-/// What a file holds, checked for shapes only.
+/// Data of a file, checked for shapes only.
 pub(crate) struct Table {
     pub(crate) q: Rows,
     pub(crate) v: Option<Rows>,
@@ -21,27 +21,27 @@ pub(crate) struct Table {
     pub(crate) h: Option<(f64, Place)>,
     pub(crate) trajectory: Option<Vec<i64>>,
     pub(crate) control: Option<ControlKind>,
-    /// Where its samples stand in the file.
+    /// Places of the samples in the file.
     pub(crate) origin: Origin,
 }
 
-/// Where samples stand in a file.
+/// Places of samples in a file.
 pub(crate) enum Origin {
-    /// In arrays, at these indices or one after the other.
+    /// Rows of arrays, at these indices or consecutive.
     Rows(Option<Vec<usize>>),
-    /// On these lines.
+    /// Lines.
     Lines(Vec<u64>),
-    /// In these messages.
+    /// Messages.
     Messages(Vec<u64>),
 }
 
 impl Origin {
-    /// One after the other.
+    /// Consecutive rows.
     pub(crate) fn rows() -> Self {
         Self::Rows(None)
     }
 
-    /// Of those samples alone.
+    /// The places of the selected samples.
     pub(crate) fn select(&self, rows: &[usize]) -> Self {
         let of = |all: &[u64]| rows.iter().filter_map(|row| all.get(*row)).copied().collect();
         match self {
@@ -68,14 +68,14 @@ impl Origin {
     }
 }
 
-/// A table of one step.
+/// Division of a table with a uniform step.
 pub(crate) struct Uniform {
     pub(crate) h: f64,
     pieces: Vec<Run>,
     notes: Vec<Note>,
 }
 
-/// One trajectory of the table.
+/// A trajectory of the table.
 pub(crate) struct Run {
     pub(crate) id: i64,
     pub(crate) rows: Range<usize>,
@@ -88,7 +88,7 @@ impl Table {
         Ok(self.dataset(even))
     }
 
-    /// The step of the stamps, and what lies between gaps.
+    /// The step of the stamps, and the pieces between gaps.
     pub(crate) fn uniform(&self) -> Result<Uniform, Fault> {
         let runs = self.runs()?;
         let h = self.step(&runs)?;
@@ -105,7 +105,7 @@ impl Table {
         self.origin.place(key, row)
     }
 
-    /// Refuses a table without samples, or with a number that is none.
+    /// Refuses a table without samples, or with a number that is not finite.
     pub(crate) fn check_finite(&self) -> Result<(), Fault> {
         if self.q.is_empty() {
             return Err((Place::File, Problem::Empty));
@@ -126,7 +126,7 @@ impl Table {
         }
     }
 
-    /// The stretches of equal id.
+    /// The stretches of equal trajectory id.
     pub(crate) fn runs(&self) -> Result<Vec<Run>, Fault> {
         let Some(ids) = &self.trajectory else {
             return self.long_enough(vec![Run { id: 0, rows: 0..self.q.len() }]);
@@ -206,7 +206,7 @@ impl Table {
         if pieces.is_empty() { Err((Place::File, Problem::Empty)) } else { Ok((pieces, notes)) }
     }
 
-    /// The next id that no trajectory has, for what begins at a row.
+    /// The next unused id, for a piece that begins at `row`.
     pub(crate) fn id_after(&self, largest: i64, row: usize) -> Result<i64, Fault> {
         let problem = || Problem::NotInteger("the id after the largest one".to_owned());
         largest.checked_add(1).ok_or_else(|| (self.place("trajectory", row), problem()))

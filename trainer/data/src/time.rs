@@ -1,4 +1,4 @@
-//! Uniformity of time stamps.
+//! Checks of the uniformity of time stamps.
 
 use std::ops::Range;
 
@@ -7,13 +7,13 @@ use crate::error::Problem;
 /// Tolerance of an interval, relative to itself.
 const TOLERANCE: f64 = 1e-6;
 
-/// So many equal intervals of several steps in a row are another step and not gaps.
+/// Number of equal intervals of several steps in a row that indicate another step, not gaps.
 const STEP_RUN: usize = 3;
 
-/// A problem and the row it is at.
+/// A row and its problem.
 type RowFault = (usize, Problem);
 
-/// Time stamps (s) and how far rounding may have moved two of them apart.
+/// Time stamps (s), and the largest rounding error of the difference of two.
 pub(crate) struct Stamps<'a> {
     t: &'a [f64],
     rounding: f64,
@@ -30,11 +30,11 @@ impl<'a> Stamps<'a> {
     pub(crate) fn new(t: &'a [f64]) -> Self {
         let epsilon = if t.iter().all(|&t| is_single(t)) { f64::from(f32::EPSILON) } else { f64::EPSILON };
         let largest = t.iter().fold(0.0, |max: f64, t| max.max(t.abs()));
-        // EPSILON is twice the relative error of one rounding; each stamp is a rounded product, rounded again.
+        // EPSILON is twice the relative error of one rounding; each stamp is a rounded product, and rounded again.
         Self { t, rounding: 2.0 * epsilon * largest }
     }
 
-    /// Rows of `run` from its second, with the stamps before and at them.
+    /// Rows of `run` from the second on, each with the stamp before it and its own.
     fn intervals(&self, run: &Range<usize>) -> impl Iterator<Item = (usize, f64, f64)> + use<'a> {
         let stamps = self.t.get(run.clone()).unwrap_or_default();
         (run.start + 1..).zip(stamps.windows(2)).filter_map(|(row, pair)| match *pair {
@@ -43,7 +43,7 @@ impl<'a> Stamps<'a> {
         })
     }
 
-    /// The median interval, once all of them are known to be positive.
+    /// The median interval; an error unless all intervals are positive.
     pub(crate) fn median(&self, runs: &[Range<usize>]) -> Result<f64, RowFault> {
         let mut intervals = Vec::with_capacity(self.t.len());
         for (row, before, after) in runs.iter().flat_map(|run| self.intervals(run)) {
@@ -59,7 +59,7 @@ impl<'a> Stamps<'a> {
     /// The step: the mean of the intervals that agree with the median, as the shortest decimal number within rounding.
     pub(crate) fn step(&self, runs: &[Range<usize>]) -> Result<f64, RowFault> {
         let median = self.median(runs)?;
-        // Rounding cancels between neighbours, so it counts once for each unbroken stretch.
+        // Rounding cancels between neighbouring intervals, so it counts once per unbroken stretch.
         let (mut span, mut steps, mut stretches) = (0.0, 0.0, runs.len() as f64);
         for (_, before, after) in runs.iter().flat_map(|run| self.intervals(run)) {
             if matches!(self.steps(after - before, median), Ok(1)) {
@@ -72,7 +72,7 @@ impl<'a> Stamps<'a> {
         Ok(rounded(span / steps, self.rounding * stretches / steps))
     }
 
-    /// How many steps an interval spans.
+    /// Number of steps in an interval.
     fn steps(&self, interval: f64, h: f64) -> Result<u64, Problem> {
         let steps = (interval / h).round();
         let tolerance = TOLERANCE * interval + self.rounding.min(h / 4.0);
@@ -104,7 +104,7 @@ impl<'a> Stamps<'a> {
         Ok(gaps)
     }
 
-    /// Whether the median interval is the stated step.
+    /// Checks that the median interval is the stated step.
     pub(crate) fn agree_with(&self, h: f64, runs: &[Range<usize>]) -> Result<(), RowFault> {
         let measured = self.median(runs)?;
         match self.steps(measured, h) {
@@ -115,7 +115,7 @@ impl<'a> Stamps<'a> {
     }
 }
 
-/// Whether the stamps of one trajectory without gaps will be read as such.
+/// Checks that the stamps of a trajectory without gaps will be read as such.
 pub(crate) fn check(t: &[f64], h: f64) -> Result<(), Problem> {
     let stamps = Stamps::new(t);
     let uniform = stamps.gaps(&(0..t.len()), h).is_ok_and(|gaps| gaps.is_empty());
@@ -128,7 +128,7 @@ fn is_single(t: f64) -> bool {
     f64::from(single) == t || single.to_string().parse() == Ok(t)
 }
 
-/// The decimal number of the fewest digits within `error` of `x`; `x` itself if none is.
+/// The decimal number with the fewest digits within `error` of `x`; `x` itself if there is none.
 pub(crate) fn rounded(x: f64, error: f64) -> f64 {
     (0..17)
         .filter_map(|digits| format!("{x:.digits$e}").parse::<f64>().ok())

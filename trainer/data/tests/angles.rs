@@ -1,4 +1,4 @@
-//! Angles that are given within one turn go on across its seam; everything else stays.
+//! Angles given within one turn are unwrapped; everything else is unchanged.
 
 use std::f64::consts::{PI, TAU};
 use std::slice::from_ref;
@@ -19,7 +19,7 @@ fn data(columns: &[Vec<f64>]) -> Dataset {
     Dataset { n: 1, h: 0.01, control: None, trajectories: (0..).zip(columns).map(one).collect() }
 }
 
-/// [−π, π).
+/// Wraps an angle to [−π, π).
 fn wrapped(q: f64) -> f64 {
     (q + PI).rem_euclid(TAU) - PI
 }
@@ -106,7 +106,7 @@ fn a_cyclic_coordinate_is_an_angle_where_it_moves_as_one() {
         assert_close(&found[0], &straight);
         assert!(matches!(notes[..], [Note::Seams { cyclic: true, seams: 3, .. }]), "{notes:?}");
     }
-    // A length that was set anew.
+    // A length that was reset.
     let track = vec![6.9, 7.0, 7.1, 0.9, 1.0, 1.1];
     assert_eq!(unwrapped(from_ref(&track), "c"), (vec![track], vec![]));
 }
@@ -142,7 +142,7 @@ fn columns_are_taken_one_by_one() {
 }
 
 proptest! {
-    /// Any motion whose steps differ by less than a quarter turn comes back, whole turns apart.
+    /// Any motion whose steps differ by less than a quarter turn is restored, up to whole turns.
     #[test]
     fn what_was_wrapped_comes_back(steps in prop::collection::vec(-0.75..0.75, 3..60), mean in -2.2..2.2, start in -9.0..9.0) {
         let straight: Vec<f64> = steps

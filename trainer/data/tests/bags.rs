@@ -1,4 +1,4 @@
-//! Bags of ROS 2: topics of their own clocks as one log.
+//! Bags of ROS 2: topics with clocks of their own, read as one log.
 
 mod bag;
 
@@ -9,7 +9,7 @@ use leastaction_data::{Column, Columns, DataError, Dataset, Note, Place, Problem
 
 const JOINTS: [&str; 2] = ["shoulder", "elbow"];
 
-/// Seconds since 1970 of a robot's clock, ns.
+/// Start of the robot's clock, ns since 1970.
 const START: i64 = 1_790_000_000_000_000_000;
 
 /// q₀ = t, q₁ = 2t at 100 Hz; u of the shoulder rises by 1 every 4 ms, at 250 Hz, from 2 ms on.
@@ -79,7 +79,7 @@ fn topics_of_different_clocks_are_one_log_however_chunks_are_compressed() {
         for (k, (q, u)) in motion.q.iter().zip(motion.u.as_ref().unwrap()).enumerate() {
             let t = 0.01 * (k + 1) as f64;
             assert!((q[0] + 2.0 * t).abs() < 1e-12 && (q[1] - t).abs() < 1e-12, "{t} {q:?}");
-            // The mean command over [t, t + 10 ms] is that of a line but for its steps.
+            // The mean command over [t, t + 10 ms] is that of a line, except for its steps.
             assert!(u[0] == 0.0 && (u[1] - (250.0 * (t + 0.005) - 1.0)).abs() < 0.5 + 1e-9, "{t} {u:?}");
         }
     }

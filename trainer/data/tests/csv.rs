@@ -1,4 +1,4 @@
-//! CSV logs: what is accepted, and what the errors say.
+//! CSV logs: accepted files, and error messages.
 
 use leastaction_core::forces::ControlKind;
 use leastaction_data::{self as data, Dataset, Note, Place, Problem};
@@ -16,7 +16,7 @@ fn accept(text: &str) -> Dataset {
     dataset
 }
 
-/// The message behind the file name.
+/// The error message after the file name.
 fn refuse(text: &str) -> String {
     let message = read(text.as_bytes()).unwrap_err().to_string();
     message.split_once("log.csv").unwrap().1.to_owned()
@@ -210,7 +210,7 @@ fn semicolons_and_tabs_separate_as_commas_do() {
     for separator in [";", "\t", " ; "] {
         assert_eq!(accept(&text.replace(',', separator)), expected, "{separator:?}");
     }
-    // One column needs none.
+    // A single column needs no separator.
     assert_eq!(accept("# h = 1\n# a;b;c\nq\n1\n2\n3\n").n, 1);
     assert_eq!(refuse("t;q0;q0\n0;1;1\n"), ", line 1: column q0 stands twice; remove one");
 }

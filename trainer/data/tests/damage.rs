@@ -1,4 +1,4 @@
-//! Damaged files: every truncation and every flipped bit gives an error or a data set that holds together.
+//! Damaged files: every truncation and every flipped bit gives an error or a consistent data set.
 
 use std::fs;
 
@@ -13,7 +13,7 @@ fn small() -> Dataset {
     Dataset { n: 2, h: 0.05, control: Some(ControlKind::Linear), trajectories: vec![motion(3), motion(1)] }
 }
 
-/// The whole file, and of every damaged one that is accepted its length and content.
+/// The whole file, and the length and content of every damaged file that is accepted.
 fn damaged(extension: &str) -> (Vec<u8>, Vec<(usize, Dataset)>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log").with_extension(extension);
@@ -43,7 +43,7 @@ fn holds_together(data: &Dataset) {
     }
 }
 
-/// The checksums of the container let nothing through but its own dates and flags.
+/// The container's checksums let only changes of its own dates and flags pass.
 #[test]
 fn archives() {
     let (whole, accepted) = damaged("npz");
@@ -51,7 +51,7 @@ fn archives() {
     assert!(accepted.iter().all(|(length, _)| *length == whole.len()), "a cut archive was accepted");
 }
 
-/// Text has no checksum: what is accepted is another log, but a sound one.
+/// Text has no checksum: an accepted file is another log, but a consistent one.
 #[test]
 fn text() {
     let (whole, accepted) = damaged("csv");
@@ -59,7 +59,7 @@ fn text() {
     assert!(!accepted.is_empty() && accepted.len() < 4 * whole.len(), "{}", accepted.len());
 }
 
-/// Uneven stamps, names of their own, and a look at what is there: the same.
+/// Uneven stamps, named columns, and surveys give the same guarantees.
 #[test]
 fn logs_of_robots() {
     const WHOLE: &str = "time;enc;tau;mode\n0.00;100;0.5;on\n0.01;101;0.5;on\n0.021;103;-1;on\n0.03;104;-1;on\n0.041;106;2;on\n0.08;107;2;on\n";
@@ -86,7 +86,7 @@ fn logs_of_robots() {
     assert!(!accepted.is_empty() && accepted.len() < 8 * WHOLE.len(), "{}", accepted.len());
 }
 
-/// Logs of robots that are cut off at any place, looked at and read by names.
+/// Robot logs cut off at any place, surveyed and read by names.
 #[test]
 fn cut_logs_of_robots() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Damaged bags: every truncation, every flipped bit and every claim of gigabytes gives an error or a data set that holds together.
+//! Damaged bags: every truncation, every flipped bit and every claim of gigabytes gives an error or a consistent data set.
 
 mod bag;
 
@@ -72,7 +72,7 @@ fn flipped_bits() {
     }
 }
 
-/// Lengths of 4 GiB, 2⁴⁰ and 2⁶⁴ bytes anywhere: nothing of that size is allocated, so that thousands are done at once.
+/// Stated lengths of 4 GiB, 2⁴⁰ and 2⁶⁴ bytes anywhere: no such size is allocated, so thousands can be tested at once.
 #[test]
 fn claims_of_gigabytes() {
     for chunks in ALL {
@@ -95,7 +95,7 @@ fn claims_of_gigabytes() {
 fn a_chunk_that_unpacks_to_too_much_is_refused() {
     let whole = small(Chunks::Zstd);
     let at = whole.windows(4).position(|window| window == b"zstd").unwrap();
-    // Before the name: its length, the checksum, the size.
+    // The length of the name, the checksum and the size precede the name.
     let size = at - 4 - 4 - 8;
     let with = |claim: u64| {
         let mut bytes = whole.clone();
@@ -115,7 +115,7 @@ fn a_chunk_that_unpacks_to_too_much_is_refused() {
     );
 }
 
-/// A record of a kind of its own, compressed by zstd: its head as it is, then blocks that say how often a zero stands there.
+/// A record of an unknown kind, compressed by zstd: its head, then run-length blocks of zeros.
 fn record_of_zeros(size: u64) -> Vec<u8> {
     const BLOCK: u64 = 1 << 17;
     let mut packed = vec![0x28, 0xB5, 0x2F, 0xFD, 0, 7 << 3, 9 << 3, 0, 0, 0x80];
@@ -131,7 +131,7 @@ fn record_of_zeros(size: u64) -> Vec<u8> {
     packed
 }
 
-/// Chunks of zeros, each of which is fine alone: the second one is not even unpacked.
+/// Chunks of zeros, each acceptable alone: the second is not even unpacked.
 #[test]
 fn files_that_unpack_to_more_than_their_size_allows_are_refused() {
     const SIZE: u64 = 1 << 28;

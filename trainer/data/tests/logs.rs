@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Two joints and one drive on the first; degrees, milliseconds, the second encoder mounted backwards.
+/// Two joints, with a drive on the first; degrees, milliseconds, the second encoder mounted backwards.
 fn columns() -> Columns {
     let column = |name: &str, scale: f64| Column { name: name.to_owned(), scale };
     let deg = unit("deg").unwrap();
@@ -227,7 +227,7 @@ fn intervals_of_time_are_left_out_as_gaps_are() {
     let names = ["a.csv", "b.csv"];
     let all = names.map(|name| written(folder.path(), name, &log(200, ',')));
     let of = |file: Option<&str>, from: f64, to: f64| LeftOut { file: file.map(PathBuf::from), from, to };
-    // Samples are 5 ms apart, late by less than half a millisecond.
+    // Samples are 5 ms apart, with a jitter of less than half a millisecond.
     let leave_out =
         vec![of(None, 0.2, 0.2995), of(Some("b.csv"), 0.5, f64::INFINITY), of(Some("c.csv"), 0.0, 9.0)];
     let reading = Reading { leave_out, ..reading() };

@@ -1,4 +1,4 @@
-//! Files in the layout of the ModLaNet authors: what is written is read back, and what the errors say.
+//! Files in the layout of the ModLaNet authors: round trips, and error messages.
 
 use std::fs::File;
 
@@ -13,7 +13,7 @@ fn table(rows: usize, n: usize, from: f64) -> Rows {
     Rows::from_flat(n, (0..rows * n).map(|k| from + k as f64 / 3.0).collect()).unwrap()
 }
 
-/// So many rows of a motion with two coordinates.
+/// The given number of rows of a motion with two coordinates.
 fn part(rows: usize) -> ModlanetRows {
     let column = |from| table(rows, 1, from).as_flat().to_vec();
     ModlanetRows {

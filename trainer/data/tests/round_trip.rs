@@ -1,4 +1,4 @@
-//! What is written is read back, bit for bit.
+//! Round trips: written data is read back bit for bit.
 
 use leastaction_core::forces::ControlKind;
 use leastaction_data::symo::{self, SymoSet};
@@ -50,7 +50,7 @@ fn symo_part(trajectories: usize, samples: usize) -> impl Strategy<Value = Datas
     })
 }
 
-/// The bits of everything, so that −0 and 0 differ.
+/// The bits of all numbers, so that −0 and 0 differ.
 fn bits(data: &Dataset) -> Vec<u64> {
     let fields = |t: &Trajectory| [Some(t.q.clone()), t.v.clone(), t.a.clone(), t.u.clone()];
     let values = data.trajectories.iter().flat_map(fields).flatten().flat_map(|rows| rows.as_flat().to_vec());
@@ -112,7 +112,7 @@ fn the_same_data_give_the_same_file() {
     assert_eq!(written("a.npz"), written("b.npz"));
 }
 
-/// What spoils the data of [`pair`], and the message.
+/// A change that spoils the data of [`pair`], and the error message.
 type Spoiled<'a> = (fn(&mut Dataset), &'a str);
 
 #[track_caller]

@@ -1,4 +1,4 @@
-//! Looks at columns of any numbers: none panics, and what is said of them is of their size.
+//! Surveys of arbitrary columns: none panics, and the statistics are of the right size.
 
 use leastaction_data::survey::{Clock, Guess, MotionSurvey, RawLog, Signal};
 use proptest::prelude::*;

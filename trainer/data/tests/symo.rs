@@ -1,4 +1,4 @@
-//! The SyMo authors' data sets, from where `LEASTACTION_REFERENCE` points to.
+//! The SyMo authors' data sets, in the folder that `LEASTACTION_REFERENCE` names.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ fn size(part: &Dataset) -> (usize, usize, usize) {
     (part.trajectories.len(), samples, part.n)
 }
 
-/// Largest difference of (q₊ − q₋)/2h and the velocity given, over all inner samples.
+/// Largest difference between (q₊ − q₋)/2h and the given velocity, over all inner samples.
 fn velocity_gap(part: &Dataset) -> f64 {
     let mut gap = 0.0_f64;
     for motion in &part.trajectories {

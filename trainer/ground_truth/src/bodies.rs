@@ -8,10 +8,10 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Bodies of these masses (kg) and the strength k (N m²/kg²) of their attraction; below 0 they repel.
+    /// Bodies of these masses (kg) with the attraction constant k (N m²/kg²); if it is negative they repel.
     ///
     /// # Errors
-    /// Where there is no mass, one is not finite and above 0, or k is not finite.
+    /// [`BadMechanism`] if there is no mass, if a mass is not finite and above 0, or if k is not finite.
     pub fn new(masses: Vec<f64>, k: f64) -> Result<Self, BadMechanism> {
         masses.iter().enumerate().try_for_each(|(i, &mass)| above_zero(i, "a mass of", mass))?;
         if masses.is_empty() {
@@ -25,7 +25,7 @@ impl Bodies {
     /// Equal masses of 1 kg and k = 1, as in ModLaNet's experiments.
     ///
     /// # Errors
-    /// For `count` = 0.
+    /// [`BadMechanism`] if `count` is 0.
     pub fn uniform(count: usize) -> Result<Self, BadMechanism> {
         Self::new(vec![1.0; count], 1.0)
     }
@@ -35,7 +35,7 @@ impl Bodies {
         &self.masses
     }
 
-    /// The strength of the attraction, N m²/kg².
+    /// The attraction constant, N m²/kg².
     pub fn attraction(&self) -> f64 {
         self.k
     }

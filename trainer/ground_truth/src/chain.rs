@@ -1,19 +1,19 @@
 use super::motion::{BadMechanism, ExactMotion, above_zero};
 use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
 
-/// Acceleration of gravity of ModLaNet's experiments, m/s².
+/// Acceleration of gravity in ModLaNet's experiments, m/s².
 const GRAVITY: f64 = 9.8;
 
 /// One rigid link of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// From its pivot to the next one, m.
+    /// Distance from the pivot to the next pivot, m.
     pub length: f64,
-    /// From its pivot to its centre of mass, along the line to the next pivot, m.
+    /// Distance from the pivot to the centre of mass, along the line to the next pivot, m.
     pub centre: f64,
-    /// Moment of inertia about its centre of mass, kg m².
+    /// Moment of inertia about the centre of mass, kg m².
     pub inertia: f64,
 }
 
@@ -51,9 +51,8 @@ impl Link {
 
 /// A chain of pendulums, hanging from a fixed point or from a cart that slides along x without friction; g = 9.8 m/s².
 ///
-/// q = (θ₁, …) or (x, θ₁, …): absolute angles from the downward vertical, rad, and the cart's position, m. With rᵢⱼ the lever of
-/// link j in the centre of mass of link i (lⱼ for j < i, cᵢ for j = i, else 0), Aⱼₖ = Σᵢ mᵢ rᵢⱼ rᵢₖ + δⱼₖ Iⱼ and
-/// Bⱼ = Σᵢ mᵢ rᵢⱼ,
+/// q = (θ₁, …) or (x, θ₁, …): absolute angles from the downward vertical, rad, and the cart's position, m. rᵢⱼ is the lever of link j for
+/// the centre of mass of link i (lⱼ for j < i, cᵢ for j = i, else 0). With Aⱼₖ = Σᵢ mᵢ rᵢⱼ rᵢₖ + δⱼₖ Iⱼ and Bⱼ = Σᵢ mᵢ rᵢⱼ,
 ///
 ///   Σₖ Aⱼₖ (cos(θⱼ−θₖ) θ̈ₖ + sin(θⱼ−θₖ) θ̇ₖ²) + Bⱼ (cos θⱼ ẍ + g sin θⱼ) = 0,
 ///   (M + Σm) ẍ + Σⱼ Bⱼ (cos θⱼ θ̈ⱼ − sin θⱼ θ̇ⱼ²) = 0,   V = −g Σⱼ Bⱼ cos θⱼ.
@@ -61,17 +60,17 @@ impl Link {
 pub struct Chain {
     links: Vec<Link>,
     cart: Option<f64>,
-    /// A.
+    /// Matrix A.
     pub(super) inertia: DMatrix<f64>,
-    /// B.
+    /// Vector B.
     pub(super) moments: Vec<f64>,
 }
 
 impl Chain {
-    /// Links from the top down, and the mass of the cart (kg), if there is one.
+    /// A chain of links from the top down, with a cart of this mass (kg) if given.
     ///
     /// # Errors
-    /// Where there is no link, a mass or a length is not finite and above 0, or a link has no inertia about its pivot.
+    /// [`BadMechanism`] if there is no link, if a mass or a length is not finite and above 0, or if a link has no inertia about its pivot.
     pub fn new(links: Vec<Link>, cart: Option<f64>) -> Result<Self, BadMechanism> {
         cart.map_or(Ok(()), |mass| above_zero(0, "a cart's mass of", mass))?;
         links.iter().enumerate().try_for_each(|(i, link)| link.check(i))?;
@@ -94,7 +93,7 @@ impl Chain {
     /// Point masses (kg) on massless rods (m), hanging from a fixed point.
     ///
     /// # Errors
-    /// As of [`Chain::new`], and for lists of different lengths.
+    /// [`BadMechanism`] as for [`Chain::new`], and for lists of different lengths.
     pub fn of_points(masses: &[f64], lengths: &[f64]) -> Result<Self, BadMechanism> {
         if masses.len() != lengths.len() {
             return Err(BadMechanism::Unpaired { masses: masses.len(), lengths: lengths.len() });
@@ -105,7 +104,7 @@ impl Chain {
     /// Point masses of 1 kg on rods of 1 m, as in ModLaNet's experiments.
     ///
     /// # Errors
-    /// For `count` = 0.
+    /// [`BadMechanism`] if `count` is 0.
     pub fn uniform(count: usize) -> Result<Self, BadMechanism> {
         Self::new(vec![Link::point(1.0, 1.0); count], None)
     }
@@ -120,7 +119,7 @@ impl Chain {
         self.cart
     }
 
-    /// Coordinates before the first angle: 1 with a cart.
+    /// Number of coordinates before the first angle: 1 with a cart.
     fn offset(&self) -> usize {
         usize::from(self.cart.is_some())
     }
@@ -140,7 +139,7 @@ impl Chain {
         })
     }
 
-    /// Everything but M v̇, on the other side: gravity and what depends on v².
+    /// Right-hand side of M v̇ = …: gravity and the terms in v².
     fn write_forces(&self, angles: &[(f64, f64)], v: &[f64], out: &mut [f64]) {
         let (cart, joints) = out.split_at_mut(self.offset());
         let squares = || v.iter().skip(self.offset()).map(|v| v * v);

@@ -8,24 +8,24 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// Error of the ground truth a step, relative to 1 + |x|.
+/// Error tolerance of the ground truth per step, relative to 1 + |x|.
 const TOLERANCE: f64 = 1e-13;
-/// |u| at most, N or N m.
+/// Largest |u|, N or N m.
 const CONTROL: f64 = 2.0;
 
-/// The force on the actuated coordinate, drawn from U(−2, 2) N or N m.
+/// Force on the actuated coordinate, drawn from U(−2, 2) N or N m.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
-    /// None.
+    /// No force.
     Free,
-    /// One for each trajectory.
+    /// A constant force for each trajectory.
     Constant,
-    /// Another at every sample, and this between samples.
+    /// A new force at every sample, with this kind between samples.
     Changing(ControlKind),
 }
 
 impl Drive {
-    /// The force at every sample.
+    /// Draws the force at every sample.
     fn draw(self, samples: usize, stream: &mut Pcg64) -> Vec<f64> {
         let mut one = || stream.random_range(-CONTROL..CONTROL);
         match self {
@@ -35,7 +35,7 @@ impl Drive {
         }
     }
 
-    /// What a log of it says of the force between samples: nothing where that does not matter.
+    /// The control kind that a log states; `None` if it does not matter.
     fn kind(self) -> Option<ControlKind> {
         match self {
             Self::Free | Self::Constant => None,
@@ -44,14 +44,14 @@ impl Drive {
     }
 }
 
-/// What to generate.
+/// Settings of the generated data.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Which mechanism.
+    /// Mechanism.
     pub mechanism: Mechanism,
-    /// Trajectories.
+    /// Number of trajectories.
     pub trajectories: usize,
-    /// States in each.
+    /// Number of states in each trajectory.
     pub samples: usize,
     /// Step between states, s.
     pub h: f64,
@@ -59,14 +59,14 @@ pub struct Settings {
     pub noise: f64,
     /// Viscous damping of every coordinate, N s/m or N m s/rad.
     pub drag: f64,
-    /// The force.
+    /// Force on the actuated coordinate.
     pub drive: Drive,
-    /// Of the random stream.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Settings {
-    /// SyMo's settings: 34 states a trajectory under a constant random control, no noise, no drag.
+    /// SyMo's settings: 34 states per trajectory under a constant random control, without noise or drag.
     pub fn symo(mechanism: Mechanism, trajectories: usize, seed: u64) -> Self {
         let h = mechanism.step();
         let drive = Drive::Constant;
@@ -74,10 +74,10 @@ impl Settings {
     }
 }
 
-/// Trajectories from random initial states of the mechanism, with exact positions, velocities and accelerations.
+/// Generates trajectories from random initial states, with exact positions, velocities and accelerations.
 ///
 /// # Errors
-/// Where the motion cannot be followed.
+/// [`IntegrationError`] if the motion cannot be integrated.
 pub fn generate(settings: &Settings) -> Result<Dataset, IntegrationError> {
     match settings.mechanism.exact() {
         Exact::One(exact) => generate_with(exact, settings),
@@ -85,12 +85,12 @@ pub fn generate(settings: &Settings) -> Result<Dataset, IntegrationError> {
     }
 }
 
-/// The data of SyMo's experiments: 128 training and 128 test trajectories of 34 states, and 16 free ones of 502 states
-/// for long integration; noise of this standard deviation on the states of the first two sets. The control is linear between
-/// samples, as in the authors' equation; in a trajectory it is constant.
+/// The data of SyMo's experiments: 128 training and 128 test trajectories of 34 states, with noise of this standard deviation on their
+/// states, and 16 free trajectories of 502 states for long integration. The control is linear between samples, as in the authors' equation,
+/// and constant within a trajectory.
 ///
 /// # Errors
-/// Where the motion cannot be followed.
+/// [`IntegrationError`] if the motion cannot be integrated.
 pub fn symo_set(mechanism: Mechanism, seed: u64, noise: f64) -> Result<SymoSet, IntegrationError> {
     let linear = |settings: &Settings| -> Result<Dataset, IntegrationError> {
         Ok(Dataset { control: Some(ControlKind::Linear), ..generate(settings)? })
@@ -144,14 +144,14 @@ fn trajectory<const N: usize>(
     Ok(Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: Some(rows(us)) })
 }
 
-/// One step on, under a force that is linear between its ends.
+/// Advances by one step under a force that is linear between its ends.
 fn advance<const N: usize>(
     system: &Damped<N>,
     integrator: &mut Extrapolation,
     state: &mut [[f64; N]; 2],
     (h, [first, last]): (f64, [&[f64; N]; 2]),
 ) -> Result<(), IntegrationError> {
-    // Positions, velocities, and the part of the step that is over.
+    // State vector: positions, velocities, and the elapsed fraction of the step.
     let mut x = [state.as_flattened(), &[0.0]].concat();
     let rate = |x: &[f64], rate: &mut [f64]| {
         let ([q, v, ..], c) = (x.as_chunks::<N>().0, x.last()?) else { return None };
@@ -174,7 +174,7 @@ fn initial_state<const N: usize>(spread: &[Spread], stream: &mut Pcg64) -> [[f64
     [draw(|s| s.q), draw(|s| s.v)]
 }
 
-/// Numbers with normal noise of this standard deviation; without any, nothing is drawn.
+/// Adds normal noise of this standard deviation; draws nothing if it is 0.
 pub fn noisy<const N: usize>(x: [f64; N], sigma: f64, stream: &mut Pcg64) -> [f64; N] {
     if sigma == 0.0 {
         return x;

@@ -1,37 +1,37 @@
-//! Motion to nearly the last bit: Gragg–Bulirsch–Stoer extrapolation with control of the error and of the step.
+//! Integration of motion to nearly the last bit: Gragg–Bulirsch–Stoer extrapolation with error and step-size control.
 //!
-//! It serves exact and learned right-hand sides of any size. Only sums, products and quotients are used, so that a motion has
-//! the same bits wherever its right-hand side has.
+//! It serves exact and learned right-hand sides of any size. Only sums, products and quotients are used, so a motion has identical bits on
+//! all machines on which its right-hand side has.
 //!
 //! Source: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I", section II.9.
 
 use thiserror::Error;
 
-/// Substeps of the modified midpoint rule in successive columns of the extrapolation.
+/// Numbers of substeps of the modified midpoint rule in successive columns of the extrapolation.
 const SUBSTEPS: [usize; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
 /// The first column that may be accepted.
 const FIRST: usize = 3;
-/// What the step is multiplied by after acceptance in column 3, 4, …: columns 6 and 7 cost least for their length.
+/// Factor of the step size after acceptance in column 3, 4, …: columns 6 and 7 cost least for their length.
 const GROWTH: [f64; 5] = [3.0, 2.0, 1.4, 1.0, 0.85];
-/// Shortest part of an interval that is tried, relative to it.
+/// Shortest part of an interval that is tried, relative to the interval.
 const SHORTEST: f64 = 1.0 / (1 << 24) as f64;
-/// An error in column 3, 4, … above this many times the tolerance is still above it in the last column: it falls by less than
-/// 10⁴ from a column to the next.
+/// Ratios of error to tolerance in column 3, 4, … above which even the last column will exceed the tolerance: the error falls by less than
+/// 10⁴ from one column to the next.
 const HOPELESS: [f64; 5] = [1e16, 1e12, 1e8, 1e4, 1.0];
 
 /// The motion could not be followed.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("the motion could not be integrated to a relative error of {tolerance:e} near t = {t} s")]
 pub struct IntegrationError {
-    /// Where, s.
+    /// Time of the failure, s.
     pub t: f64,
-    /// What was asked.
+    /// Requested tolerance.
     pub tolerance: f64,
 }
 
 /// An adaptive integrator of ẋ = f(x), with its working storage.
 ///
-/// It remembers the step that served last, so use one for each trajectory.
+/// It remembers the last successful step size, so use one integrator per trajectory.
 #[derive(Clone, Debug)]
 pub struct Extrapolation {
     /// Error per step, relative to 1 + |x|.
@@ -42,12 +42,12 @@ pub struct Extrapolation {
     rate: Vec<f64>,
     before: Vec<f64>,
     now: Vec<f64>,
-    /// The latest row of the triangle of extrapolated values.
+    /// Latest row of the extrapolation triangle.
     row: [Vec<f64>; SUBSTEPS.len()],
 }
 
 impl Extrapolation {
-    /// For states of `size` entries. Below a `tolerance` of about 1e-14 rounding is mistaken for error.
+    /// An integrator for states of `size` entries. At a `tolerance` below about 1e-14 rounding is mistaken for error.
     pub fn new(size: usize, tolerance: f64) -> Self {
         let zeros = || vec![0.0; size];
         let row = std::array::from_fn(|_| zeros());
@@ -55,10 +55,11 @@ impl Extrapolation {
         Self { tolerance, step: f64::INFINITY, start_rate, rate, before, now, row }
     }
 
-    /// Moves `state` on by `h` > 0 seconds. `f(x, ẋ)` writes ẋ, or says `None` where it has none.
+    /// Advances `state` by `h` > 0 seconds. `f(x, ẋ)` writes ẋ, or returns `None` if it does not exist.
     ///
     /// # Errors
-    /// Where no step is short enough; `t` counts from the beginning of this interval, and `state` is the last one reached.
+    /// [`IntegrationError`] if no step is short enough; its `t` counts from the beginning of this interval, and `state` is the last one
+    /// reached.
     pub fn advance<F>(&mut self, mut f: F, state: &mut [f64], h: f64) -> Result<(), IntegrationError>
     where
         F: FnMut(&[f64], &mut [f64]) -> Option<()>,
@@ -71,7 +72,7 @@ impl Extrapolation {
                 state.copy_from_slice(&self.row[column]);
                 done = if parts == 1.0 { h } else { done + step };
                 let next = step * GROWTH[column - FIRST];
-                // A part cut short by the end of the interval says nothing against a longer one.
+                // A step shortened to end with the interval is no reason against a longer one.
                 self.step = if parts == 1.0 && self.step.is_finite() { next.max(self.step) } else { next };
             } else {
                 self.step = step / 2.0;
@@ -83,7 +84,7 @@ impl Extrapolation {
         Ok(())
     }
 
-    /// One step; the column whose value agrees with its neighbour's to the tolerance.
+    /// Tries a step; returns the column whose value agrees with its neighbour's to the tolerance.
     fn extrapolate<F>(&mut self, f: &mut F, state: &[f64], h: f64) -> Option<usize>
     where
         F: FnMut(&[f64], &mut [f64]) -> Option<()>,
@@ -106,7 +107,7 @@ impl Extrapolation {
         None
     }
 
-    /// Gragg's rule: its error has only even powers of the substep. The result is in `now`.
+    /// Gragg's rule, whose error has only even powers of the substep. The result is in `now`.
     fn modified_midpoint<F>(&mut self, f: &mut F, state: &[f64], h: f64, substeps: usize) -> Option<()>
     where
         F: FnMut(&[f64], &mut [f64]) -> Option<()>,
@@ -148,18 +149,18 @@ where
     rate.iter().all(|rate| rate.is_finite()).then_some(())
 }
 
-/// x += c ẋ.
+/// Computes x += c ẋ.
 fn add(x: &mut [f64], rate: &[f64], c: f64) {
     x.iter_mut().zip(rate).for_each(|(x, rate)| *x += c * rate);
 }
 
-/// The largest difference relative to 1 + |a|; NaN where one is.
+/// The largest difference relative to 1 + |a|; NaN if any difference is.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + a.abs()));
     differences.fold(0.0, |largest: f64, d| if d.is_nan() { d } else { largest.max(d) })
 }
 
-/// The right-hand side of ẋ = (v, v̇) at x = (q, v), for [`Extrapolation::advance`], from accelerations v̇(q, v).
+/// The right-hand side of ẋ = (v, v̇) at x = (q, v), built from accelerations v̇(q, v), for [`Extrapolation::advance`].
 pub fn second_order<F>(mut acceleration: F) -> impl FnMut(&[f64], &mut [f64]) -> Option<()>
 where
     F: FnMut(&[f64], &[f64], &mut [f64]) -> Option<()>,
@@ -209,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_pole_stops_before_itself() {
-        // ẋ = x² from 1 is 1/(1 − t).
+        // The solution of ẋ = x² from 1 is 1/(1 − t).
         let square = |x: &[f64], rate: &mut [f64]| {
             rate[0] = x[0] * x[0];
             Some(())

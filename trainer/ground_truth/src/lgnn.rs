@@ -1,5 +1,5 @@
-//! The protocol of LGNN's experiments (Bhattoo et al., MLST 2023), as their program has it, but for its integrator: the motion
-//! here is exact.
+//! The protocol of LGNN's experiments (Bhattoo et al., MLST 2023), as in the authors' program but with an exact motion in place of its
+//! integrator.
 
 use super::logged::{GenerationError, Horizon, Start, logged};
 use super::{BadMechanism, Rod, Truss};
@@ -10,22 +10,22 @@ use rand_pcg::Pcg64;
 /// Acceleration of gravity, m/s².
 const GRAVITY: f64 = 10.0;
 
-/// A system of LGNN's; all masses and lengths are 1.
+/// A system of LGNN's experiments; all masses and lengths are 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LgnnSystem {
-    /// That many bobs in Cartesian coordinates, each on a rod to the one above, the first to the origin.
+    /// Bobs in Cartesian coordinates, each on a rod to the one above, the first on a rod to the origin.
     Pendulum(usize),
-    /// That many nodes in a ring of springs, without gravity; at least 3.
+    /// Nodes in a ring of springs, without gravity; at least 3.
     Spring(usize),
-    /// Two bobs on rods, and two nodes that each hang by a spring from either bob.
+    /// Two bobs on rods, and two nodes that each hang by a spring from both bobs.
     Hybrid,
 }
 
-/// Springs of the hybrid.
+/// Springs of the hybrid, as pairs of nodes.
 const HYBRID_SPRINGS: [[usize; 2]; 4] = [[0, 2], [2, 1], [1, 3], [3, 0]];
 
 impl LgnnSystem {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pendulum(_) => "rod-pendulum",
@@ -42,7 +42,7 @@ impl LgnnSystem {
         }
     }
 
-    /// Its rods.
+    /// Rods.
     pub fn rods(self) -> Vec<Rod> {
         let rod = |to: usize| Rod { from: to.checked_sub(1), to, length: 1.0 };
         match self {
@@ -52,7 +52,7 @@ impl LgnnSystem {
         }
     }
 
-    /// Its springs, as pairs of nodes.
+    /// Springs, as pairs of nodes.
     pub fn springs(self) -> Vec<[usize; 2]> {
         match self {
             Self::Pendulum(_) => Vec::new(),
@@ -69,29 +69,29 @@ impl LgnnSystem {
     }
 }
 
-/// What to generate.
+/// Settings of the generated data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LgnnSettings {
-    /// Which system.
+    /// System.
     pub system: LgnnSystem,
-    /// c ≥ 0 of every node, N s/m; the authors' is 0.1.
+    /// Drag c ≥ 0 of every node, N s/m; the authors use 0.1.
     pub drag: f64,
-    /// Force along x on the second node, N; the authors' on the hybrid is 10.
+    /// Force along x on the second node, N; the authors use 10 on the hybrid.
     pub pull: f64,
-    /// Trajectories.
+    /// Number of trajectories.
     pub trajectories: usize,
-    /// States in each.
+    /// Number of states in each trajectory.
     pub samples: usize,
     /// Time between states, s.
     pub h: f64,
     /// Standard deviation of the noise on positions and velocities, m and m/s.
     pub noise: f64,
-    /// Of the random stream.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl LgnnSettings {
-    /// The authors' training set: 100 trajectories of 100 states, at 100 Hz for what has rods, at 10 Hz for springs.
+    /// The authors' training set: 100 trajectories of 100 states, at 100 Hz for systems with rods, at 10 Hz for springs.
     pub fn published(system: LgnnSystem, seed: u64) -> Self {
         let h = if system.rods().is_empty() { 0.1 } else { 0.01 };
         Self { system, drag: 0.0, pull: 0.0, trajectories: 100, samples: 100, h, noise: 0.0, seed }
@@ -100,7 +100,7 @@ impl LgnnSettings {
     /// The exact system.
     ///
     /// # Errors
-    /// For a system without nodes or a ring of fewer than 3.
+    /// [`BadMechanism`] for a system without nodes, or a ring of fewer than 3.
     pub fn truss(&self) -> Result<Truss, BadMechanism> {
         let system = self.system;
         if let LgnnSystem::Spring(nodes @ ..3) = system {
@@ -115,9 +115,9 @@ impl LgnnSettings {
 
 /// The initial states of the trajectories, from one random stream.
 ///
-/// Bobs rest at angles from the downward vertical that are whole numbers 0 … 359, *in radians*: the authors draw degrees and take
-/// them for radians. Nodes of a ring: x ∈ U(0, 2)², v ∈ U(0, 0.1)² less the mean. The free nodes of the hybrid rest within ±1 m of
-/// the middle of the bobs.
+/// Bobs rest at angles from the downward vertical that are whole numbers 0 … 359, *in radians*: the authors draw degrees and use them as
+/// radians. Nodes of a ring: x ∈ U(0, 2)², v ∈ U(0, 0.1)² minus the mean. The free nodes of the hybrid rest within ±1 m of the midpoint of
+/// the bobs.
 pub fn lgnn_starts(settings: &LgnnSettings) -> Vec<Start> {
     let mut stream = Pcg64::seed_from_u64(settings.seed);
     let one = |_| match settings.system {
@@ -158,10 +158,10 @@ fn hybrid(stream: &mut Pcg64) -> Vec<[f64; 2]> {
     x
 }
 
-/// Trajectories with positions, velocities and exact accelerations, and the force where there is one.
+/// Trajectories with positions, velocities and exact accelerations, and with the force if there is one.
 ///
 /// # Errors
-/// For a system that cannot be, and where the motion cannot be followed.
+/// [`GenerationError`] for an invalid system, and if the motion cannot be integrated.
 pub fn lgnn_set(settings: &LgnnSettings) -> Result<Dataset, GenerationError> {
     let LgnnSettings { h, samples, noise, seed, .. } = *settings;
     let truss = settings.truss()?;

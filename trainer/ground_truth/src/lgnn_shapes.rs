@@ -1,4 +1,4 @@
-//! The shapes that LGNN's systems are learned by.
+//! Model shapes for LGNN's systems.
 
 use super::{LgnnSystem, Rod as TrussRod};
 use leastaction_core::energy::NetworkShape;
@@ -9,8 +9,8 @@ use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
 use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 
-/// Hidden units of every potential, beside a uniform field. Squareplus is nearly linear far out, and so is what is learned beyond
-/// the data.
+/// Hidden units of every potential beside a uniform field. Squareplus is nearly linear far out, and so is the learned potential beyond the
+/// data.
 const POTENTIAL: [u16; 4] = [8, 0, 0, 0];
 /// Hidden units of a spring's potential.
 const SPRING: [u16; 4] = [16, 0, 0, 0];
@@ -31,14 +31,14 @@ pub fn lgnn_graph(system: LgnnSystem) -> NamedGraph {
     }
 }
 
-/// The shape for a system: bobs with a potential of their place, or nodes joined by springs with a potential of their squared
-/// distance; all of the known mass of 1 kg, which fixes the scale of L; with drag, one of each component of the velocity.
+/// The shape for a system: bobs with a potential of their position, or nodes joined by springs with a potential of their squared distance.
+/// All nodes have the known mass of 1 kg, which fixes the scale of L. `drag` adds drag, a function of each velocity component.
 ///
-/// Beside every network stands a simple law that it corrects: a uniform field, a polynomial of the squared distance, viscous
-/// drag. With `networks_alone` those are known to be 0.
+/// Every network corrects a simple law beside it: a uniform field, a polynomial of the squared distance, or viscous drag. With
+/// `networks_alone` the laws are known to be 0.
 ///
 /// # Errors
-/// None; shapes this small fit.
+/// None in practice: shapes this small fit.
 pub fn lgnn_shape(
     system: LgnnSystem,
     drag: bool,

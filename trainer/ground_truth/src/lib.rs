@@ -1,6 +1,5 @@
-//! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot, ModLaNet's chains of
-//! pendulums and attracting bodies, LGNN's pendulums, springs and hybrids in Cartesian coordinates; and logs of them as robots
-//! write them ([`robot`]).
+//! Mechanisms with exactly known motion, and data sets from them: SyMo's pendulum, cart-pole and acrobot; ModLaNet's chains of pendulums
+//! and attracting bodies; LGNN's pendulums, springs and hybrids in Cartesian coordinates; and logs as robots write them ([`robot`]).
 
 mod bodies;
 mod chain;
@@ -30,7 +29,7 @@ pub use truss::{Rod, Truss};
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 
-/// A mechanism by its name on the command line.
+/// A mechanism, by its name on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mechanism {
@@ -42,12 +41,12 @@ pub enum Mechanism {
     Acrobot,
 }
 
-/// One box of the distribution that initial states are drawn from.
+/// Ranges of a coordinate's initial state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spread {
-    /// q ∈ ±.
+    /// Range of q, ±.
     pub q: f64,
-    /// v ∈ ±.
+    /// Range of v, ±.
     pub v: f64,
 }
 
@@ -61,7 +60,7 @@ pub enum Exact {
 }
 
 impl Mechanism {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pendulum => "pendulum",
@@ -79,7 +78,7 @@ impl Mechanism {
         }
     }
 
-    /// What each coordinate is.
+    /// Kinds of the coordinates.
     pub fn coordinates(self) -> &'static [Coordinate] {
         match self {
             Self::Pendulum => &[Coordinate::Angle],

@@ -1,4 +1,4 @@
-//! Following a motion from given starts, and logging it.
+//! Integration of a motion from given starts, and logging of it.
 
 use super::generate::noisy;
 use super::{BadMechanism, ExactMotion, Extrapolation, IntegrationError, second_order};
@@ -7,53 +7,53 @@ use leastaction_models::parallel;
 use rand_pcg::Pcg64;
 use thiserror::Error;
 
-/// Error of the motion a step, relative to 1 + |x|.
+/// Error tolerance of the motion per step, relative to 1 + |x|.
 const TOLERANCE: f64 = 1e-12;
 
-/// Why there is no data.
+/// The reason why there is no data.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum GenerationError {
-    /// No such system.
+    /// The mechanism is invalid.
     #[error(transparent)]
     Mechanism(#[from] BadMechanism),
-    /// Its motion cannot be followed.
+    /// The motion cannot be integrated.
     #[error(transparent)]
     Integration(#[from] IntegrationError),
-    /// Too few trajectories to keep some for the test.
+    /// There are too few trajectories to hold some back for the test.
     #[error("a training and a test set need at least 2 trajectories, not {0}")]
     TooFew(usize),
 }
 
-/// How long, and how often, a motion is looked at.
+/// Sampling of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Horizon {
-    /// Time between looks, s.
+    /// Time between samples, s.
     pub h: f64,
-    /// Looks, that at the start included.
+    /// Number of samples, including that at the start.
     pub samples: usize,
 }
 
 impl Horizon {
-    /// Of predictions: 20 looks a second, as the authors', which makes 601 in 30 s.
+    /// The horizon of predictions: 20 samples per second, as the authors have it; 601 in 30 s.
     pub fn of_seconds(seconds: f64) -> Self {
         Self { h: 0.05, samples: (seconds / 0.05).round() as usize + 1 }
     }
 }
 
-/// A state at rest or in motion: positions and velocities.
+/// An initial state: positions and velocities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// q.
+    /// Positions q.
     pub q: Vec<f64>,
-    /// v.
+    /// Velocities v.
     pub v: Vec<f64>,
 }
 
-/// Trajectories from these starts with positions, velocities and exact accelerations of the states before noise; t = 0 at each
-/// start. The noise's standard deviation is that of positions and of velocities.
+/// Trajectories from these starts with positions, velocities and exact accelerations of the states before noise; t = 0 at each start.
+/// `noise` is the standard deviation for positions and for velocities.
 ///
 /// # Errors
-/// Where the motion cannot be followed.
+/// [`IntegrationError`] if the motion cannot be integrated.
 pub fn logged(
     motion: &dyn ExactMotion,
     starts: &[Start],
@@ -62,7 +62,7 @@ pub fn logged(
     seed: u64,
 ) -> Result<Dataset, IntegrationError> {
     let one = |id: usize| {
-        // Of its own, so that the number of processors does not matter.
+        // A random stream per trajectory, so that the number of processors does not matter.
         let stream = Pcg64::new(u128::from(seed), id as u128 + 1);
         trajectory(motion, horizon, id, &starts[id], (noise, stream))
     };
@@ -96,11 +96,11 @@ fn trajectory(
     Ok(Trajectory { id: id as i64, t0: 0.0, q: rows(q)?, v: Some(rows(v)?), a: Some(rows(a)?), u: None })
 }
 
-/// Gives `keep` the states (q, v) `h` seconds apart from the start on, `samples` of them, under the accelerations v̇(q, v); each
-/// is first brought back by `project` to where constraints keep it, as [`ExactMotion::project`] does.
+/// Passes `samples` states (q, v), `h` seconds apart from the start on, to `keep`, under the accelerations v̇(q, v). Each state is first
+/// projected onto the constraints by `project`, see [`ExactMotion::project`].
 ///
 /// # Errors
-/// Where the motion cannot be followed to the tolerance, relative to 1 + |x| in each step; `t` counts from the start.
+/// [`IntegrationError`] if the tolerance, relative to 1 + |x| per step, cannot be kept; its `t` counts from the start.
 pub fn follow(
     acceleration: impl FnMut(&[f64], &[f64], &mut [f64]) -> Option<()>,
     project: impl FnMut(&mut [f64]) -> Option<()>,
@@ -113,10 +113,10 @@ pub fn follow(
     follow_flow(second_order(acceleration), project, state, (horizon, tolerance), keep)
 }
 
-/// As [`follow`], from a state of any kind, whose rate ẋ = f(x) `rate` writes.
+/// Integrates as [`follow`] does, but from a state of any kind with the rate ẋ = f(x) that `rate` writes.
 ///
 /// # Errors
-/// As of [`follow`].
+/// See [`follow`].
 pub fn follow_flow(
     mut rate: impl FnMut(&[f64], &mut [f64]) -> Option<()>,
     mut project: impl FnMut(&mut [f64]) -> Option<()>,

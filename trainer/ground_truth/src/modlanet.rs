@@ -1,4 +1,4 @@
-//! The protocol of ModLaNet's experiments (Lu et al., ICML 2022), as their program has it.
+//! The protocol of ModLaNet's experiments (Lu et al., ICML 2022), as in the authors' program.
 
 use super::logged::{GenerationError, Horizon, Start, logged};
 use super::{BadMechanism, Bodies, Chain, ExactMotion};
@@ -9,20 +9,20 @@ use rand_pcg::Pcg64;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 /// Radii of the circle that the bodies start on, m.
 const RADII: std::ops::Range<f64> = 1.0..5.0;
-/// Each component of a body's velocity is multiplied by 1 ± this.
+/// Largest relative disturbance of each velocity component of a body.
 const DISTURBANCE: f64 = 0.5;
 
-/// A system of ModLaNet's: any number of equal elements, all masses, lengths and k being 1.
+/// A system of ModLaNet's experiments: any number of equal elements; all masses, lengths and k are 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ManyBody {
-    /// That many pendulums, each hanging from the one above.
+    /// Pendulums, each hanging from the one above.
     Pendulum(usize),
-    /// That many bodies in the plane.
+    /// Bodies in the plane.
     Bodies(usize),
 }
 
 impl ManyBody {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pendulum(_) => "n-pendulum",
@@ -30,7 +30,7 @@ impl ManyBody {
         }
     }
 
-    /// Coordinates: an angle a pendulum, two of a body.
+    /// Number of coordinates: an angle per pendulum, two per body.
     pub fn coordinates(self) -> usize {
         match self {
             Self::Pendulum(count) => count,
@@ -45,10 +45,10 @@ impl ManyBody {
         }
     }
 
-    /// Its exact motion.
+    /// The exact motion.
     ///
     /// # Errors
-    /// Where it has no element.
+    /// [`BadMechanism`] if there are no elements.
     pub fn motion(self) -> Result<Box<dyn ExactMotion>, BadMechanism> {
         Ok(match self {
             Self::Pendulum(count) => Box::new(Chain::uniform(count)?),
@@ -57,29 +57,29 @@ impl ManyBody {
     }
 }
 
-/// What to generate.
+/// Settings of the generated data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModlanetSettings {
-    /// Which system.
+    /// System.
     pub system: ManyBody,
-    /// Trajectories.
+    /// Number of trajectories.
     pub trajectories: usize,
-    /// States in each.
+    /// Number of states in each trajectory.
     pub samples: usize,
     /// Time between states, s.
     pub h: f64,
-    /// Pendulums start with velocities in ± this, rad/s. Bodies do not use it.
+    /// Range of the initial velocities of pendulums, ±, rad/s; not used for bodies.
     pub speed: f64,
     /// Standard deviation of the noise on positions and velocities.
     pub noise: f64,
-    /// Of the random stream.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl ModlanetSettings {
-    /// The authors' settings. 101 states in each trajectory, at 10 Hz for pendulums and 20 Hz for bodies; 100 trajectories of two
-    /// pendulums, 200 of three bodies, and 20 of any other number, which are there to extend a trained model to; pendulums at
-    /// ±10 rad/s, but ±8 in an extension.
+    /// The authors' settings: 101 states per trajectory, at 10 Hz for pendulums and 20 Hz for bodies; 100 trajectories for two pendulums,
+    /// 200 for three bodies, and 20 for any other number, to which a trained model is extended. Pendulums start at up to ±10 rad/s, in an
+    /// extension ±8 rad/s.
     pub fn published(system: ManyBody, seed: u64) -> Self {
         let (trajectories, h, speed) = match system {
             ManyBody::Pendulum(2) => (100, 0.1, 10.0),
@@ -93,10 +93,10 @@ impl ModlanetSettings {
 
 /// The initial states of the trajectories, from one random stream.
 ///
-/// Pendulums: θ ∈ U(0, 2π), θ̇ ∈ U(±speed). Bodies: evenly on a circle of radius U(1, 5) about the origin, at √2 times the
-/// velocity of the circular orbit, each of its two components (along the axes, before the turn by 2πi/n that takes the first body
-/// to the i-th) times its own U(0.5, 1.5). The √2 is the authors' (k/2r where [`circular_speed`] has k/4r), and so is the first
-/// body's direction, that of a point drawn from a square.
+/// Pendulums: θ ∈ U(0, 2π), θ̇ ∈ U(±speed). Bodies: evenly spaced on a circle of radius U(1, 5) about the origin, at √2 times the velocity
+/// of the circular orbit, with each of its two components multiplied by its own U(0.5, 1.5). (The components are along the axes, before the
+/// turn by 2πi/n that takes the first body to the i-th.) The √2 is the authors' (k/2r where [`circular_speed`] has k/4r), and so is the
+/// direction of the first body, that of a point drawn from a square.
 pub fn starts(settings: &ModlanetSettings) -> Vec<Start> {
     let mut stream = Pcg64::seed_from_u64(settings.seed);
     let one = |_| match settings.system {
@@ -136,11 +136,11 @@ fn signed(stream: &mut Pcg64) -> f64 {
     stream.random_range(-1.0..1.0)
 }
 
-/// Speed (m/s) at which `count` bodies of mass 1, evenly on a circle of radius `r` (m), go round it for k = 1:
-/// v² = (1/4r) Σ_{j=1}^{n−1} 1/sin(πj/n).
+/// Speed (m/s) at which `count` bodies of mass 1, evenly spaced on a circle of radius `r` (m), orbit its centre for k = 1: v² = (1/4r)
+/// Σ_{j=1}^{n−1} 1/sin(πj/n).
 ///
-/// The body j places on is 2r sin(πj/n) away, and its pull 1/(2r sin(πj/n))² has the part sin(πj/n) towards the centre; the sum
-/// of these parts is v²/r.
+/// The body j places further is 2r sin(πj/n) away, and its attraction 1/(2r sin(πj/n))² has the component sin(πj/n) towards the centre; the
+/// sum of these components is v²/r.
 pub fn circular_speed(count: usize, r: f64) -> f64 {
     let sum: f64 = (1..count).map(|j| 1.0 / (PI * j as f64 / count as f64).sin()).sum();
     (sum / (4.0 * r)).sqrt()
@@ -149,7 +149,7 @@ pub fn circular_speed(count: usize, r: f64) -> f64 {
 /// Trajectories with positions, velocities and exact accelerations of the states before noise; t = 0 at each start.
 ///
 /// # Errors
-/// For a system without elements, and where the motion cannot be followed.
+/// [`GenerationError`] for a system without elements, and if the motion cannot be integrated.
 pub fn generate_many(settings: &ModlanetSettings) -> Result<Dataset, GenerationError> {
     let motion = settings.system.motion()?;
     let ModlanetSettings { h, samples, noise, seed, .. } = *settings;
@@ -159,7 +159,7 @@ pub fn generate_many(settings: &ModlanetSettings) -> Result<Dataset, GenerationE
 /// A data set by the authors' protocol, [`ModlanetSettings::published`].
 ///
 /// # Errors
-/// As [`modlanet_set_of`].
+/// See [`modlanet_set_of`].
 pub fn modlanet_set(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
     modlanet_set_of(&ModlanetSettings::published(system, seed))
 }
@@ -167,7 +167,7 @@ pub fn modlanet_set(system: ManyBody, seed: u64) -> Result<ModlanetSet, Generati
 /// Training and test set: the last tenth of the trajectories, at least one, is the test set.
 ///
 /// # Errors
-/// As [`generate_many`], and for fewer than 2 trajectories.
+/// [`GenerationError`] as for [`generate_many`], and for fewer than 2 trajectories.
 pub fn modlanet_set_of(settings: &ModlanetSettings) -> Result<ModlanetSet, GenerationError> {
     let data = generate_many(settings)?;
     let motion = settings.system.motion()?;

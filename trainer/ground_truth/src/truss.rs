@@ -4,43 +4,43 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 /// A point or a direction of the plane.
 type Vector = [f64; 2];
 
-/// Steps of Newton's method that bring a state back onto the rods; from rounding's distance one is enough.
+/// Largest number of Newton steps in a projection onto the rods; at a distance of rounding one step suffices.
 const PROJECTIONS: usize = 8;
 
 /// Point masses in the plane, joined by springs and by rods of fixed length: q = (x₁, y₁, x₂, y₂, …), y upwards.
 ///
-/// V = g Σ mᵢ yᵢ + Σ_springs (r² − 1)² (LGNN's program; its paper has ½k(r − 1)²), Q = −c v + F, and for every rod
-/// φ = ½(|d|² − ℓ²) = 0 with d from one end to the other. M v̇ = −V_q + Q + Aᵀλ with A = φ_q, and λ from
-/// A v̇ + |ḋ|² = 0 (LGNN eq. 2, as it is in its program).
+/// V = g Σ mᵢ yᵢ + Σ_springs (r² − 1)² (LGNN's program; its paper has ½k(r − 1)²) and Q = −c v + F. For every rod φ = ½(|d|² − ℓ²) = 0,
+/// with d from one end to the other. M v̇ = −V_q + Q + Aᵀλ with A = φ_q, and λ follows from A v̇ + |ḋ|² = 0 (LGNN eq. 2, as in its
+/// program).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truss {
-    /// kg.
+    /// Masses of the nodes, kg.
     pub masses: Vec<f64>,
-    /// g along −y, m/s².
+    /// Acceleration of gravity g along −y, m/s².
     pub gravity: f64,
-    /// Pairs of nodes.
+    /// Springs, as pairs of nodes.
     pub springs: Vec<[usize; 2]>,
     /// The rods.
     pub rods: Vec<Rod>,
-    /// c ≥ 0 of every node, N s/m.
+    /// Drag c ≥ 0 of every node, N s/m.
     pub drag: f64,
-    /// F: nodes that are pulled, with the force, N.
+    /// Pulling forces F: nodes with the force on each, N.
     pub pulls: Vec<(usize, Vector)>,
 }
 
 /// A massless rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rod {
-    /// What it hangs from: a node, or `None` for the origin.
+    /// Upper end: a node, or `None` for the origin.
     pub from: Option<usize>,
-    /// The node at its other end.
+    /// Node at the other end.
     pub to: usize,
-    /// ℓ > 0, m.
+    /// Length ℓ > 0, m.
     pub length: f64,
 }
 
 impl Truss {
-    /// Nodes of 1 kg without anything else.
+    /// Free nodes of 1 kg.
     pub fn free(nodes: usize) -> Self {
         Self {
             masses: vec![1.0; nodes],
@@ -52,7 +52,7 @@ impl Truss {
         }
     }
 
-    /// Checks that there are nodes with masses, that rods and springs end at two of them, and that pulls are on one.
+    /// Checks that there are nodes with positive masses, that rods and springs connect two of them, and that pulls act on them.
     ///
     /// # Errors
     /// [`BadMechanism`].
@@ -81,14 +81,14 @@ impl Truss {
         }
     }
 
-    /// F on every node, N.
+    /// Force F on every node, N.
     pub fn pull(&self) -> Vec<[f64; 2]> {
         let mut force = vec![[0.0; 2]; self.masses.len()];
         self.pulls.iter().for_each(|(node, pull)| add(&mut force[*node], 1.0, pull));
         force
     }
 
-    /// −V_q + Q of every node.
+    /// Force −V_q + Q on every node.
     fn forces(&self, x: &[Vector], v: &[Vector]) -> Vec<Vector> {
         let own = |(mass, v): (&f64, &Vector)| [-self.drag * v[0], -self.drag * v[1] - mass * self.gravity];
         let mut forces: Vec<Vector> = self.masses.iter().zip(v).map(own).collect();
@@ -104,13 +104,13 @@ impl Truss {
         forces
     }
 
-    /// From one end of a rod to the other, in positions or in velocities.
+    /// Vector along a rod, from one end to the other, of positions or of velocities.
     fn along(&self, rod: &Rod, x: &[Vector]) -> Vector {
         let from = rod.from.map_or([0.0; 2], |from| x[from]);
         difference(&x[rod.to], &from)
     }
 
-    /// A x of every rod.
+    /// Entries of A x, one per rod.
     fn rates(&self, q: &[Vector], x: &[Vector]) -> Vec<f64> {
         self.rods.iter().map(|rod| dot(&self.along(rod, q), &self.along(rod, x))).collect()
     }
@@ -126,7 +126,7 @@ impl Truss {
         }
     }
 
-    /// A M⁻¹ Aᵀ, factored; `None` where rods contradict each other.
+    /// A M⁻¹ Aᵀ, factored; `None` if rods contradict each other.
     fn compliance(&self, q: &[Vector]) -> Option<Cholesky<f64, Dyn>> {
         let of = |rod: &Rod, node: usize| f64::from(rod.to == node) - f64::from(rod.from == Some(node));
         let entry = |i: usize, j: usize| {
@@ -138,7 +138,7 @@ impl Truss {
         Cholesky::new(DMatrix::from_fn(self.rods.len(), self.rods.len(), entry))
     }
 
-    /// v̇ with the rods' λ (N/m: force over length); `None` where they contradict each other.
+    /// Accelerations v̇ and the rods' multipliers λ (N/m: force over length); `None` if rods contradict each other.
     fn motion(&self, q: &[Vector], v: &[Vector]) -> Option<(Vec<Vector>, DVector<f64>)> {
         let forces = self.forces(q, v);
         let mut a: Vec<Vector> = forces.iter().zip(&self.masses).map(|(f, m)| [f[0] / m, f[1] / m]).collect();
@@ -152,8 +152,7 @@ impl Truss {
         Some((a, lambda))
     }
 
-    /// The force with which each rod pulls its ends together, −λℓ, N: above 0 where it is stretched. `None` where rods contradict
-    /// each other.
+    /// Tension of each rod, −λℓ, N: positive if the rod pulls its ends together. `None` if rods contradict each other.
     pub fn tensions(&self, q: &[f64], v: &[f64]) -> Option<Vec<f64>> {
         let (_, lambda) = self.motion(q.as_chunks().0, v.as_chunks().0)?;
         Some(lambda.iter().zip(&self.rods).map(|(lambda, rod)| -lambda * rod.length).collect())

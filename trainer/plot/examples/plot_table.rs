@@ -1,4 +1,4 @@
-//! Draws a table of comma-separated values on two logarithmic axes: the first column is x, its header names the columns.
+//! Draws a table of comma-separated values on two logarithmic axes: the first column is x, the header names the curves.
 //!
 //!     core/benches/evaluation/instructions.sh | cargo run --release --example plot_table -- FILE.svg TITLE "y label"
 

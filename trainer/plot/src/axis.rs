@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-/// Magnitudes beyond this would overflow in the layout and are not drawn.
+/// Largest magnitude that is drawn; larger ones would overflow in the layout.
 const LARGEST: f64 = 1e300;
 
-/// Room between the data and the frame, as a part of the range.
+/// Margin between the data and the frame, as a fraction of the range.
 const PADDING: f64 = 0.04;
 
-/// How values are laid out along an axis.
+/// Layout of values along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scale {
     Linear,
@@ -21,7 +21,7 @@ pub(super) enum Scale {
 }
 
 impl Scale {
-    /// Whether a value has a place on the axis: finite, and positive on a logarithmic one.
+    /// Whether a value can be placed on the axis: it is finite, and positive on a logarithmic axis.
     pub(super) fn shows(self, value: f64) -> bool {
         let magnitude = value.abs();
         match self {
@@ -39,16 +39,16 @@ impl Scale {
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     scale: Scale,
-    /// Ends, as logarithms on a logarithmic axis.
+    /// Ends of the axis, as logarithms on a logarithmic axis.
     low: f64,
     high: f64,
     ticks: Vec<f64>,
-    /// Distance of the ticks, which decides on the digits of the labels; 0 for decades.
+    /// Distance between ticks, which determines the digits of the labels; 0 for decades.
     step: f64,
 }
 
 impl Axis {
-    /// The axis for the values it shows, with at most `most` ticks.
+    /// The axis that fits these values, with at most `most` ticks.
     pub(super) fn fit(scale: Scale, values: impl Iterator<Item = f64>, most: usize) -> Self {
         let shown = values.filter(|&value| scale.shows(value)).map(|value| scale.to_axis(value));
         let range = shown.fold(None, |range: Option<(f64, f64)>, x| {
@@ -60,7 +60,7 @@ impl Axis {
         Self { scale, low, high, ticks, step }
     }
 
-    /// Without room at the ends, as for time.
+    /// The axis without margins at the ends, as for time.
     pub(super) fn tight(scale: Scale, values: impl Iterator<Item = f64> + Clone, most: usize) -> Self {
         let mut axis = Self::fit(scale, values, most);
         let padding = (axis.high - axis.low) * PADDING / (1.0 + 2.0 * PADDING);
@@ -83,7 +83,7 @@ impl Axis {
         }
     }
 
-    /// Whether the ticks are no mere decades and read well without powers.
+    /// Whether the ticks are not just decades, and are readable without powers of ten.
     fn is_plain(&self) -> bool {
         let decades = self.ticks.iter().all(|tick| format!("{tick:.0e}").starts_with('1'));
         !decades && self.ticks.iter().all(|tick| (9e-4..1.1e3).contains(tick))
@@ -93,26 +93,26 @@ impl Axis {
         &self.ticks
     }
 
-    /// A value in the middle of the axis.
+    /// The value in the middle of the axis.
     pub(super) fn middle(&self) -> f64 {
         let middle = (self.low + self.high) / 2.0;
         if self.scale == Scale::Log { 10_f64.powf(middle) } else { middle }
     }
 
-    /// Characters of the longest tick label.
+    /// Number of characters in the longest tick label.
     pub(super) fn label_width(&self) -> usize {
         self.ticks.iter().map(|&tick| self.label(tick).chars().count()).max().unwrap_or(1)
     }
 }
 
-/// Room at both ends; a range for a single value.
+/// Adds margins at both ends; a single value becomes a range.
 fn widen((low, high): (f64, f64)) -> (f64, f64) {
     let smallest = (1e-9 * low.abs().max(high.abs())).max(1.0 / LARGEST);
     let padding = if high - low > smallest { PADDING * (high - low) } else { (0.1 * low.abs()).max(0.1) };
     (low - padding, high + padding)
 }
 
-/// The ticks between `low` and `high` and their distance.
+/// The ticks between `low` and `high`, and their distance.
 fn ticks(scale: Scale, low: f64, high: f64, most: usize) -> (Vec<f64>, f64) {
     match scale {
         Scale::Log if 3.0 * (high - low) > most as f64 => (decades(low, high, most), 0.0),
@@ -140,14 +140,14 @@ fn multiples(step: f64, low: f64, high: f64) -> Vec<f64> {
     (0..=count).map(|k| (first + f64::from(k)) * step).collect()
 }
 
-/// Powers of ten.
+/// Ticks at powers of ten.
 fn decades(low: f64, high: f64, most: usize) -> Vec<f64> {
     let span = high.floor() - low.ceil();
     let step = (span / most as f64).ceil().max(1.0);
     multiples(step, low, high).into_iter().map(|exponent| 10_f64.powi(exponent as i32)).collect()
 }
 
-/// 1, 2 and 5 times powers of ten.
+/// Ticks at 1, 2 and 5 times powers of ten.
 fn thirds_of_decades(low: f64, high: f64) -> Vec<f64> {
     let powers = multiples(1.0, low.floor(), high).into_iter().map(|exponent| 10_f64.powi(exponent as i32));
     let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * power));
@@ -161,13 +161,13 @@ fn round_step(x: f64) -> f64 {
     factors.into_iter().map(|factor| factor * power).find(|&step| step >= x).unwrap_or(x)
 }
 
-/// The smallest of π/4, π/2 or a round number of π that is not below `x`.
+/// The smallest of π/4, π/2 and round multiples of π that is not below `x`.
 fn angle_step(x: f64) -> f64 {
     let parts = [PI / 4.0, PI / 2.0];
     parts.into_iter().find(|&step| step >= x).unwrap_or_else(|| PI * round_step(x / PI).max(1.0))
 }
 
-/// A number with the digits that its distance to the next tick needs.
+/// A number with as many digits as its distance to the next tick needs.
 fn number_label(value: f64, step: f64, largest: f64) -> String {
     if value.abs() < 1e-9 * step {
         return "0".to_owned();
@@ -184,7 +184,7 @@ fn number_label(value: f64, step: f64, largest: f64) -> String {
     format!("{}×10{}", with_minus(mantissa), superscript(exponent))
 }
 
-/// 1, 2 or 5 times a power of ten; in plain digits where `plain`.
+/// Label of 1, 2 or 5 times a power of ten; in plain digits if `plain`.
 fn power_label(value: f64, plain: bool) -> String {
     let text = format!("{value:.0e}");
     match (plain, text.split_once('e')) {
@@ -194,7 +194,7 @@ fn power_label(value: f64, plain: bool) -> String {
     }
 }
 
-/// A multiple of π/4.
+/// Label of a multiple of π/4.
 fn angle_label(value: f64) -> String {
     let quarters = (value / FRAC_PI_4).round() as i64;
     let (count, part) = match quarters {
@@ -228,7 +228,7 @@ impl Ranged for Axis {
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
         let part = (self.scale.to_axis(*value) - self.low) / (self.high - self.low);
         let (from, to) = (f64::from(limit.0), f64::from(limit.1));
-        // Far outside values saturate.
+        // Values far outside saturate.
         (from + part * (to - from)).round() as i32
     }
 

@@ -1,4 +1,4 @@
-//! The four kinds of charts.
+//! The charts: loss curves, phase portraits, stacked panels, log-log plots, and curves in one frame.
 
 use std::path::Path;
 
@@ -10,22 +10,22 @@ use super::figure::{
 use super::series::{Angle, Series, Stroke};
 use super::{NotDrawn, PlotError};
 
-/// Height of the frame of a single chart (pixels).
+/// Height of the frame of a single chart, pixels.
 const HEIGHT: f64 = 340.0;
 
-/// Height of the frame of a panel (pixels), and what separates it from the next.
+/// Height of the frame of a panel, and gap to the next panel, pixels.
 const PANEL_HEIGHT: f64 = 118.0;
 const PANEL_GAP: f64 = 16.0;
 
-/// Ticks that have room beside and below each other.
+/// Numbers of ticks that fit along the axes.
 const X_TICKS: usize = 8;
 const Y_TICKS: usize = 7;
 const PANEL_TICKS: usize = 5;
 
-/// Draws losses over iterations, the losses on a logarithmic axis; each series is a label and its (iteration, loss).
+/// Draws losses over iterations on a logarithmic axis; each series is a label with its points (iteration, loss).
 ///
 /// # Errors
-/// [`PlotError`]: the file cannot be written.
+/// [`PlotError`] if the file cannot be written.
 pub fn loss_curve(path: &Path, title: &str, losses: &[(&str, &[(f64, f64)])]) -> Result<(), PlotError> {
     let series: Vec<_> =
         losses.iter().map(|(label, points)| Series::new(*label, points.iter().copied())).collect();
@@ -39,18 +39,18 @@ pub fn loss_curve(path: &Path, title: &str, losses: &[(&str, &[(f64, f64)])]) ->
 /// The axes of a phase portrait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Phase<'a> {
-    /// Coordinate and unit, as `θ (rad)`.
+    /// Coordinate and unit, such as `θ (rad)`.
     pub x_label: &'a str,
-    /// Velocity or momentum and unit.
+    /// Velocity or momentum, and unit.
     pub y_label: &'a str,
-    /// What to do with turns of the coordinate.
+    /// Treatment of whole turns of the coordinate.
     pub angle: Angle,
 }
 
-/// Draws curves in a phase plane, as the truth and a model; curves of one label are of one colour.
+/// Draws curves in a phase plane, such as the truth and a model; curves with the same label have the same colour.
 ///
 /// # Errors
-/// [`PlotError`]: the file cannot be written.
+/// [`PlotError`] if the file cannot be written.
 pub fn phase_portrait(
     path: &Path,
     title: &str,
@@ -67,7 +67,7 @@ pub fn phase_portrait(
     single(path, title, &chart)
 }
 
-/// Colours in the order in which labels appear: curves of one label are of one colour.
+/// Colour of each series, in the order in which labels appear; curves with the same label have the same colour.
 fn colours_by_label(series: &[Series]) -> Vec<usize> {
     let mut labels: Vec<&str> = Vec::new();
     let mut colour = |label| {
@@ -79,12 +79,12 @@ fn colours_by_label(series: &[Series]) -> Vec<usize> {
     series.iter().map(|series| colour(series.label.as_str())).collect()
 }
 
-/// How the vertical axis of a panel is laid out.
+/// Layout of the vertical axis of a panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Vertical {
     /// Ticks at round numbers.
     Linear,
-    /// Powers of ten, as for residuals.
+    /// Ticks at powers of ten, as for residuals.
     Logarithmic,
     /// Ticks at parts of π.
     Angle,
@@ -100,12 +100,12 @@ impl Vertical {
     }
 }
 
-/// One of the charts that share a time axis.
+/// A chart that shares its time axis with others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Panel<'a> {
     /// Quantity and unit.
     pub y_label: &'a str,
-    /// How values are laid out.
+    /// Layout of the vertical axis.
     pub vertical: Vertical,
     /// Curves of (time in s, value).
     pub series: &'a [Series],
@@ -118,7 +118,7 @@ impl<'a> Panel<'a> {
         Self { y_label, vertical: Vertical::Linear, series }
     }
 
-    /// The same with another vertical axis.
+    /// Sets the vertical axis.
     #[must_use]
     pub fn with_vertical(self, vertical: Vertical) -> Self {
         Self { vertical, ..self }
@@ -136,23 +136,23 @@ impl<'a> Panel<'a> {
 /// Draws panels one above the other over the same time axis.
 ///
 /// # Errors
-/// [`PlotError`]: the file cannot be written.
+/// [`PlotError`] if the file cannot be written.
 pub fn time_series(path: &Path, title: &str, panels: &[Panel<'_>]) -> Result<(), PlotError> {
     stacked(path, title, "time (s)", panels)
 }
 
-/// Draws panels one above the other over the same axis.
+/// Draws panels one above the other over the same horizontal axis.
 ///
 /// # Errors
-/// [`PlotError`]: the file cannot be written.
+/// [`PlotError`] if the file cannot be written.
 pub fn stacked(path: &Path, title: &str, x_label: &str, panels: &[Panel<'_>]) -> Result<(), PlotError> {
     save(path, &stacked_svg(title, x_label, panels).map_err(|error| error.of(path))?)
 }
 
-/// The same as the text of an SVG, to be put into a page.
+/// The panels of [`stacked`] as SVG text, for embedding in a page.
 ///
 /// # Errors
-/// [`NotDrawn`]: the drawing library failed.
+/// [`NotDrawn`] if the drawing library fails.
 pub fn stacked_svg(title: &str, x_label: &str, panels: &[Panel<'_>]) -> Result<String, NotDrawn> {
     let times = panels.iter().flat_map(|panel| values(panel.series, |point| point.0));
     let time = Axis::tight(Scale::Linear, times, X_TICKS);
@@ -193,12 +193,12 @@ fn draw_panel(
     draw_chart(canvas, Frame { left, top, bottom: top + PANEL_HEIGHT }, &chart)
 }
 
-/// Draws curves on two logarithmic axes, as errors over steps, with dashed lines of given slopes beside them.
+/// Draws curves on two logarithmic axes, such as errors over step sizes, with dashed lines of given slopes.
 ///
-/// Each slope is drawn below the curve whose own slope, from its first point to its last, is nearest, in its colour.
+/// Each slope is drawn below the curve whose own slope, from its first point to its last, is nearest, in that curve's colour.
 ///
 /// # Errors
-/// [`PlotError`]: the file cannot be written.
+/// [`PlotError`] if the file cannot be written.
 pub fn log_log(
     path: &Path,
     title: &str,
@@ -219,7 +219,7 @@ pub fn log_log(
     single(path, title, &Chart { x, y, x_label, y_label, series: &all, colours: &colours })
 }
 
-/// A line of slope `slope` at 0.4 times the end of the nearest curve, with the number of that curve.
+/// A line of slope `slope` that ends at 0.4 times the end value of the nearest curve, with the index of that curve.
 fn reference_line(series: &[Series], slope: f64) -> Option<(usize, Series)> {
     let ends = series.iter().enumerate().filter_map(|(number, series)| Some((number, ends(series)?)));
     let distance =
@@ -231,7 +231,7 @@ fn reference_line(series: &[Series], slope: f64) -> Option<(usize, Series)> {
     Some((number, line))
 }
 
-/// The points of least and greatest x among those that can be shown.
+/// The drawable points with the least and the greatest x.
 fn ends(series: &Series) -> Option<((f64, f64), (f64, f64))> {
     let shown = || {
         series.points.iter().copied().filter(|point| Scale::Log.shows(point.0) && Scale::Log.shows(point.1))
@@ -245,10 +245,10 @@ fn values(series: &[Series], of: fn((f64, f64)) -> f64) -> impl Iterator<Item = 
     series.iter().flat_map(|series| series.points.iter().copied()).map(of)
 }
 
-/// Curves in one frame, as the text of an SVG, to be put into a page.
+/// Curves in one frame as SVG text, for embedding in a page.
 ///
 /// # Errors
-/// [`NotDrawn`]: the drawing library failed.
+/// [`NotDrawn`] if the drawing library fails.
 pub fn curves_svg(
     title: &str,
     (x_label, y_label): (&str, &str),
@@ -261,7 +261,7 @@ pub fn curves_svg(
     of_one_chart(title, &Chart { x, y, x_label, y_label, series, colours: &colours })
 }
 
-/// Saves a figure of one chart.
+/// Saves a figure with one chart.
 fn single(path: &Path, title: &str, chart: &Chart<'_>) -> Result<(), PlotError> {
     save(path, &of_one_chart(title, chart).map_err(|error| error.of(path))?)
 }

@@ -1,11 +1,11 @@
-//! From points to what is drawn: pieces without holes, no denser than the canvas.
+//! Conversion of points to strokes: pieces without holes, no denser than the canvas.
 
 use super::axis::Scale;
 
 /// A point of the canvas.
 pub(super) type Pixel = (i32, i32);
 
-/// The unbroken pieces of a curve, on the canvas and thinned.
+/// The unbroken pieces of a curve, in canvas coordinates and thinned.
 pub(super) fn pieces(
     points: &[(f64, f64)],
     (x, y): (Scale, Scale),
@@ -18,7 +18,8 @@ pub(super) fn pieces(
         .collect()
 }
 
-/// Of neighbours in one column of the canvas only the first, lowest, highest and last: their lines cover the same pixels.
+/// Thins points: of neighbours in one column of the canvas only the first, lowest, highest and last are kept; their lines cover the same
+/// pixels.
 fn thinned(points: impl Iterator<Item = Pixel>) -> Vec<Pixel> {
     let mut kept = Vec::new();
     let mut column: Option<Column> = None;

@@ -19,13 +19,13 @@ use super::series::{Series, Stroke};
 pub(super) type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type DrawError = DrawingAreaErrorKind<io::Error>;
 
-/// Canvas units in a pixel: plotters rounds coordinates to whole units, which would show.
+/// Canvas units per pixel: plotters rounds coordinates to whole units, which would be visible.
 const UNIT: f64 = 4.0;
 
-/// plotters writes the font size divided by this.
+/// Factor by which plotters reduces the font size in its output.
 const FONT_FACTOR: f64 = 1.24;
 
-/// Mean width of a character, as a part of the font size, of a wide sans-serif font.
+/// Mean character width relative to the font size, for a wide sans-serif font.
 const CHARACTER: f64 = 0.6;
 
 pub(super) const WIDTH: f64 = 720.0;
@@ -40,7 +40,7 @@ const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const FRAME: RGBColor = RGBColor(0x8c, 0x8c, 0x8c);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 
-/// Okabe and Ito's colours, told apart by the colour-blind; without yellow, which is too pale for a line.
+/// Okabe and Ito's colours, which the colour-blind can distinguish; without yellow, which is too pale for a line.
 const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
@@ -55,7 +55,7 @@ pub(super) fn colour(index: usize) -> RGBColor {
     PALETTE.get(index % PALETTE.len()).copied().unwrap_or(INK)
 }
 
-/// A rectangle in pixels, labels outside.
+/// Frame of a chart in pixels; labels are outside.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     pub(super) left: f64,
@@ -75,15 +75,15 @@ impl Frame {
 pub(super) struct Chart<'a> {
     pub(super) x: Axis,
     pub(super) y: Axis,
-    /// Empty on a panel whose horizontal axis is labelled by another one below.
+    /// Label of the horizontal axis; empty on a panel above another one.
     pub(super) x_label: &'a str,
     pub(super) y_label: &'a str,
     pub(super) series: &'a [Series],
-    /// Colour of each series, by its number in the palette.
+    /// Colour of each series, as an index into the palette.
     pub(super) colours: &'a [usize],
 }
 
-/// The SVG text of a figure that `draw` fills.
+/// Returns the SVG text of a figure that `draw` draws.
 pub(super) fn render(
     height: f64,
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
@@ -101,7 +101,7 @@ pub(super) fn render(
     Ok(svg.replacen(&fine, &shown, 1))
 }
 
-/// Where the legend or the first chart begins below the title.
+/// Top of the legend or the first chart, below the title.
 pub(super) const HEAD: f64 = MARGIN + TITLE_SIZE + 10.0;
 
 /// Height of a legend whose rows begin at `left`.
@@ -109,7 +109,7 @@ pub(super) fn legend_height(series: &[Series], left: f64) -> f64 {
     legend_slots(series, left).last().map_or(0.0, |&(_, row, _)| (row + 1) as f64 * LEGEND_ROW + 2.0)
 }
 
-/// Where each label stands in the legend: the number of its first series, row and left edge.
+/// Places of the labels in the legend: index of the first series with the label, row, and left edge.
 fn legend_slots(all: &[Series], start: f64) -> Vec<(usize, usize, f64)> {
     let (mut row, mut left) = (0, start);
     let mut slots = Vec::new();
@@ -156,7 +156,7 @@ pub(super) fn draw_legend(
     Ok(())
 }
 
-/// Left edge of a frame that leaves room for the tick labels and the label of the axis.
+/// Left edge of a frame, with room for the tick labels and the label of the axis.
 pub(super) fn left_edge<'a>(axes: impl IntoIterator<Item = &'a Axis>) -> f64 {
     let widest = axes.into_iter().map(Axis::label_width).max().unwrap_or(1);
     MARGIN + LABEL_SIZE + 20.0 + widest as f64 * CHARACTER * TICK_SIZE
@@ -188,7 +188,7 @@ fn draw_curves(
 ) -> Result<(), DrawError> {
     let scales = (chart.x.scale(), chart.y.scale());
     let mut curves: Vec<_> = chart.series.iter().zip(chart.colours).collect();
-    // A stable sort: wide curves go beneath, the others keep their order.
+    // A stable sort: wide curves go beneath, the rest keep their order.
     curves.sort_by_key(|(series, _)| series.stroke != Stroke::Wide);
     let mut drawn = 0;
     for (series, &number) in curves {
@@ -278,7 +278,7 @@ fn line(colour: impl Color, width: f64) -> ShapeStyle {
     colour.stroke_width(units(width).unsigned_abs())
 }
 
-/// Canvas units of a length or coordinate in pixels.
+/// Converts pixels to canvas units.
 fn units(pixels: f64) -> i32 {
     (pixels * UNIT).round() as i32
 }
@@ -298,7 +298,7 @@ fn write_text(
 }
 
 fn write_at(canvas: &Canvas<'_>, text: &str, at: Pixel, style: &TextStyle<'_>) -> Result<(), DrawError> {
-    // XML has no control characters.
+    // XML does not allow control characters.
     let text: String = text.chars().filter(|c| !c.is_control()).collect();
     canvas.draw(&Text::new(text, at, style.clone()))
 }
@@ -307,7 +307,7 @@ fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * CHARACTER * size
 }
 
-/// A text made smaller, down to three quarters, and then cut, to fit `room` pixels.
+/// Shrinks a text, to no less than three quarters, and then cuts it, to fit `room` pixels.
 fn fitted(text: &str, size: f64, room: f64) -> (String, f64) {
     let smaller = (size * room / text_width(text, size).max(1.0)).clamp(0.75 * size, size);
     let fitting = (room / (CHARACTER * smaller)).max(1.0) as usize;

@@ -1,9 +1,9 @@
 //! Charts as SVG files: loss curves, phase portraits, time series and log-log plots.
 //!
-//! The files need nothing else: no script, no font file, no style sheet. Colours are those of Okabe and Ito, which
-//! the colour-blind tell apart; there are seven, then they repeat. A label stands in the legend once. A file is replaced
-//! in one step or not at all. Curves are thinned to what the eye can see, so millions of points are no burden on the file. Values that an axis cannot show interrupt a curve: those that are not
-//! finite (or beyond 10³⁰⁰), and zero and negative ones on a logarithmic axis. A chart of nothing says so.
+//! The files are self-contained: no script, no font file, no style sheet. The colours are the seven of Okabe and Ito that the colour-blind
+//! can distinguish; after that they repeat. Every label appears once in the legend. A file is replaced atomically. Curves are thinned to
+//! what the eye can see, so millions of points do not inflate the file. Values that an axis cannot show interrupt a curve: those that are
+//! not finite (or beyond 10³⁰⁰), and zero and negative values on a logarithmic axis. A chart without data says so.
 
 mod axis;
 mod charts;
@@ -28,7 +28,7 @@ pub use series::{Angle, Series, Stroke};
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("cannot draw the chart: {reason}")]
 pub struct NotDrawn {
-    /// What it said.
+    /// Message of the library.
     pub reason: String,
 }
 
@@ -46,7 +46,7 @@ pub enum PlotError {
     Write {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The drawing library failed.
@@ -54,7 +54,7 @@ pub enum PlotError {
     Draw {
         /// The file that was to be written.
         file: PathBuf,
-        /// What the library said.
+        /// Message of the library.
         reason: String,
     },
 }

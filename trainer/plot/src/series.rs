@@ -1,56 +1,56 @@
-//! What is drawn: labelled curves, and angles along them.
+//! Labelled curves, and the treatment of angles along them.
 
 use std::f64::consts::PI;
 
-/// How a curve is drawn.
+/// Stroke of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
     /// A line.
     Solid,
     /// A dashed line.
     Dashed,
-    /// A wide pale line, for a truth that another curve is drawn over.
+    /// A wide pale line, for a truth with another curve drawn over it.
     Wide,
     /// A thin line with a dot at each point, for a few measured values.
     Dotted,
-    /// A small dot at each point and no line, for many that are in no order.
+    /// A small dot at each point without a line, for many unordered points.
     Points,
 }
 
 /// A labelled curve. Points that the axes cannot show (not finite; not positive on a logarithmic axis) interrupt it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// For the legend; none when empty.
+    /// Label in the legend; empty: not in the legend.
     pub label: String,
-    /// (x, y) in the units of the axis labels.
+    /// Points (x, y) in the units of the axis labels.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Stroke.
     pub stroke: Stroke,
 }
 
 impl Series {
-    /// A solid line.
+    /// A series with a solid line.
     pub fn new(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { label: label.into(), points: points.into_iter().collect(), stroke: Stroke::Solid }
     }
 
-    /// The same in another stroke.
+    /// Sets the stroke.
     #[must_use]
     pub fn with_stroke(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
     }
 }
 
-/// What the horizontal axis of a phase portrait is.
+/// Treatment of angles on the horizontal axis of a phase portrait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Angle {
-    /// No angle: values as they are, ticks at round numbers.
+    /// Not an angle: values as they are, ticks at round numbers.
     No,
     /// Values as they are, ticks at parts of π.
     AsGiven,
-    /// Jumps of more than half a turn from point to point are taken out.
+    /// Unwrapped: jumps of more than half a turn between points are removed.
     Unwrapped,
-    /// Brought into (−π, π\]; the curve is interrupted where it leaves at one side.
+    /// Wrapped to (−π, π\]; the curve is interrupted where it leaves on one side.
     Wrapped,
 }
 

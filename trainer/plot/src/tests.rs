@@ -1,4 +1,4 @@
-//! The files as a viewer sees them.
+//! Tests of the files as a viewer sees them.
 
 use std::fs;
 use std::path::Path;
@@ -60,7 +60,7 @@ fn texts(svg: &str) -> Vec<Written> {
     svg.split("<text").skip(1).map(Written::parse).collect()
 }
 
-/// Every text is on the canvas and clear of every other, and nothing is asked of the world outside.
+/// Checks that every text is on the canvas and clear of the others, and that nothing external is referenced.
 fn check_layout(svg: &str) {
     let canvas = attribute(svg, "viewBox").unwrap();
     let size: Vec<f64> = canvas.split(' ').map(|part| part.parse().unwrap()).collect();

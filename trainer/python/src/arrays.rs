@@ -1,4 +1,4 @@
-//! Arrays of Python as numbers of our own: a copy, which no other thread of Python can change meanwhile.
+//! Conversion of Python arrays: a copy, which no other Python thread can change meanwhile.
 
 use crate::errors::input;
 use numpy::{
@@ -7,20 +7,20 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-/// Numbers beside each other, of Python.
+/// A one-dimensional Python array.
 pub type Numbers<'py, T> = Bound<'py, PyArray1<T>>;
 
 /// Rows of numbers.
 #[derive(Clone, Debug)]
 pub struct Table<T> {
-    /// How many rows.
+    /// Number of rows.
     pub count: usize,
-    /// Row after row.
+    /// Numbers, row by row.
     pub numbers: Vec<T>,
 }
 
 impl<T: Copy> Table<T> {
-    /// The row of this number; of a table of one row that row.
+    /// Row `k`; a table with a single row gives that row for every `k`.
     pub fn row(&self, k: usize) -> &[T] {
         let width = self.numbers.len().checked_div(self.count).unwrap_or(0);
         let k = if self.count == 1 { 0 } else { k };
@@ -28,7 +28,7 @@ impl<T: Copy> Table<T> {
     }
 }
 
-/// The rows of an array whose last axes have these lengths, all axes before them being one.
+/// The rows of an array whose last axes have these lengths; all axes before them are merged.
 pub fn table<T: Element + Copy>(
     what: &str,
     array: &PyReadonlyArrayDyn<T>,
@@ -39,7 +39,7 @@ pub fn table<T: Element + Copy>(
     let Some(split) = split else {
         return Err(input(format!("{what} has the shape {shape:?}; its last axes must be {last:?}")));
     };
-    // Of an array in another order the numbers go by its axes, not as they lie in memory.
+    // The numbers of an array in another memory order are taken in the order of its axes.
     let numbers = match array.as_slice() {
         Ok(numbers) if array.is_c_contiguous() => numbers.to_vec(),
         _ => array.as_array().iter().copied().collect(),
@@ -47,7 +47,7 @@ pub fn table<T: Element + Copy>(
     Ok(Table { count: shape[..split].iter().product(), numbers })
 }
 
-/// An array of rows.
+/// A two-dimensional array of rows.
 pub fn rows<T: Element>(
     py: Python<'_>,
     numbers: Vec<T>,
@@ -56,7 +56,7 @@ pub fn rows<T: Element>(
     numbers.into_pyarray(py).reshape([count, width])
 }
 
-/// An array of tables.
+/// A three-dimensional array.
 pub fn tables<T: Element>(
     py: Python<'_>,
     numbers: Vec<T>,

@@ -1,22 +1,21 @@
-//! Rows that are computed in blocks of a fixed size: the threads that take them change no bit.
+//! Computation of rows in blocks of a fixed size: the result is bit-identical on any number of threads.
 
 use leastaction_models::parallel;
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
-/// Rows of a block in single precision.
+/// Number of rows per block in single precision.
 pub const BLOCK: usize = 128;
 
-/// Threads of the process for work inside of one call.
+/// Number of threads for the work within one call.
 static THREADS: LazyLock<usize> = LazyLock::new(|| parallel::within(rayon::current_num_threads));
 
-/// Writes rows of `width` numbers block by block; `work` gets the number of the first row of a block and its place. The first block
-/// that fails says why.
+/// Writes rows of `width` numbers block by block; `work` gets the index of a block's first row and the block's slice.
 ///
-/// One block, or a process of one thread, stays on the caller's thread: threads of Python then do not wait for each other.
+/// A single block, or a process with one thread, stays on the caller's thread: Python threads then do not wait for each other.
 ///
 /// # Errors
-/// That of the first block that has one.
+/// The error of the first block that fails.
 pub fn fill<T: Send + Sync, E: Send>(
     (to, width, block): (&mut [T], usize, usize),
     work: impl Fn(usize, &mut [T]) -> Result<(), E> + Sync,

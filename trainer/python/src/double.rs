@@ -1,4 +1,4 @@
-//! States side by side in double precision, of any size.
+//! Evaluation of states side by side in double precision, for models of any size.
 
 use crate::arrays::Table;
 use crate::blocks::fill;
@@ -11,7 +11,7 @@ use leastaction_programs::dynamics::{Accelerations, Del, InverseDynamics, Order}
 use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
 use std::convert::Infallible;
 
-/// What computes a block of states.
+/// Evaluator of a block of states.
 enum Solver {
     Energies(Box<(Program, Workspace)>),
     Accelerations(Box<Accelerations>),
@@ -33,7 +33,7 @@ impl Solver {
         }
     }
 
-    /// The numbers of every state of a block, a row each.
+    /// The results for a block of states, one row per number.
     fn run(&mut self, weights: &[f64], inputs: &[Vec<Row>], quantity: Quantity) -> Vec<Row> {
         let n = inputs.first().map_or(0, Vec::len);
         let zero = vec![Row::default(); n];
@@ -61,10 +61,10 @@ impl Solver {
     }
 }
 
-/// Computes a quantity of every state; what does not exist is NaN.
+/// Computes a quantity of every state; values that do not exist are NaN.
 ///
 /// # Errors
-/// Where the shape does not fit in itself, or the weights to the shape.
+/// [`ModelError`] if the shape is inconsistent, or if the weights do not fit it.
 pub fn evaluate(
     model: &Model,
     quantity: Quantity,
@@ -104,41 +104,41 @@ fn graph(forced: &Forced, inputs: &[Table<f64>], (numbers, width): (&mut [f64], 
     let Ok(()) = fill((numbers, width, 1), work);
 }
 
-/// States from one on, side by side; beyond the last one it stands again.
+/// States from `first` on, side by side, padded with the last.
 fn side_by_side(table: &Table<f64>, first: usize, n: usize) -> Vec<Row> {
     let last = table.count.saturating_sub(1);
     let at = |lane: usize, i: usize| table.row((first + lane).min(last)).get(i).copied().unwrap_or(0.0);
     (0..n).map(|i| Row(std::array::from_fn(|lane| at(lane, i)))).collect()
 }
 
-/// What motions begin with: positions and velocities, or two positions and the controls at them.
+/// Start of motions.
 pub enum Start {
-    /// q and v.
+    /// Positions and velocities q, v.
     State([Table<f64>; 2]),
-    /// q₀, q₁.
+    /// Two positions q₀, q₁.
     Positions([Table<f64>; 2]),
 }
 
 /// Motions by the discrete Euler–Lagrange equation.
 pub struct Rollout {
-    /// How many.
+    /// Number of motions.
     pub count: usize,
-    /// Steps of each.
+    /// Number of steps per motion.
     pub steps: usize,
-    /// Step, s, and order.
+    /// Step (s) and order.
     pub step: (f64, Order),
-    /// What they begin with.
+    /// Start of the motions.
     pub start: Start,
-    /// τ at the start and the end of every step, \[motions\]\[steps\]\[n\], or of one motion for all.
+    /// Forces τ at the start and the end of every step, \[motions\]\[steps\]\[n\]; those of one motion apply to all.
     pub tau: [Table<f64>; 2],
 }
 
 impl Rollout {
-    /// Positions and momenta at every sample, \[motions\]\[steps + 1\]\[2n\]; NaN from a step on that cannot be solved. Of a start from two
-    /// positions the momentum at the first is NaN.
+    /// Positions and momenta at every sample, \[motions\]\[steps + 1\]\[2n\]; NaN from the first step that cannot be solved. If a motion
+    /// starts from two positions, the momentum at the first is NaN.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself.
+    /// [`ModelError`] if the shape is inconsistent or has rods.
     pub fn run(&self, model: &Model) -> Result<Vec<f64>, ModelError> {
         let Model { architecture, weights, .. } = model;
         architecture.rods().and_then(|rods| match rods.count() {

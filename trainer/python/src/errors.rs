@@ -1,4 +1,4 @@
-//! Errors as the package's exceptions, with the command's words.
+//! The package's exceptions, with the command's error messages.
 
 use leastaction::cli::Failure;
 use pyo3::prelude::*;
@@ -24,7 +24,7 @@ impl Kind {
         }
     }
 
-    /// The exception with these words.
+    /// The exception with this message.
     pub fn says(self, message: impl Display) -> PyErr {
         let message = message.to_string();
         Python::attach(|py| {
@@ -34,12 +34,12 @@ impl Kind {
     }
 }
 
-/// Wrong use or unreadable input.
+/// The exception for wrong use or unreadable input.
 pub fn input(message: impl Display) -> PyErr {
     Kind::Input.says(message)
 }
 
-/// The exception for a command that did not succeed.
+/// The exception for a command that failed.
 pub fn failure(failure: Failure) -> PyErr {
     match failure {
         Failure::Input(message) => Kind::Input.says(message),

@@ -1,4 +1,4 @@
-//! The extension module `leastaction._leastaction`: what the package's Python calls.
+//! The extension module `leastaction._leastaction`, which the package's Python code calls.
 //!
 //! ```text
 //! arrays of Python ─► arrays ─► single  (the chip's arithmetic, Replica of leastaction-replica) ─► arrays of Python
@@ -7,8 +7,8 @@
 //! files ─► training, tools (what the command does, by its library)
 //! ```
 //!
-//! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size: neither threads of
-//! Python nor of our own change a bit. Shapes, units and defaults are those of the Python beside it (`python/leastaction`).
+//! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size: neither Python threads nor
+//! the module's own change a bit. The Python code beside this module (`python/leastaction`) documents shapes, units and defaults.
 
 mod arrays;
 mod blocks;
@@ -23,7 +23,7 @@ mod training;
 
 use pyo3::prelude::*;
 
-/// The level of this machine's instructions, 4, 3 or 2 of x86-64; 0 on other machines.
+/// The x86-64 instruction level of this machine, 4, 3 or 2; 0 on other machines.
 #[pyfunction]
 fn cpu_level() -> u8 {
     #[cfg(target_arch = "x86_64")]
@@ -48,7 +48,7 @@ fn cpu_level() -> u8 {
     0
 }
 
-/// What the package's Python calls.
+/// Contents of the extension module.
 #[pymodule]
 fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -1,4 +1,4 @@
-//! A model file in memory, and what is computed of its states.
+//! A model file in memory, and evaluation of its states.
 
 use crate::arrays::{Table, rows, table, tables};
 use crate::double::{self, Rollout, Start};
@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 self_cell::self_cell!(
-    /// A model in the chip's arithmetic, with the file that it borrows.
+    /// A model in the chip's arithmetic, with the file from which it borrows.
     pub struct OnChip {
         owner: ModelFile,
         #[covariant]
@@ -34,12 +34,12 @@ self_cell::self_cell!(
 pub struct Model {
     host: models::Model,
     bytes: Vec<u8>,
-    /// Why there is none, where it has not a size that core is compiled for.
+    /// The model in the chip's arithmetic, or the reason why there is none (core is not compiled for its size).
     chip: Result<Arc<OnChip>, String>,
 }
 
 impl Model {
-    /// A model that was read.
+    /// The model of a file that was read.
     pub fn new(Read { model: host, bytes }: Read) -> Self {
         let current = host.version == FORMAT_VERSION;
         let bytes = if current { bytes } else { host.to_bytes().unwrap_or(bytes) };
@@ -73,7 +73,7 @@ pub fn unsolved(Unsolved { index, error }: Unsolved) -> PyErr {
     Kind::Solve.says(format!("state {index}: {error}"))
 }
 
-/// An order of steps.
+/// The order of a step; 2 or 4.
 pub fn order(number: u8) -> PyResult<Order> {
     Order::from_number(number).ok_or_else(|| input(format!("order {number}: it must be 2 or 4")))
 }
@@ -82,7 +82,7 @@ fn quantity(name: &str) -> PyResult<Quantity> {
     Quantity::named(name).ok_or_else(|| input(format!("{name:?} is no quantity")))
 }
 
-/// The inputs of a quantity, all of as many rows as the longest, and their number.
+/// The inputs of a quantity, and the number of rows, which all inputs with more than one row share.
 fn inputs<T: numpy::Element + Copy>(
     quantity: Quantity,
     arrays: &[PyReadonlyArrayDyn<T>],
@@ -101,7 +101,7 @@ fn inputs<T: numpy::Element + Copy>(
     Ok((tables, count))
 }
 
-/// The number of rows that all have, those of one row apart.
+/// The common number of rows; arrays with a single row fit any number.
 pub fn common(counts: impl Iterator<Item = usize> + Clone) -> PyResult<usize> {
     let count = counts.clone().find(|count| *count != 1).unwrap_or(1);
     match counts.into_iter().find(|own| *own != 1 && *own != count) {
@@ -112,7 +112,7 @@ pub fn common(counts: impl Iterator<Item = usize> + Clone) -> PyResult<usize> {
 
 #[pymethods]
 impl Model {
-    /// Reads a model file; of several trees or graphs the one of the name `part`.
+    /// Reads a model file; `part` selects one of several trees or graphs by name.
     #[staticmethod]
     #[pyo3(signature = (path, part=None))]
     fn load(path: PathBuf, part: Option<&str>) -> PyResult<Self> {
@@ -121,7 +121,7 @@ impl Model {
         loaded.map(Self::new).map_err(failure)
     }
 
-    /// As `load`, from the bytes of a file.
+    /// Reads a model from the bytes of a file, as `load` does from a path.
     #[staticmethod]
     #[pyo3(signature = (bytes, part=None))]
     fn from_bytes(bytes: Vec<u8>, part: Option<&str>) -> PyResult<Self> {
@@ -131,12 +131,12 @@ impl Model {
         Ok(Self::new(Read { model, bytes }))
     }
 
-    /// The bytes of the file.
+    /// Returns the bytes of the file.
     fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.bytes)
     }
 
-    /// The file of the format's present version, with weights in single or in half precision.
+    /// Returns the model as a file in the current format, with weights in half precision or in the model's own.
     fn encoded<'py>(&self, py: Python<'py>, half: bool) -> PyResult<Bound<'py, PyBytes>> {
         let precision = if half { Precision::Half } else { self.host.precision };
         let model = models::Model { precision, ..self.host.clone() };
@@ -144,17 +144,17 @@ impl Model {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// The file as a Rust module.
+    /// Returns the file as a Rust module.
     fn rust_source(&self) -> PyResult<String> {
         rust_source(&self.bytes).map_err(|error| Kind::Work.says(error))
     }
 
-    /// The file as a C header.
+    /// Returns the file as a C header.
     fn c_source(&self, name: &str) -> PyResult<String> {
         c_source(&self.bytes, name).map_err(|error| Kind::Work.says(error))
     }
 
-    /// What is known of the model beside its numbers.
+    /// Returns the facts about the model besides its weights.
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (facts, architecture) = (&self.host.facts, &self.host.architecture);
         let step = facts.trained_step;
@@ -163,7 +163,7 @@ impl Model {
         dictionary.set_item("n", architecture.n())?;
         dictionary.set_item("coordinates", architecture.coordinates())?;
         dictionary.set_item("order", step.map(|step| step.order.number()))?;
-        // The shortest decimal number of single precision.
+        // The shortest decimal notation of the single-precision number.
         let h = step.and_then(|step| step.h.to_string().parse::<f64>().ok());
         dictionary.set_item("h", h)?;
         dictionary.set_item("control", step.map(|step| control_name(step.control)))?;
@@ -179,12 +179,12 @@ impl Model {
         Ok(dictionary)
     }
 
-    /// The weight block, as the file has it.
+    /// Returns the weight block as the file has it.
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.host.weights)
     }
 
-    /// A quantity of every state in single precision, \[states\]\[numbers\].
+    /// Computes a quantity of every state in single precision, \[states\]\[numbers\].
     fn single<'py>(
         &self,
         py: Python<'py>,
@@ -201,7 +201,7 @@ impl Model {
         Ok(rows(py, found.map_err(unsolved)?, [count, width])?.into_any())
     }
 
-    /// A quantity of every state in double precision, \[states\]\[numbers\].
+    /// Computes a quantity of every state in double precision, \[states\]\[numbers\].
     fn double<'py>(
         &self,
         py: Python<'py>,
@@ -221,7 +221,7 @@ impl Model {
         Ok(rows(py, found, [count, width])?.into_any())
     }
 
-    /// Motions in single precision from states (`positions` false) or from two positions.
+    /// Begins motions in single precision, from states or, if `positions`, from two positions.
     fn motions(
         &self,
         py: Python<'_>,
@@ -236,7 +236,7 @@ impl Model {
         py.detach(|| Motions::begin(chip, &flight, &tau)).map_err(unsolved)
     }
 
-    /// Positions and, where they are asked for, velocities at every sample, in single precision.
+    /// Computes positions and velocities at every sample, in single precision.
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
         &self,
@@ -258,7 +258,7 @@ impl Model {
         Ok(tables(py, found, [count, steps + 1, 2 * n])?.into_any())
     }
 
-    /// As `rollout`, in double precision; momenta in place of velocities.
+    /// Computes positions and momenta at every sample, in double precision.
     #[allow(clippy::too_many_arguments)]
     fn rollout_double<'py>(
         &self,
@@ -291,7 +291,7 @@ impl Model {
         Ok(tables(py, found, [count, steps + 1, 2 * n])?.into_any())
     }
 
-    /// From commands, \[samples\]\[n\], to the forces at the start and the end of every step, by the file's actuator.
+    /// Converts commands, \[samples\]\[n\], to the forces at the start and the end of every step, by the file's actuator.
     fn forces<'py>(
         &self,
         py: Python<'py>,
@@ -318,7 +318,7 @@ impl Model {
         Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
     }
 
-    /// As `forces`, in double precision and at any size.
+    /// Converts commands to forces as `forces` does, in double precision and for any size.
     fn forces_double<'py>(
         &self,
         py: Python<'py>,
@@ -342,7 +342,8 @@ impl Model {
         Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
     }
 
-    /// Of every state the first quantity outside of the training data: 3 i + 0, 1, 2 for q, v, u of coordinate i; −1 where there is none.
+    /// Returns for every state the first quantity outside the training data: 3 i + 0, 1, 2 for q, v, u of coordinate i; −1 if there is
+    /// none.
     fn outside<'py>(
         &self,
         py: Python<'py>,
@@ -365,7 +366,7 @@ impl Model {
     }
 }
 
-/// What the second vector of a start is called.
+/// Name of the second vector of a start.
 fn second(positions: bool) -> &'static str {
     if positions { "q1" } else { "v" }
 }
@@ -387,7 +388,7 @@ impl Model {
         Ok(Flight { count, step: Step { order: order(number)?, h }, start, positions })
     }
 
-    /// What the training data covered: for q, v and u the smallest and the largest of every coordinate.
+    /// The range of the training data: smallest and largest q, v and u of every coordinate.
     fn range<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let range = &self.host.facts.range;
         if range.is_empty() {
@@ -405,7 +406,7 @@ impl Model {
         Ok(Some(dictionary))
     }
 
-    /// Gain, offset and delay of the drives.
+    /// Gain, offset and delay of the drives; `None` if they are ideal.
     fn actuator<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let of = self.host.facts.actuator.clone();
         if of.is_ideal() {

@@ -9,26 +9,26 @@ use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Steps that a thread takes at once: motions of a block.
+/// Number of motions per block.
 const BLOCK: usize = 8;
 
-/// What motions begin with.
+/// Start of motions.
 pub struct Flight {
-    /// How many.
+    /// Number of motions.
     pub count: usize,
-    /// Order and h.
+    /// Order and step h.
     pub step: Step,
-    /// Positions, and velocities or second positions.
+    /// Positions, then velocities or second positions.
     pub start: [Table<f32>; 2],
-    /// Whether it begins with two positions.
+    /// Whether motions start from two positions.
     pub positions: bool,
 }
 
-/// A motion of a chip.
+/// A motion in the chip's arithmetic.
 type AnyMotion<'c> = Box<dyn Motion + 'c>;
 
 impl Flight {
-    /// The motion of this number, `tau` being the control of the first step.
+    /// Begins motion `k`; `tau` is the control of the first step.
     fn begin<'c>(&self, chip: &'c Replica, k: usize, tau: Control) -> Result<AnyMotion<'c>, ReplicaError> {
         let [first, second] = self.start.each_ref().map(|table| table.row(k));
         if self.positions {
@@ -38,11 +38,12 @@ impl Flight {
         }
     }
 
-    /// Positions and velocities at every sample, \[motions\]\[steps + 1\]\[2n\], under controls \[motions\]\[steps\]\[n\]; of two positions the
-    /// velocity at the first is NaN. A motion whose step cannot be solved is NaN from there on, or an error.
+    /// Positions and velocities at every sample, \[motions\]\[steps + 1\]\[2n\], under controls \[motions\]\[steps\]\[n\]; if a motion
+    /// starts from two positions, the velocity at the first is NaN. A motion with a step that cannot be solved is NaN from there on, or an
+    /// error.
     ///
     /// # Errors
-    /// The first motion that cannot be stepped, unless `nan`.
+    /// [`Unsolved`] for the first motion that cannot be stepped, unless `nan`.
     pub fn run(
         &self,
         chip: &Replica,
@@ -100,7 +101,7 @@ impl Flight {
 }
 
 self_cell::self_cell!(
-    /// A motion with the model that it borrows.
+    /// A motion with the model from which it borrows.
     struct Moving {
         owner: Arc<OnChip>,
         #[not_covariant]
@@ -108,7 +109,7 @@ self_cell::self_cell!(
     }
 );
 
-/// Motions side by side: q with what rounding took from it, and the momentum p = L_v, as the chip keeps them.
+/// Motions side by side: q with its rounding remainder, and the momentum p = L_v, as the chip keeps them.
 #[pyclass(frozen, module = "leastaction._leastaction")]
 pub struct Motions {
     n: usize,
@@ -116,10 +117,10 @@ pub struct Motions {
 }
 
 impl Motions {
-    /// Begins them; `tau` acts between two positions.
+    /// Begins the motions; `tau` acts between two positions.
     ///
     /// # Errors
-    /// The first motion that cannot begin.
+    /// [`Unsolved`] for the first motion that cannot begin.
     pub fn begin(chip: Arc<OnChip>, flight: &Flight, tau: &[Table<f32>; 2]) -> Result<Self, Unsolved> {
         let begin = |k: usize| {
             let control = Control { start: tau[0].row(k), end: tau[1].row(k) };
@@ -152,7 +153,7 @@ impl Motions {
 
 #[pymethods]
 impl Motions {
-    /// q of every motion.
+    /// Returns q of every motion.
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.rows(py, |motion, to| {
             to.copy_from_slice(motion.q());
@@ -160,7 +161,7 @@ impl Motions {
         })
     }
 
-    /// p of every motion.
+    /// Returns p of every motion.
     fn p<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.rows(py, |motion, to| {
             to.copy_from_slice(motion.p());
@@ -168,13 +169,13 @@ impl Motions {
         })
     }
 
-    /// v of every motion.
+    /// Returns v of every motion.
     fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.rows(py, |motion, to| motion.velocity(to))
     }
 
-    /// Steps every motion, or none up to the first that cannot be solved, under forces at the start and the end of the step; gives updates
-    /// of Newton's method and what it left, of every motion.
+    /// Steps every motion under forces at the start and the end of the step, or none up to the first that cannot be solved. Returns the
+    /// Newton updates and the remaining residual of every motion.
     fn step<'py>(
         &self,
         py: Python<'py>,

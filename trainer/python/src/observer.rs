@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// An observer of a chip.
+/// An observer in the chip's arithmetic.
 type AnyWatch<'c> = Box<dyn Watch + 'c>;
 
 self_cell::self_cell!(
@@ -21,7 +21,7 @@ self_cell::self_cell!(
     }
 );
 
-/// The state of a mechanism from its encoders' readings alone.
+/// Estimates the state of a mechanism from its encoder readings alone.
 #[pyclass(frozen, module = "leastaction._leastaction")]
 pub struct Observer {
     n: usize,
@@ -36,7 +36,8 @@ impl Observer {
 
 #[pymethods]
 impl Observer {
-    /// Of a model, whose steps are of `step` (h, order); `zeros`: the deviations of the encoders' zeros and of an innovation.
+    /// Creates an observer for a model with the step `step` (h, order). `zeros` are the standard deviations of the encoder zeros and of an
+    /// innovation.
     #[new]
     #[pyo3(signature = (model, step, memory, patience, zeros))]
     fn new(
@@ -57,7 +58,7 @@ impl Observer {
         Ok(Self { n: architecture.n(), watching: Mutex::new(watching.map_err(input)?) })
     }
 
-    /// Steps the model under the force that acted; says updates of Newton's method, none before the first samples.
+    /// Steps the model under the acting force; returns the number of Newton updates, `None` before the first samples.
     fn predict(
         &self,
         start: PyReadonlyArray1<'_, f32>,
@@ -69,7 +70,7 @@ impl Observer {
         Ok(report.map_err(|error| Kind::Solve.says(error))?.map(|report| report.iterations))
     }
 
-    /// Takes samples, NaN where one is missing.
+    /// Takes samples; missing ones are NaN.
     fn correct(&self, measured: PyReadonlyArray1<'_, f32>) -> PyResult<()> {
         let measured: Vec<Option<f32>> =
             measured.as_array().iter().map(|y| (!y.is_nan()).then_some(*y)).collect();
@@ -77,7 +78,7 @@ impl Observer {
         taken.map_err(|error| Kind::Solve.says(error))
     }
 
-    /// q and v as estimated; none before every coordinate was measured.
+    /// Returns the estimates of q and v; `None` until every coordinate has been measured.
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Option<(Numbers<'py, f32>, Numbers<'py, f32>)>> {
         let (mut q, mut v) = (vec![0.0; self.n], vec![0.0; self.n]);
         let known = self.watching().with_dependent(|_, watch| watch.estimate(&mut q, &mut v));
@@ -85,14 +86,14 @@ impl Observer {
         Ok(known.then(|| (PyArray1::from_vec(py, q), PyArray1::from_vec(py, v))))
     }
 
-    /// What the encoders read more than there is.
+    /// Returns the zero offsets of the encoders: reading minus true position.
     fn zeros<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let mut zeros = vec![0.0; self.n];
         self.watching().with_dependent(|_, watch| watch.zeros(&mut zeros)).map_err(input)?;
         Ok(PyArray1::from_vec(py, zeros))
     }
 
-    /// Whether the estimate is fit to act on.
+    /// Returns whether the estimate is fit to act on.
     fn trusted(&self) -> bool {
         self.watching().with_dependent(|_, watch| watch.trusted())
     }

@@ -1,24 +1,24 @@
-//! States side by side in the chip's arithmetic: the bits of the chip.
+//! Evaluation of states side by side in the chip's arithmetic, bit for bit.
 
 use crate::arrays::Table;
 use crate::blocks::{BLOCK, fill};
 use leastaction_replica::{Evaluator, Replica, ReplicaError};
 
-/// What is computed of every state.
+/// Quantity computed for every state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// T and V, J.
+    /// Energies T and V, J.
     Energies,
-    /// v̇(q, v, τ), m/s² or rad/s².
+    /// Acceleration v̇(q, v, τ), m/s² or rad/s².
     Acceleration,
-    /// τ(q, v, v̇), N or N m.
+    /// Forces τ(q, v, v̇), N or N m.
     InverseDynamics,
-    /// M(q), row by row.
+    /// Mass matrix M(q), row by row.
     MassMatrix,
 }
 
 impl Quantity {
-    /// By its name.
+    /// The quantity with this name.
     pub fn named(name: &str) -> Option<Self> {
         match name {
             "energies" => Some(Self::Energies),
@@ -29,7 +29,7 @@ impl Quantity {
         }
     }
 
-    /// Vectors that it is a function of.
+    /// Number of input vectors.
     pub const fn inputs(self) -> usize {
         match self {
             Self::MassMatrix => 1,
@@ -38,7 +38,7 @@ impl Quantity {
         }
     }
 
-    /// Numbers that it has for n coordinates.
+    /// Number of output numbers for n coordinates.
     pub const fn width(self, n: usize) -> usize {
         match self {
             Self::Energies => 2,
@@ -48,19 +48,19 @@ impl Quantity {
     }
 }
 
-/// A state that has no value, and why.
+/// A state without a value, and the reason.
 #[derive(Debug)]
 pub struct Unsolved {
-    /// Its number.
+    /// Index of the state.
     pub index: usize,
-    /// Why.
+    /// Reason.
     pub error: ReplicaError,
 }
 
-/// Computes a quantity of every state; where it does not exist it is NaN, or an error.
+/// Computes a quantity of every state; a value that does not exist is NaN, or an error.
 ///
 /// # Errors
-/// The first state that has no value, unless `nan`.
+/// [`Unsolved`] for the first state without a value, unless `nan`.
 pub fn evaluate(
     chip: &Replica,
     (quantity, nan): (Quantity, bool),

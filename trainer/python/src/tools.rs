@@ -1,4 +1,4 @@
-//! Logs, evaluation, pages and importers, as the command has them.
+//! Logs, evaluation, report pages and importers, with the command's behaviour.
 
 use crate::errors::{Kind, failure, input};
 use crate::model::Model;
@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::{Path, PathBuf};
 
-/// A configuration of TOML.
+/// Parses a TOML configuration.
 pub fn parsed(text: &str) -> PyResult<Config> {
     Config::parse(text, Path::new("the configuration")).map_err(input)
 }
@@ -36,7 +36,7 @@ fn control(name: Option<&str>) -> PyResult<Option<ControlKind>> {
     name.map(known).transpose()
 }
 
-/// The look at logs: the command's report as JSON, in words, its doubts, and a configuration for a file of the name `output`.
+/// Looks at logs; returns the command's report as JSON and in words, its doubts, and a configuration for a file named `output`.
 #[pyfunction]
 pub fn look_at(
     py: Python<'_>,
@@ -75,8 +75,8 @@ impl LogRequest {
     }
 }
 
-/// Measures a model, a file or the folder of a run, on a log: the command's report as JSON and in words, with notes. With `page` also
-/// writes a page of HTML, beside the model `beside` where one is named.
+/// Measures a model, from a file or a run folder, on a log; returns the command's report as JSON and in words, with notes. `page` names an
+/// HTML page to write, `beside` a model to compare with there.
 #[pyfunction]
 pub fn evaluate(
     py: Python<'_>,
@@ -112,7 +112,7 @@ pub fn evaluate(
     Ok((json(&report)?, report.to_string(), notes))
 }
 
-/// The model of a run.
+/// Returns the model of a run.
 #[pyfunction]
 pub fn model_of_run(folder: PathBuf) -> PyResult<Model> {
     let (_, bytes) = encoded(&folder, Precision::Single).map_err(failure)?;
@@ -120,7 +120,7 @@ pub fn model_of_run(folder: PathBuf) -> PyResult<Model> {
     Ok(Model::new(Loaded { model, bytes }))
 }
 
-/// Writes bytes whole or not at all, in place of a file of that kind alone: model, rust, c, log, configuration or page.
+/// Writes bytes atomically; replaces only a file of the same kind: model, rust, c, log, configuration or page.
 #[pyfunction]
 pub fn write_file(path: PathBuf, bytes: &[u8], kind: &str) -> PyResult<()> {
     let kind = match kind {
@@ -136,10 +136,10 @@ pub fn write_file(path: PathBuf, bytes: &[u8], kind: &str) -> PyResult<()> {
         .map_err(|error| Kind::Work.says(format!("{}: {error}", path.display())))
 }
 
-/// h, what u does between samples, trajectories, notes.
+/// A log: h, control kind, trajectories, notes.
 type ReadLog<'py> = (f64, Option<&'static str>, Bound<'py, PyList>, Vec<String>);
 
-/// Reads a log, as the `[data]` of a configuration says where one is named: h, what u does between samples, trajectories, notes.
+/// Reads a log, by the `[data]` of a configuration if one is given; returns h, control kind, trajectories and notes.
 #[pyfunction]
 pub fn read_log<'py>(
     py: Python<'py>,
@@ -180,7 +180,7 @@ fn mechanism(name: &str) -> PyResult<Mechanism> {
     })
 }
 
-/// A network of the SyMo authors' program: safetensors.
+/// Imports a network of the SyMo authors' program from safetensors.
 #[pyfunction]
 #[pyo3(signature = (bytes, name, system=None, coordinates=None, h=None))]
 pub fn import_symo(
@@ -202,7 +202,7 @@ pub fn import_symo(
     model_of(&imported, step, (name, "SyMo"))
 }
 
-/// A network of the ModLaNet authors' program: safetensors.
+/// Imports a network of the ModLaNet authors' program from safetensors.
 #[pyfunction]
 #[pyo3(signature = (bytes, name, bodies, count, mass=None))]
 pub fn import_modlanet(
@@ -218,7 +218,7 @@ pub fn import_modlanet(
     model_of(&imported, None, (name, "ModLaNet"))
 }
 
-/// A network of the LGNN authors' program: safetensors.
+/// Imports a network of the LGNN authors' program from safetensors.
 #[pyfunction]
 pub fn import_lgnn(bytes: &[u8], name: &str, count: usize, drag: bool) -> PyResult<Model> {
     let imported = import::lgnn(bytes, count, drag).map_err(|error| input(format!("{name}: {error}")))?;

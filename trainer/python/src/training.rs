@@ -1,4 +1,4 @@
-//! Training as the command does it, with a callback for every iteration.
+//! Training with the command's behaviour, and a callback for every iteration.
 
 use crate::errors::{failure, input};
 use crate::tools::parsed;
@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time between looks at whether Ctrl-C was pressed.
+/// Time between checks for Ctrl-C.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// What Python is told while training goes on: rows to `callback`, warnings to `tell`. An exception stops training, which saves first.
+/// Reports training to Python: rows to `callback`, warnings to `tell`. An exception stops training, which saves first.
 struct Teller<'a> {
     callback: Option<Py<PyAny>>,
     tell: Py<PyAny>,
@@ -25,7 +25,7 @@ struct Teller<'a> {
 }
 
 impl Teller<'_> {
-    /// Does something in Python; an exception stops training.
+    /// Runs `work` in Python; an exception stops training.
     fn with(&mut self, work: impl FnOnce(Python<'_>) -> PyResult<()>) {
         if let Err(error) = Python::attach(work) {
             self.stop.store(true, Ordering::Relaxed);
@@ -58,7 +58,7 @@ impl Monitor for Teller<'_> {
     }
 }
 
-/// How a run begins.
+/// The ways in which a run can begin.
 #[derive(Clone, Copy)]
 struct Beginning {
     resume: bool,
@@ -73,7 +73,7 @@ impl Beginning {
     }
 }
 
-/// Trains as a configuration says: TOML of a file, or `text`. Gives the command's report as JSON.
+/// Trains from a configuration, the TOML file `file` or `text`. Returns the command's report as JSON.
 #[pyfunction]
 #[pyo3(signature = (file, text, folder, resume, force, callback, tell))]
 #[allow(clippy::too_many_arguments)]
@@ -107,7 +107,7 @@ pub fn train_run(
     }
 }
 
-/// What stopped training, KeyboardInterrupt with how to go on.
+/// The exception that stopped training; a KeyboardInterrupt says how to go on.
 fn interrupted(py: Python<'_>, error: PyErr, folder: &Path, saved: Option<u64>) -> PyErr {
     if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
         return error;
@@ -121,7 +121,7 @@ fn interrupted(py: Python<'_>, error: PyErr, folder: &Path, saved: Option<u64>) 
     })
 }
 
-/// Every key of a configuration of a family with its meaning.
+/// Returns the default configuration of a family, with every key explained.
 #[pyfunction]
 pub fn defaults(family: &str) -> PyResult<&'static str> {
     ModelConfig::defaults(family).ok_or_else(|| {
@@ -130,7 +130,7 @@ pub fn defaults(family: &str) -> PyResult<&'static str> {
     })
 }
 
-/// The configuration of TOML with every key written out.
+/// Returns a configuration as TOML, every key written out.
 #[pyfunction]
 pub fn checked(text: &str) -> PyResult<String> {
     Ok(parsed(text)?.to_toml())

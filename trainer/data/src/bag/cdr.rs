@@ -1,16 +1,16 @@
-//! `sensor_msgs/JointState` in CDR, as ROS 2 puts it on the wire: XCDR version 1, either byte order.
+//! Parser of `sensor_msgs/JointState` in CDR, as ROS 2 sends it: XCDR version 1, either byte order.
 
 use crate::error::Problem;
 
-/// Bytes before the first field: the kind of encoding and options.
+/// Bytes before the first field, which hold the kind of encoding and options.
 const HEADER: usize = 4;
 
-/// Bytes that may follow the last field, to fill up a word.
+/// Limit of the padding after the last field, bytes.
 const PADDING: usize = 8;
 
-/// A message; lists that are empty say nothing of the joints.
+/// A message; empty lists carry no data.
 pub(super) struct JointState<'a> {
-    /// Nanoseconds; 0 where the sender did not stamp it.
+    /// Stamp, ns; 0 if the sender did not set it.
     pub stamp: i64,
     pub names: Vec<&'a str>,
     /// Positions, velocities, efforts.
@@ -18,7 +18,7 @@ pub(super) struct JointState<'a> {
 }
 
 impl<'a> JointState<'a> {
-    /// Checks that every list that is there has an entry for every joint.
+    /// Parses a message, and checks that every non-empty list has an entry for every joint.
     pub fn parse(message: &'a [u8]) -> Result<Self, Problem> {
         let mut cdr = Cdr::new(message)?;
         let (seconds, nanoseconds) = (cdr.word()? as i32, cdr.word()?);
@@ -40,7 +40,7 @@ fn no(reason: &'static str) -> Problem {
     Problem::NotJointState(reason)
 }
 
-/// What is left of a message. Fields lie at multiples of their size behind the header.
+/// The unread part of a message. Fields are aligned to their size, counted from the end of the header.
 struct Cdr<'a> {
     body: &'a [u8],
     at: usize,
@@ -61,7 +61,7 @@ impl<'a> Cdr<'a> {
         self.body.get(self.at..).unwrap_or_default()
     }
 
-    /// The next bytes, from a multiple of `alignment` on.
+    /// The next `count` bytes, aligned to `alignment`.
     fn take(&mut self, count: usize, alignment: usize) -> Result<&'a [u8], Problem> {
         self.at = self.at.next_multiple_of(alignment);
         let bytes = self.rest().get(..count).ok_or_else(|| no("it ends before its last field"))?;
@@ -74,7 +74,7 @@ impl<'a> Cdr<'a> {
         Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
     }
 
-    /// A string, whose length counts the zero at its end.
+    /// A string; its stored length includes the terminating zero.
     fn text(&mut self) -> Result<&'a str, Problem> {
         let length = self.word()? as usize;
         let bytes = self.take(length, 1)?;
@@ -83,7 +83,7 @@ impl<'a> Cdr<'a> {
     }
 
     fn texts(&mut self) -> Result<Vec<&'a str>, Problem> {
-        // Each takes up four bytes at least: no count makes this more than the message holds.
+        // Every string takes at least four bytes, so this allocates no more than the message can hold.
         let count = self.word()? as usize;
         if count > self.rest().len() / 4 {
             return Err(no("it names more joints than it has bytes for"));
@@ -109,7 +109,7 @@ impl<'a> Cdr<'a> {
 mod tests {
     use super::*;
 
-    /// One joint "abcd" at 1.5, at 2 s and 3 ns.
+    /// A message of one joint, "abcd", at position 1.5, stamped 2 s and 3 ns.
     const BIG_ENDIAN: [u8; 60] = [
         0, 0, 0, 0, // CDR, big endian
         0, 0, 0, 2, 0, 0, 0, 3, // stamp
@@ -134,7 +134,7 @@ mod tests {
         for at in (12..60).step_by(4) {
             let mut claim = BIG_ENDIAN;
             claim[at..at + 4].copy_from_slice(&[0xFF; 4]);
-            // Of filling and of a number anything may be.
+            // Padding and numbers can hold any bytes.
             assert!(JointState::parse(&claim).is_err() || [16, 28, 32, 40, 44, 48].contains(&at), "{at}");
         }
         let mut longer = BIG_ENDIAN.to_vec();

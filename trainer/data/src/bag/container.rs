@@ -1,7 +1,7 @@
-//! The records of an MCAP file, and what is in its chunks.
+//! The records of an MCAP file, and those within its chunks.
 //!
-//! The file is read from its beginning to its end, never more than a chunk at a time. Nothing is allocated by what a length claims: records
-//! are no longer than the file, and chunks unpack to what they say at most.
+//! The file is read sequentially, at most one chunk at a time. Allocations do not trust stated lengths: records are no longer than the
+//! file, and chunks unpack to at most the size that they state.
 
 use crate::error::{Fault, Problem};
 use crate::place::Place;
@@ -13,36 +13,36 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Read};
 
-/// Bytes that a chunk unpacks to at most. Recorders make chunks of some megabytes.
+/// Largest size of an unpacked chunk, bytes. Recorders write chunks of some megabytes.
 const LARGEST_CHUNK: u64 = 1 << 28;
 
-/// Bytes that all chunks of any file unpack to at most, …
+/// Total size, in bytes, to which the chunks of any file may unpack.
 const MOST_ANYWAY: u64 = LARGEST_CHUNK;
 
-/// … and of a larger one for each of its bytes: even pictures of nothing take up more.
+/// Further bytes per byte of the file: even blank images compress less.
 const MOST_PER_BYTE: u64 = 1000;
 
-/// Bytes that are read at a time.
+/// Largest number of bytes per read.
 const BLOCK: usize = 1 << 20;
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
-/// A message of any topic.
+/// A message on any topic.
 pub(super) struct Message<'a> {
-    /// In the file, from 1.
+    /// Number of the message in the file, from 1.
     pub number: u64,
-    /// Bytes of the file up to here.
+    /// Bytes of the file read so far.
     pub read: u64,
     pub channel: &'a mcap::Channel<'a>,
-    /// When the recorder got it, ns.
+    /// Time of recording, ns.
     pub log_time: u64,
     pub content: &'a [u8],
 }
 
-/// What is done with every message.
+/// Callback for every message.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(&Message<'_>) -> Result<(), Fault>;
 
-/// Has every message of a file of this length seen.
+/// Passes every message of a file with this length to `visit`.
 pub(super) fn messages(source: &mut dyn Read, length: u64, visit: Visit<'_>) -> Result<(), Fault> {
     let mut scan = Scan { channels: ChannelAccumulator::default(), messages: 0, read: 0, unpacked: 0, visit };
     let limit = usize::try_from(length).unwrap_or(usize::MAX);
@@ -51,10 +51,10 @@ pub(super) fn messages(source: &mut dyn Read, length: u64, visit: Visit<'_>) -> 
     done.map_err(|fault| scan.located(fault))
 }
 
-/// What is done with every record, of its kind and its bytes.
+/// Callback for every record, with its opcode and its bytes.
 type Each<'e> = &'e mut dyn FnMut(u8, &[u8]) -> Result<(), Fault>;
 
-/// Hands over every record of a file or a chunk.
+/// Passes every record of a file or a chunk to `each`.
 fn records(source: &mut dyn Read, options: LinearReaderOptions, each: Each<'_>) -> Result<(), Fault> {
     let mut reader = LinearReader::new_with_options(options);
     while let Some(event) = reader.next_event() {
@@ -85,18 +85,18 @@ fn damaged(reason: &'static str) -> Fault {
     (Place::File, Problem::NotMcap(reason.to_owned()))
 }
 
-/// What is known of a file so far.
+/// State of the scan of a file.
 struct Scan<'v> {
     channels: ChannelAccumulator<'static>,
     messages: u64,
     read: u64,
-    /// Bytes of all chunks so far, by what they say.
+    /// Total size of the unpacked chunks so far, as they state it.
     unpacked: u64,
     visit: Visit<'v>,
 }
 
 impl Scan<'_> {
-    /// A problem of the file as a whole is one after the last message.
+    /// Locates a problem of the file as a whole after the last message.
     fn located(&self, (place, problem): Fault) -> Fault {
         if place == Place::File { (Place::Message(self.messages + 1), problem) } else { (place, problem) }
     }
@@ -124,7 +124,7 @@ impl Scan<'_> {
     }
 
     fn of_chunk(&mut self, opcode: u8, body: &[u8]) -> Result<(), Fault> {
-        // Others are not even parsed.
+        // Other records are not parsed.
         if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
             return Ok(());
         }
@@ -147,7 +147,7 @@ impl Scan<'_> {
     }
 }
 
-/// What a chunk holds, once it is known to be as long as it says and to have its checksum.
+/// The contents of a chunk, after a check of its length and checksum.
 fn unpacked<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>, Fault> {
     let size = header.uncompressed_size;
     if size > LARGEST_CHUNK {
@@ -171,7 +171,7 @@ fn unpacked<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>, F
     Ok(content)
 }
 
-/// One byte more than there should be tells that there is more.
+/// Reads the whole content; reading one byte more than `size` detects excess content.
 fn read_whole<'a>(from: impl Read, size: u64) -> Result<Cow<'a, [u8]>, Fault> {
     let mut content = Vec::new();
     let read = from.take(size + 1).read_to_end(&mut content);

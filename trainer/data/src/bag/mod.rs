@@ -1,8 +1,8 @@
-//! Bags of ROS 2: `.mcap` files with messages of `sensor_msgs/JointState`, in CDR.
+//! Bags of ROS 2: `.mcap` files with `sensor_msgs/JointState` messages in CDR.
 //!
-//! A column is a joint of a topic: `/joint_states/shoulder/position`, `…/velocity`, `…/effort`. Its time is the stamp in the header of its
-//! messages; where any message of a topic has none, it is for all of that topic the time at which the recorder got them, and a note says so.
-//! Time counts from the first message with joints in the file, in s.
+//! A column is a joint of a topic: `/joint_states/shoulder/position`, `…/velocity`, `…/effort`. Its time is the stamp in the message
+//! headers; if any message of a topic lacks a stamp, the whole topic uses the time of recording, and a note says so. Time counts in s from
+//! the first message with joints in the file.
 
 mod cdr;
 mod container;
@@ -19,34 +19,34 @@ use container::Message;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Read;
 
-/// The fields of a message, in its order.
+/// Fields of a message, in its order.
 const FIELDS: [&str; 3] = ["position", "velocity", "effort"];
 
-/// Numbers that are taken from any file: 64 MiB of them, …
+/// Count of numbers that may be read from any file: 64 MiB.
 const MOST_ANYWAY: u64 = 1 << 23;
 
-/// … and of a larger one for each of its bytes: stamps and noise do not compress to a hundredth.
+/// Further numbers per byte of the file: stamps and noise do not compress to a hundredth.
 const MOST_PER_BYTE: u64 = 12;
 
-/// All that a bag says of joints.
+/// Joint data of a bag.
 pub(crate) struct Bag {
     pub streams: Vec<Stream>,
-    /// Topics of something else.
+    /// Topics without joint states.
     pub others: Vec<String>,
 }
 
-/// Messages of one topic that name the same joints in the same order and have the same fields.
+/// Messages of one topic with the same joints in the same order and the same fields.
 pub(crate) struct Stream {
     pub topic: String,
     /// Names of the columns.
     pub names: Vec<String>,
-    /// Columns side by side, message after message.
+    /// Rows of values, message by message.
     values: Vec<f64>,
-    /// Nanoseconds.
+    /// Times of the messages, ns.
     times: Vec<Time>,
 }
 
-/// When a message was sent and when it was recorded, ns, and its number in the file from 1.
+/// Times of sending and of recording of a message, ns, and its number in the file, from 1.
 #[derive(Clone, Copy)]
 struct Time {
     stamp: i64,
@@ -54,11 +54,11 @@ struct Time {
     message: u64,
 }
 
-/// What tells streams apart: the channel, the joints, the fields.
+/// Key of a stream: channel, joints, fields.
 type Key = (u16, String, [bool; 3]);
 
 impl Bag {
-    /// Reads a file of this length from its beginning to its end.
+    /// Reads a file of this length sequentially.
     pub fn read(source: &mut dyn Read, length: u64) -> Result<Self, Fault> {
         let mut gathered = Gathered::default();
         container::messages(source, length, &mut |message| gathered.take(message))?;
@@ -70,13 +70,13 @@ impl Bag {
         Ok(Self { streams, others })
     }
 
-    /// All names of columns, each once.
+    /// All column names, without duplicates.
     pub fn names(&self) -> Vec<String> {
         let names: BTreeSet<&String> = self.streams.iter().flat_map(|stream| &stream.names).collect();
         names.into_iter().cloned().collect()
     }
 
-    /// Whether any message of a topic has no stamp.
+    /// Whether any message of a topic lacks a stamp.
     pub fn is_unstamped(&self, topic: &str) -> bool {
         let mut times = self.of_topic(topic).flat_map(|stream| &stream.times);
         times.any(|time| time.stamp == 0)
@@ -86,7 +86,7 @@ impl Bag {
         self.streams.iter().filter(move |stream| stream.topic == topic)
     }
 
-    /// The clock of every topic: what its time is, and the first time of all.
+    /// The clock of all topics: which time each uses, and the earliest time.
     pub fn clock(&self) -> Clock {
         let topics: BTreeSet<&String> = self.streams.iter().map(|stream| &stream.topic).collect();
         let unstamped: BTreeSet<String> =
@@ -97,7 +97,7 @@ impl Bag {
         clock
     }
 
-    /// The wanted columns, those of each topic together, with notes on their clocks.
+    /// The wanted columns, grouped by topic, with notes on their clocks.
     pub fn parts(&self, columns: &Columns) -> Result<(Vec<Part>, Vec<Note>), Fault> {
         let known = || self.names().into_iter().chain(["t".to_owned()]).collect();
         let unknown = |name: &str| (Place::File, Problem::NoColumn { name: name.to_owned(), known: known() });
@@ -120,7 +120,7 @@ impl Bag {
         Ok((topics.into_iter().map(part).collect::<Result<_, _>>()?, notes))
     }
 
-    /// Columns of a topic. A message that has none of them is of another sender; one must not have some.
+    /// Columns of a topic. A message with none of them is skipped as another sender's; a message with only some is an error.
     fn part(&self, topic: &str, wanted: Wanted, clock: &Clock, scale: f64) -> Result<Part, Fault> {
         let mut samples: Vec<(Time, Vec<f64>)> = Vec::new();
         for stream in self.of_topic(topic) {
@@ -152,11 +152,11 @@ impl Bag {
     }
 }
 
-/// What the time of messages is.
+/// Time base of messages.
 pub(crate) struct Clock {
-    /// Topics whose messages have the time at which they were recorded.
+    /// Topics that use the time of recording.
     unstamped: BTreeSet<String>,
-    /// ns.
+    /// Start of time, ns.
     start: i64,
 }
 
@@ -165,9 +165,9 @@ impl Clock {
         if self.unstamped.contains(topic) { time.logged } else { time.stamp }
     }
 
-    /// Since the first message, s.
+    /// Time since the first message, s.
     fn seconds(&self, topic: &str, time: Time) -> f64 {
-        // The difference of two may not fit; as numbers of 64 bits, it is exact for a hundred days.
+        // The difference may not fit 64 bits; as an f64 it is exact for a hundred days.
         (i128::from(self.of(topic, time)) - i128::from(self.start)) as f64 / 1e9
     }
 }
@@ -177,18 +177,18 @@ impl Stream {
         self.times.iter().copied().zip(self.values.chunks_exact(self.names.len()))
     }
 
-    /// Stamps (s).
+    /// Times of the messages, s.
     pub fn seconds(&self, clock: &Clock) -> Vec<f64> {
         self.times.iter().map(|time| clock.seconds(&self.topic, *time)).collect()
     }
 
-    /// The numbers of a column.
+    /// The values of a column.
     pub fn column(&self, index: usize) -> Vec<f64> {
         self.values.iter().skip(index).step_by(self.names.len()).copied().collect()
     }
 }
 
-/// The streams in the making.
+/// Streams under construction.
 #[derive(Default)]
 struct Gathered {
     streams: Vec<Stream>,

@@ -1,30 +1,30 @@
-//! What the time stamps of a log are like.
+//! Statistics of a log's time stamps.
 
 use crate::intervals::Intervals;
 
 /// The clock of a log, in the units of its stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// From the first to the last stamp.
+    /// Time from the first to the last stamp.
     pub duration: f64,
     /// Median interval.
     pub median: f64,
     /// Shortest interval above 0.
     pub shortest: f64,
-    /// Longest interval that is no gap.
+    /// Longest interval that is not a gap.
     pub longest: f64,
-    /// Root mean square of interval − median over the median, gaps left out.
+    /// Root mean square of (interval − median)/median, without gaps.
     pub jitter: f64,
-    /// Intervals of more than 2.5 medians.
+    /// Number of intervals of more than 2.5 medians.
     pub gaps: usize,
-    /// Stamps that are those of the sample before.
+    /// Number of stamps equal to the one before.
     pub repeated: usize,
-    /// Stamps before that of the sample before.
+    /// Number of stamps smaller than the one before.
     pub backwards: usize,
 }
 
 impl Clock {
-    /// Of these stamps; `None` where there are no two that differ.
+    /// The clock of these stamps; `None` if no stamp is greater than the one before.
     #[must_use]
     pub fn of(stamps: &[f64]) -> Option<Self> {
         let intervals =

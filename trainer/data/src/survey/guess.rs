@@ -1,23 +1,23 @@
-//! What columns may be, by their names.
+//! Guesses of the meaning of columns from their names.
 
 use super::{RawLog, Signal};
 
-/// Which columns may be t, q, v and u; a person confirms it.
+/// Columns that may be t, q, v and u; to be confirmed by a person.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Guess {
     /// Time.
     pub t: Option<String>,
     /// Positions.
     pub q: Vec<String>,
-    /// Velocities; none, or one a position.
+    /// Velocities; none, or one per position.
     pub v: Vec<String>,
-    /// Forces of the drives; none, or one a position.
+    /// Drive forces; none, or one per position.
     pub u: Vec<String>,
-    /// Other columns that may be that, as measured beside commanded forces.
+    /// Alternatives for u, such as measured besides commanded forces.
     pub other_u: Vec<Vec<String>>,
 }
 
-/// The unit, as [`crate::unit`] knows it, in which this median interval of time stamps is one of a log between 2 Hz and 1 MHz.
+/// The unit, as in [`crate::unit`], in which this median interval belongs to a log between 2 Hz and 1 MHz.
 #[must_use]
 pub fn time_unit(median: f64) -> &'static str {
     match median {
@@ -28,24 +28,24 @@ pub fn time_unit(median: f64) -> &'static str {
     }
 }
 
-/// Names, and parts of names, of positions, velocities and forces; a name that is one goes before one that has one.
+/// Names, and parts of names, of positions, velocities and forces; a full match has precedence over a partial one.
 const POSITIONS: [&str; 5] = ["q", "pos", "angle", "theta", "enc"];
 const VELOCITIES: [&str; 5] = ["v", "vel", "qd", "dq", "speed"];
 const FORCES: [&str; 5] = ["u", "tau", "torque", "effort", "force"];
 const TIMES: [&str; 4] = ["t", "time", "stamp", "sec"];
 
-/// Of groups that are alike those as measured are preferred for motion, and those as commanded for forces.
+/// Parts of names that decide between groups that rank alike: measured ones are preferred for motion, commanded ones for forces.
 const MEASURED: [&str; 2] = ["meas", "raw"];
 const COMMANDED: [&str; 4] = ["con", "cmd", "com", "des"];
 
-/// Columns that differ by a number alone.
+/// Columns whose names differ only in a number.
 struct Group<'a> {
     stem: String,
     names: Vec<&'a str>,
 }
 
 impl Guess {
-    /// Of the columns of a file.
+    /// The guess for the columns of a file.
     #[must_use]
     pub fn of(logs: &[RawLog]) -> Self {
         let groups = groups(logs);
@@ -78,7 +78,7 @@ impl Guess {
     }
 }
 
-/// The columns by their names without digits, brackets and what separates words; of a topic by their field and its name.
+/// Groups columns by their names without digits, brackets and word separators; columns of a topic by field and topic.
 fn groups(logs: &[RawLog]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for name in logs.iter().flat_map(|log| &log.names) {
@@ -106,12 +106,13 @@ fn by_topic(name: &str) -> Option<(&str, &str)> {
     topic.starts_with('/').then_some((topic, field))
 }
 
-/// The column of a name, of the first log that has it.
+/// The column of this name in the first log that has it.
 fn column<'a>(logs: &'a [RawLog], name: &str) -> Option<&'a [f64]> {
     logs.iter().find_map(|log| log.column(name))
 }
 
-/// 0 where the stem is one of the words, 1 where it begins with one of more than one letter, 2 where it has one; else `None`.
+/// Rank of a match: 0 if the stem is one of the words, 1 if it begins with a word of more than one letter, 2 if it contains such a word;
+/// otherwise `None`.
 fn rank(stem: &str, words: &[&str]) -> Option<u8> {
     let long = || words.iter().filter(|word| word.len() > 1);
     if words.contains(&stem) {

@@ -1,4 +1,4 @@
-//! What is in a log of which nothing is known yet: its columns, its clock, and what its columns may be.
+//! Survey of an unknown log: its columns, its clock, and guesses of the columns' meaning.
 
 mod clock;
 mod guess;

@@ -1,58 +1,58 @@
-//! How a coordinate moved, and single samples that did not.
+//! Statistics of a coordinate's motion, and outliers.
 
 use super::Signal;
 use crate::angles::seams;
 use crate::intervals::{GAP, Intervals};
 use std::f64::consts::TAU;
 
-/// Velocities are differences over this time at least, so that they are not the noise of neighbouring samples (s).
+/// Least time over which velocities are taken as differences (s), so that they are not the noise of neighbouring samples.
 const SPAN: f64 = 0.02;
 
-/// A coordinate moves where its velocity is above this part of the largest one, and …
+/// Fraction of the largest velocity above which a coordinate counts as moving,
 const SLOW: f64 = 0.02;
 
-/// … above so many standard deviations of a velocity that noise makes.
+/// and the multiple of the velocity noise's standard deviation that it must exceed, too.
 const SURE: f64 = 5.0;
 
-/// A sample is apart that is so many standard deviations off the line of its neighbours, …
+/// Distance from the neighbours' curve, in standard deviations, beyond which a sample is an outlier,
 const APART: f64 = 10.0;
 
-/// … which without it lie on a line within this part of that.
+/// if the corrected neighbourhood fits a curve to within this fraction of the distance.
 const ON_LINE: f64 = 0.25;
 
-/// What the samples of a coordinate show in one file, in the units of its column and seconds.
+/// Motion of a coordinate in one file, in the units of its column and seconds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSurvey {
-    /// Differences that velocities were made of.
+    /// Number of differences used for velocities.
     pub samples: usize,
     /// Root mean square of the velocity.
     pub speed: f64,
-    /// Part of the time in which it moves, 0 to 1.
+    /// Fraction of time in motion, 0 to 1.
     pub moving: f64,
-    /// How often it turned back, rests left out.
+    /// Number of reversals, rests left out.
     pub reversals: usize,
-    /// Jumps by 2π, as angles within one turn have.
+    /// Number of jumps by 2π, as angles within one turn have.
     pub turns: usize,
-    /// Jumps by 360.
+    /// Number of jumps by 360.
     pub turns_of_360: usize,
-    /// Samples apart from their neighbours on both sides.
+    /// Outliers: samples off the curve of their neighbours on both sides.
     pub outliers: Vec<Outlier>,
 }
 
-/// A single sample that lies apart from its neighbours.
+/// A single sample off the curve of its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
-    /// From 0.
+    /// Index of the sample, from 0.
     pub sample: usize,
-    /// Its stamp (s).
+    /// Stamp (s).
     pub time: f64,
-    /// How far it is from where the neighbours would have it.
+    /// Deviation from the neighbours' curve.
     pub off: f64,
 }
 
 impl MotionSurvey {
-    /// Of numbers at stamps (s); `None` where there are fewer than five. Samples without a number, and those whose stamp is not above that of the one
-    /// before, are left out.
+    /// The motion of values at stamps (s); `None` if there are fewer than five. Samples without a number, or with a stamp not above the one
+    /// before, are skipped.
     #[must_use]
     pub fn of(t: &[f64], q: &[f64]) -> Option<Self> {
         let Track { t, mut q, sample } = Track::of(t, q);
@@ -79,7 +79,7 @@ impl MotionSurvey {
     }
 }
 
-/// Samples with numbers at rising stamps, and which they are.
+/// Finite samples at increasing stamps, with their indices.
 #[derive(Default)]
 struct Track {
     t: Vec<f64>,
@@ -102,16 +102,16 @@ impl Track {
     }
 }
 
-/// By how much a value is off the cubic line through two neighbours on each side: a sixth of the fourth difference.
+/// Deviation of a value from the cubic through two neighbours on each side: a sixth of the fourth difference.
 fn off(x: &[f64], k: usize) -> Option<f64> {
     let [a, b, c, d, e] = *x.get(k.checked_sub(2)?..k + 3)? else { return None };
     Some(c - (4.0 * (b + d) - a - e) / 6.0)
 }
 
-/// Samples apart from their neighbours and by how much. A step of the values, or a burst of motion, is none: there the neighbours are on no line
+/// Outliers with their deviations. A step in the values or a burst of motion is not an outlier: there the neighbours do not fit a curve
 /// either.
 fn outliers(q: &[f64], signal: &Signal) -> Vec<(usize, f64)> {
-    // Of white noise σ the variance is 70 σ² / 36.
+    // The variance for white noise σ is 70 σ² / 36.
     let deviation = signal.noise * 70f64.sqrt() / 6.0;
     let least = APART * deviation.max(1e-7 * (signal.greatest - signal.least));
     let candidates = (2..q.len().saturating_sub(2)).filter_map(|k| Some((k, off(q, k)?)));
@@ -127,7 +127,7 @@ fn is_alone(q: &[f64], k: usize, size: f64) -> bool {
     rest.fold(0.0, |most: f64, off| most.max(off.abs())) < ON_LINE * size.abs()
 }
 
-/// Makes an angle go on across its seams, and counts them.
+/// Unwraps an angle; returns the number of seams.
 fn unwrapped(q: &mut [f64], turn: f64) -> usize {
     let seams = seams(q, turn);
     let mut turns = 0.0;
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn reversals_rests_and_speed_are_those_of_the_motion() {
-        // Two whole swings of 1 s, then as much of rest.
+        // Two whole swings of 1 s, then 2 s of rest.
         let t = stamps(2000);
         let q: Vec<f64> = t.iter().map(|t| if *t < 2.0 { (TAU * t).cos() } else { 1.0 }).collect();
         let motion = MotionSurvey::of(&t, &q).unwrap();
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn rest_on_an_encoder_is_rest() {
         let t = stamps(3000);
-        // Half a grain of noise that makes an encoder flicker.
+        // Noise of half an encoder count makes the encoder flicker.
         let flicker = |k: usize| if (k * k) % 7 < 3 { 1.0 } else { 0.0 };
         let q: Vec<f64> = (0..t.len()).map(|k| 1e-3 * flicker(k)).collect();
         let motion = MotionSurvey::of(&t, &q).unwrap();
@@ -209,7 +209,7 @@ mod tests {
         let mut q: Vec<f64> = t.iter().map(|t| (3.0 * t).sin()).collect();
         let grid = 1e-3;
         q.iter_mut().for_each(|q| *q = (*q / grid).round() * grid);
-        // A step of the set-up is none, nor is a seam.
+        // Neither a step of the set-up nor a seam is an outlier.
         q[900..].iter_mut().for_each(|q| *q += 0.4);
         q[1200..].iter_mut().for_each(|q| *q -= TAU);
         q[100] += 0.05;

@@ -1,4 +1,4 @@
-//! All columns of numbers that a file has.
+//! All numeric columns of a file.
 
 use crate::archive::Archive;
 use crate::bag::{Bag, Clock, Stream};
@@ -9,24 +9,24 @@ use crate::source::{Source, format_of};
 use crate::{DataError, Rows, located};
 use std::path::Path;
 
-/// The columns of numbers of one clock in a file, as they stand there.
+/// The numeric columns of one clock in a file, unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawLog {
-    /// Of an MCAP file the topic, whose stamps are the column `t` (s).
+    /// Topic, for an MCAP file; its stamps are the column `t` (s).
     pub topic: Option<String>,
-    /// Names: of a two-dimensional array `name[i]`.
+    /// Names of the columns; `name[i]` for a two-dimensional array.
     pub names: Vec<String>,
-    /// One list a name, all of one length; NaN where there is no number.
+    /// Values of each column, all of the same length; NaN for missing numbers.
     pub columns: Vec<Vec<f64>>,
-    /// Names of columns that hold something else.
+    /// Names of other columns.
     pub others: Vec<String>,
 }
 
-/// A column holds numbers where at least this part of its cells does.
+/// Least fraction of numbers among a column's cells for the column to count as numeric.
 const NUMBERS: f64 = 0.5;
 
 impl RawLog {
-    /// Reads a file: of an MCAP one every topic with joints, else one log.
+    /// Reads a file: one log, or for an MCAP file one log per topic with joints.
     ///
     /// # Errors
     /// [`DataError`] with the file, the place in it and the problem.
@@ -34,21 +34,21 @@ impl RawLog {
         located(path, || of_source(Source::open(path)?))
     }
 
-    /// As [`RawLog::read`], of the content of a file; `path` tells the format and stands in errors.
+    /// Reads a log as [`RawLog::read`] does, from the content of a file; `path` gives the format and appears in errors.
     ///
     /// # Errors
-    /// As there.
+    /// See [`RawLog::read`].
     pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<Self>, DataError> {
         located(path, || of_source(Source::of(format_of(path)?, bytes)))
     }
 
-    /// Samples of every column.
+    /// Number of samples in every column.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
 
-    /// The column of a name.
+    /// The column with this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let at = self.names.iter().position(|known| known == name)?;
@@ -98,7 +98,7 @@ fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
             None => others.push(key.clone()),
         }
     }
-    // The most common length is that of the log.
+    // The most common length is taken as that of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
     let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others };
@@ -134,7 +134,7 @@ fn of_stream(stream: &Stream, clock: &Clock, others: &[String]) -> RawLog {
 }
 
 impl RawLog {
-    /// Columns that are mostly no numbers go to the others.
+    /// Moves columns that are mostly not numbers to `others`.
     fn of_numbers(self) -> Self {
         let (mut names, mut columns, mut others) = (Vec::new(), Vec::new(), self.others);
         for (name, column) in self.names.into_iter().zip(self.columns) {

@@ -16,7 +16,7 @@ pub struct Joints<'a> {
 }
 
 impl Joints<'_> {
-    /// In CDR, little endian.
+    /// The message in CDR, little endian.
     pub fn cdr(&self) -> Vec<u8> {
         let mut body = Vec::new();
         body.extend(((self.stamp / 1_000_000_000) as i32).to_le_bytes());
@@ -88,7 +88,7 @@ pub fn file(messages: &[(&str, i64, Vec<u8>)], schema: &str, chunks: Chunks) -> 
 
 const CHUNK: u8 = 6;
 
-/// The same with every chunk compressed, which the writer cannot do without libraries in C; without the indexes behind the chunks.
+/// The file with every chunk compressed, which the writer cannot do without C libraries; without the indexes behind the chunks.
 fn compressed(whole: &[u8], chunks: Chunks) -> Vec<u8> {
     let mut done = whole[..8].to_vec();
     let mut rest = &whole[8..];
@@ -96,7 +96,7 @@ fn compressed(whole: &[u8], chunks: Chunks) -> Vec<u8> {
         let (opcode, length) = (rest[0], u64::from_le_bytes(rest[1..9].try_into().unwrap()) as usize);
         let body = &rest[9..9 + length];
         rest = &rest[9 + length..];
-        // The data end here: what follows is a summary that nobody has to read.
+        // The data end here; the summary that follows is optional.
         if opcode == 0x0F {
             let footer = [vec![0x0F, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 20], vec![0; 27]].concat();
             return [done, footer, whole[..8].to_vec()].concat();

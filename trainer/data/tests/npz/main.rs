@@ -1,4 +1,4 @@
-//! NPZ logs: what is accepted, and what the errors say. The arrays are made by hand, as NumPy's format description has them.
+//! NPZ logs: accepted files, and error messages. The arrays are built by hand, after NumPy's format description.
 
 mod sizes;
 
@@ -54,7 +54,7 @@ fn accept(arrays: &[(&str, Vec<u8>)]) -> Dataset {
     dataset
 }
 
-/// The message behind the file name.
+/// The error message after the file name.
 fn refuse(arrays: &[(&str, Vec<u8>)]) -> String {
     let message = read_bytes(&pack(arrays, CompressionMethod::Stored)).unwrap_err().to_string();
     message.split_once("log.npz").unwrap().1.to_owned()
@@ -128,7 +128,7 @@ fn t(values: &[f64]) -> (&'static str, Vec<u8>) {
     ("t", f8(&format!("({},)", values.len()), values))
 }
 
-/// The message behind the file name of each.
+/// Checks the error message after the file name in every case.
 #[track_caller]
 fn assert_refused(cases: &[(Arrays<'_>, &str)]) {
     for (arrays, message) in cases {

@@ -1,4 +1,4 @@
-//! What an archive unpacks to, and what it says it does.
+//! Actual and stated unpacked sizes of archives.
 
 use zip::CompressionMethod;
 
@@ -22,11 +22,11 @@ fn small_files_do_not_unpack_to_large_ones() {
             error.ends_with("write it with numpy.savez, which does not compress, or leave samples out"),
             "{error}"
         );
-        // What is ignored is not unpacked.
+        // Ignored arrays are not unpacked.
         let ignored = pack(&[q3(), ("_q", zeros(descr, 10_000_000, size)), h()], CompressionMethod::Deflated);
         assert_eq!(read_bytes(&ignored).unwrap().0, accept(&[q3(), h()]));
     }
-    // Together they are too many, one by one they are not.
+    // Together the arrays are too large; each alone is not.
     let half = || zeros("'<f8'", 5_000_000, 8);
     let packed = pack(&[("q", half()), ("u", half()), h()], CompressionMethod::Deflated);
     let error = read_bytes(&packed).unwrap_err().to_string();
@@ -39,7 +39,7 @@ fn honest_files_of_that_size_are_read() {
     assert_eq!(read_bytes(&stored).unwrap().0.samples(), 10_000_000);
 }
 
-/// The message where the archive's directory states another unpacked size of its first array.
+/// The error message if the archive's directory states another unpacked size for its first array.
 fn forged(mut bytes: Vec<u8>, size: impl Fn(u32) -> u32) -> String {
     let directory = (0..bytes.len()).find(|&i| bytes[i..].starts_with(b"PK\x01\x02")).unwrap();
     let stated = bytes[directory + 24..].first_chunk_mut().unwrap();
@@ -54,7 +54,7 @@ fn a_forged_size_is_refused() {
         let error = forged(sound.clone(), |size| size.wrapping_add_signed(change));
         assert!(error.contains("log.npz, key q: not a readable"), "{change}: {error}");
     }
-    // An array and a directory that agree on more than there is.
+    // An array and a directory that agree on more data than there is.
     let cut = pack(&[("q", npy("'<f8'", false, "(900,)", &[0; 48])), h()], CompressionMethod::Deflated);
     let error = forged(cut, |_| 900 * 8 + 128);
     assert!(error.contains("log.npz, key q: not a readable"), "{error}");

@@ -1,20 +1,20 @@
-//! Logs as a robot writes them: one CSV file each.
+//! Logs as a robot writes them: one CSV file per log.
 
 use super::RobotLog;
 use leastaction_data::atomic;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// How every log begins.
+/// Beginning of every log.
 pub const CSV_HEAD: &str = "time,pos_meas1";
 
-/// Groups of columns, one column a coordinate, counted from 1.
+/// Groups of columns; each has one column per coordinate, counted from 1.
 const GROUPS: [&str; 4] = ["pos_meas", "vel_meas", "tau_con", "tau_meas"];
 
-/// Writes a log: time (s), measured positions, their differences as velocities, torques as commanded and as they act.
+/// Writes a log: time (s), measured positions, velocities as their differences, commanded torques and actual torques.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// An error if the file cannot be written.
 pub fn write_csv(file: &Path, log: &RobotLog) -> io::Result<()> {
     atomic::write_with(file, |file| {
         let mut file = BufWriter::new(file);

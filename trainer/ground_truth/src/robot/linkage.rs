@@ -3,36 +3,36 @@ use crate::{Chain, Link};
 use leastaction_core::energy::trigonometric::{Trigonometric, Wave};
 use serde::Deserialize;
 
-/// Joints of a linkage at most.
+/// Largest number of joints in a linkage.
 pub const MOST_JOINTS: usize = 4;
 
-/// A rigid link and the joint that it hangs from, with the drive's geared rotor.
+/// A rigid link with the joint that it hangs from, and the geared rotor of the joint's drive.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// Of the link, kg.
+    /// Mass of the link, kg.
     pub mass: f64,
-    /// From its joint to the next one, m.
+    /// Distance from the joint to the next joint, m.
     pub length: f64,
-    /// From its joint to its centre of mass, along the line to the next one, m.
+    /// Distance from the joint to the centre of mass, along the line to the next joint, m.
     pub centre: f64,
-    /// Moment of inertia about its centre of mass, kg m².
+    /// Moment of inertia about the centre of mass, kg m².
     pub inertia: f64,
     /// Moment of inertia of the rotor about its axis, kg m².
     #[serde(default)]
     pub rotor: f64,
-    /// Turns of the rotor for a turn of the joint, as seen from the link before; negative where the gear turns it round.
+    /// Gear ratio: turns of the rotor per turn of the joint, as seen from the previous link; negative if the gear reverses.
     #[serde(default = "direct")]
     pub gear: f64,
 }
 
-/// No gear.
+/// Gear ratio without a gear.
 fn direct() -> f64 {
     1.0
 }
 
 impl Joint {
-    /// A point mass at the end of a massless rod, the rotor without inertia.
+    /// A point mass at the end of a massless rod, with a rotor without inertia.
     pub fn point(mass: f64, length: f64) -> Self {
         Self { mass, length, centre: length, inertia: 0.0, rotor: 0.0, gear: direct() }
     }
@@ -55,17 +55,17 @@ impl Joint {
     }
 }
 
-/// A planar chain of links on driven joints; q are joint angles, 0 where it hangs straight down.
+/// A planar chain of links on driven joints; q are joint angles, 0 if the chain hangs straight down.
 ///
-/// With θ_j = q_0 + … + q_j and A, B as of [`Chain`], T = ½ Σ_jk A_jk cos(θ_j − θ_k) θ̇_j θ̇_k + ½ Σ_j J_j (θ̇_{j−1} + γ_j q̇_j)² and
-/// V = −g Σ_j B_j cos θ_j: the rotor J_j of joint j rides on link j − 1 and turns γ_j times as fast as the joint.
+/// With θ_j = q_0 + … + q_j and A, B as in [`Chain`], T = ½ Σ_jk A_jk cos(θ_j − θ_k) θ̇_j θ̇_k + ½ Σ_j J_j (θ̇_{j−1} + γ_j q̇_j)² and V =
+/// −g Σ_j B_j cos θ_j: the rotor J_j of joint j is carried by link j − 1 and turns γ_j times as fast as the joint.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Linkage {
-    /// g, m/s².
+    /// Acceleration of gravity g, m/s².
     #[serde(default = "standard_gravity")]
     pub gravity: f64,
-    /// From the fixed one on.
+    /// Joints, from the fixed one on.
     #[serde(rename = "joint")]
     pub joints: Vec<Joint>,
 }
@@ -90,7 +90,7 @@ impl<const N: usize> Terms<N> {
         Trigonometric { inertia: &self.inertia, potential: &self.potential }
     }
 
-    /// Adds amplitude · cos(wave · q) to the entry below or on the diagonal.
+    /// Adds amplitude · cos(wave · q) to an entry on or below the diagonal.
     fn add(&mut self, row: usize, column: usize, amplitude: f64, wave: [f64; N]) {
         let same = |term: &&mut (usize, usize, Wave<N>)| (term.0, term.1, term.2.wave) == (row, column, wave);
         match self.inertia.iter_mut().find(same) {
@@ -100,7 +100,7 @@ impl<const N: usize> Terms<N> {
     }
 }
 
-/// 1 from one coordinate on and before another, else 0.
+/// Vector of 1 for coordinates from `from` up to, but not including, `to`, and 0 elsewhere.
 fn between<const N: usize>(from: usize, to: usize) -> [f64; N] {
     std::array::from_fn(|i| if (from..to).contains(&i) { 1.0 } else { 0.0 })
 }
@@ -111,18 +111,18 @@ impl Linkage {
         Self { gravity: standard_gravity(), joints: vec![Joint::point(1.0, 1.0); joints] }
     }
 
-    /// From TOML: `gravity` and a `[[joint]]` for every link.
+    /// Parses TOML: `gravity`, and a `[[joint]]` for every link.
     ///
     /// # Errors
-    /// What is wrong, with its line.
+    /// A description of the problem, with its line.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         toml::from_str(text).map_err(|error| error.to_string())
     }
 
-    /// The terms of its energies, of N joints.
+    /// The terms of the energies, for N joints.
     ///
     /// # Errors
-    /// A number out of range.
+    /// [`BadMechanism`] for a number out of range.
     pub(super) fn terms<const N: usize>(&self) -> Result<Terms<N>, BadMechanism> {
         let chain = Chain::new(self.joints.iter().map(Joint::link).collect(), None)?;
         self.joints.iter().enumerate().try_for_each(|(j, joint)| joint.check_rotor(j))?;
@@ -143,7 +143,7 @@ impl Linkage {
         Ok(terms)
     }
 
-    /// What the rotors add to an entry of M: J_j c_row c_column with c_i = 1 before joint j, γ_j at it, 0 behind.
+    /// Contribution of the rotors to an entry of M: J_j c_row c_column with c_i = 1 before joint j, γ_j at it, 0 behind.
     fn rotors(&self, row: usize, column: usize) -> f64 {
         let turns = |j: usize, i: usize| match i.cmp(&j) {
             std::cmp::Ordering::Less => 1.0,

@@ -1,5 +1,5 @@
-//! Logs as robots write them: joints with friction, drives that are late and weak, encoders with a grid, noise and zeros that are off,
-//! stamps that jitter. The truth behind every log is known.
+//! Logs as robots write them: joints with friction, drives with delay and gain, encoders with quantisation, noise and zero offsets, stamps
+//! with jitter. The truth behind every log is known.
 //!
 //! ```text
 //! u_k = Σ a sin(2πft_k + φ)   at the sampling instants t_k = kh + jitter, held until the next
@@ -7,8 +7,9 @@
 //! q̃_k = grid · round((q(t_k) + z + σ noise)/grid),   z one number for every encoder and log
 //! ```
 //!
-//! The motion is integrated by Runge–Kutta steps of at most 0.25 ms, fewer where friction is stiff, from one change of τ to the next. Every
-//! kind of random number has a stream of its own for every log: another noise leaves the motion as it was, another log the others.
+//! The motion is integrated by Runge–Kutta steps of at most 0.25 ms, shorter if friction is stiff, from one change of τ to the next. Every
+//! kind of random number has its own stream for every log: changing the noise leaves the motion as it was, and adding a log leaves the
+//! others as they were.
 
 mod csv;
 mod linkage;
@@ -28,18 +29,18 @@ use leastaction_data::{Dataset, Rows, Trajectory};
 use leastaction_models::parallel;
 use simulate::Robot;
 
-/// One log with its truth, a row for every sample.
+/// A log with its truth, one row per sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotLog {
     /// Number of the log, from 0.
     pub id: i64,
-    /// When each sample was taken, which is what its stamp says, s.
+    /// Sampling times, which are also the stamps, s.
     pub times: Vec<f64>,
     /// Encoder readings q̃, rad or m.
     pub readings: Rows,
-    /// u: commanded at each sample and held until the next, N or N m.
+    /// Commands u, given at each sample and held until the next, N or N m.
     pub commands: Rows,
-    /// τ that acts just after each sample, N or N m.
+    /// Torques τ that act just after each sample, N or N m.
     pub torques: Rows,
     /// True positions, rad or m.
     pub q: Rows,
@@ -47,7 +48,7 @@ pub struct RobotLog {
     pub v: Rows,
     /// True accelerations just after each sample, rad/s² or m/s².
     pub a: Rows,
-    /// z of every encoder in this log, rad or m.
+    /// Zero offset z of every encoder in this log, rad or m.
     pub zeros: Vec<f64>,
 }
 
@@ -62,10 +63,10 @@ pub struct RobotLogs {
     pub logs: Vec<RobotLog>,
 }
 
-/// Drives a robot and logs it; each log from a start and under a control of its own.
+/// Drives a robot and logs it; each log has its own start and control.
 ///
 /// # Errors
-/// Settings out of range, and motion that leaves the range of numbers.
+/// [`RobotError`] for settings out of range, and for a motion that diverges.
 pub fn robot_logs(settings: &RobotSettings) -> Result<RobotLogs, RobotError> {
     settings.check()?;
     match settings.machine.coordinates() {
@@ -85,13 +86,13 @@ fn logs<const N: usize>(settings: &RobotSettings) -> Result<RobotLogs, RobotErro
 }
 
 impl RobotLogs {
-    /// What the robot measured: readings and commands, at stamps without jitter.
+    /// The measurements: readings and commands, at stamps without jitter.
     #[must_use]
     pub fn measured(&self) -> Dataset {
         self.dataset(|log| Trajectory { v: None, a: None, q: log.readings.clone(), ..log.truth() })
     }
 
-    /// What was true: exact positions, velocities and accelerations, and the commands.
+    /// The truth: exact positions, velocities and accelerations, and the commands.
     #[must_use]
     pub fn truth(&self) -> Dataset {
         self.dataset(RobotLog::truth)
@@ -115,7 +116,7 @@ impl RobotLog {
         }
     }
 
-    /// Velocities as a drive has them: from the reading before and the stamps, 0 at first; rad/s or m/s.
+    /// Velocities as a drive computes them, from the previous reading and the stamps, 0 at first; rad/s or m/s.
     pub fn differences(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
         (0..self.times.len()).map(|k| {
             let before = k.saturating_sub(1);

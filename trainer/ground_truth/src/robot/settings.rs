@@ -4,7 +4,7 @@ use crate::{Exact, Mechanism};
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// What is driven.
+/// The mechanism that is driven.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Machine {
     /// One of SyMo's mechanisms, in its coordinates.
@@ -16,42 +16,42 @@ pub enum Machine {
 /// Friction of a joint: Q = −b v − c tanh(v/ε).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFriction {
-    /// b ≥ 0, N m s/rad or N s/m.
+    /// Viscous friction b ≥ 0, N m s/rad or N s/m.
     pub viscous: f64,
-    /// c ≥ 0, N m or N.
+    /// Coulomb friction c ≥ 0, N m or N.
     pub coulomb: f64,
-    /// ε > 0, rad/s or m/s.
+    /// Width ε > 0, rad/s or m/s.
     pub width: f64,
 }
 
 /// Encoders and the clock that samples them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensors {
-    /// σ, standard deviation of the noise before the grid, rad or m.
+    /// Standard deviation σ of the noise before quantisation, rad or m.
     pub noise: f64,
-    /// One count, rad or m; 0: infinitely fine.
+    /// Encoder count, rad or m; 0: no quantisation.
     pub grid: f64,
-    /// Standard deviation of the zeros z, one for each encoder and log, rad or m.
+    /// Standard deviation of the zero offsets z, one per encoder and log, rad or m.
     pub zeros: f64,
-    /// Sampling instants are uniform within so much of their due time, s; less than h/2.
+    /// Largest deviation of sampling instants from their due time, s, uniformly distributed; less than h/2.
     pub jitter: f64,
 }
 
 /// The drives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drives {
-    /// g of every coordinate.
+    /// Gain g of every coordinate.
     pub gain: Vec<f64>,
-    /// d, s.
+    /// Delay d, s.
     pub delay: f64,
-    /// Which coordinates have one.
+    /// Whether each coordinate has a drive.
     pub driven: Vec<bool>,
 }
 
-/// The control: a sum of sines for every driven coordinate and log.
+/// Control: a sum of sines for every driven coordinate and log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excitation {
-    /// Sines in a sum.
+    /// Number of sines in a sum.
     pub sines: usize,
     /// Least and greatest frequency, Hz.
     pub frequency: [f64; 2],
@@ -59,78 +59,78 @@ pub struct Excitation {
     pub amplitude: [f64; 2],
 }
 
-/// Starts are uniform about rest where the machine hangs.
+/// Distribution of the starts: uniform about rest in the hanging position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartSpread {
-    /// q within ± of it, rad or m.
+    /// Range of q, ±, rad or m.
     pub q: f64,
-    /// v within ±, rad/s or m/s.
+    /// Range of v, ±, rad/s or m/s.
     pub v: f64,
 }
 
-/// What to log.
+/// Settings of simulated logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSettings {
-    /// What is driven.
+    /// Mechanism.
     pub machine: Machine,
-    /// Of every coordinate.
+    /// Friction of every coordinate.
     pub friction: Vec<JointFriction>,
     /// Encoders and clock.
     pub sensors: Sensors,
-    /// The drives.
+    /// Drives.
     pub drives: Drives,
-    /// The control.
+    /// Control.
     pub excitation: Excitation,
-    /// The starts.
+    /// Distribution of the starts.
     pub start: StartSpread,
-    /// Logs.
+    /// Number of logs.
     pub logs: usize,
-    /// Samples in each.
+    /// Number of samples in each log.
     pub samples: usize,
     /// Mean time between samples, s.
     pub h: f64,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// Why there are no logs.
+/// The reason why there are no logs.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RobotError {
-    /// No such machine.
+    /// The mechanism is invalid.
     #[error(transparent)]
     Machine(#[from] BadMechanism),
-    /// More joints than this is made for.
+    /// There are too many joints.
     #[error("{joints} joints; a robot has 1 to 4")]
     Joints {
-        /// As asked for.
+        /// Requested number of joints.
         joints: usize,
     },
-    /// A list that does not fit.
+    /// A list has the wrong length.
     #[error("{what}: {found} values for {coordinates} coordinates")]
     Count {
-        /// Which list.
+        /// Name of the list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
-        /// Of the machine.
+        /// Coordinates of the machine.
         coordinates: usize,
     },
-    /// A number out of range.
+    /// A number is out of range.
     #[error("{what} {value}: it must be {range}")]
     Setting {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// As given.
+        /// Given value.
         value: f64,
-        /// In words.
+        /// Valid range, in words.
         range: &'static str,
     },
-    /// The motion left the range of numbers.
+    /// The motion diverged.
     #[error("log {log}: the motion cannot be followed beyond {t} s; lower the forces or the speeds")]
     Diverged {
-        /// From 0.
+        /// Log, from 0.
         log: usize,
-        /// When, s.
+        /// Time, s.
         t: f64,
     },
 }
@@ -144,7 +144,7 @@ impl Machine {
         }
     }
 
-    /// Where it hangs: of SyMo's pendulum and pole θ = 0 is upright.
+    /// The hanging position: θ = 0 is upright for SyMo's pendulum and pole.
     pub fn hanging(&self) -> Vec<f64> {
         match self {
             Self::Named(Mechanism::Pendulum) => vec![PI],
@@ -153,7 +153,7 @@ impl Machine {
         }
     }
 
-    /// Which coordinates have a drive where nothing else is said: all, but of the cart-pole the cart alone.
+    /// Driven coordinates by default: all, but only the cart of the cart-pole.
     pub fn driven(&self) -> Vec<bool> {
         match self {
             Self::Named(Mechanism::Cartpole) => vec![true, false],
@@ -161,7 +161,7 @@ impl Machine {
         }
     }
 
-    /// The terms of its energies, of N coordinates.
+    /// The terms of the energies, for N coordinates.
     pub(super) fn terms<const N: usize>(&self) -> Result<Terms<N>, RobotError> {
         match self {
             Self::Linkage(linkage) => Ok(linkage.terms()?),
@@ -176,7 +176,7 @@ impl Machine {
     }
 }
 
-/// The same terms where their number of coordinates is N.
+/// The terms, typed for N coordinates; `None` if they have another number.
 fn resized<const M: usize, const N: usize>(terms: &Terms<M>) -> Option<Terms<N>> {
     use leastaction_core::energy::trigonometric::Wave;
     let wave = |wave: &Wave<M>| {
@@ -189,10 +189,10 @@ fn resized<const M: usize, const N: usize>(terms: &Terms<M>) -> Option<Terms<N>>
 }
 
 impl RobotSettings {
-    /// Whether every number is in its range.
+    /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// The first that is not.
+    /// [`RobotError`] for the first number out of range.
     pub fn check(&self) -> Result<(), RobotError> {
         let Self { sensors, drives, excitation, start, h, .. } = self;
         self.check_lists()?;

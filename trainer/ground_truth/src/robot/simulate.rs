@@ -1,4 +1,4 @@
-//! One log after another.
+//! Simulation of a robot, log by log.
 
 use super::linkage::Terms;
 use super::settings::{RobotError, RobotSettings};
@@ -13,10 +13,10 @@ use rand_pcg::Pcg64;
 
 /// Longest integration step, s.
 const LONGEST: f64 = 2.5e-4;
-/// Largest part of the time in which friction dies out that an integration step takes.
+/// Longest integration step relative to the time constant of friction.
 const STIFFEST: f64 = 0.1;
 
-/// What random numbers are for: a stream each.
+/// Purpose of random numbers; each has its own stream.
 #[derive(Clone, Copy)]
 enum Purpose {
     Start,
@@ -26,7 +26,7 @@ enum Purpose {
     Jitter,
 }
 
-/// The streams of one log.
+/// Random streams of one log.
 #[derive(Clone, Copy)]
 struct Streams {
     seed: u64,
@@ -39,7 +39,7 @@ impl Streams {
     }
 }
 
-/// A robot that is driven again and again.
+/// A robot that is driven for every log.
 pub(super) struct Robot<'a, const N: usize> {
     settings: &'a RobotSettings,
     system: System<Trigonometric<'a, N>, (Viscous<f64, N>, Coulomb<f64, N>)>,
@@ -66,7 +66,7 @@ impl<'a, const N: usize> Robot<'a, N> {
         Ok(robot)
     }
 
-    /// The fastest rate at which friction stops a coordinate where the machine hangs, 1/s.
+    /// The fastest rate at which friction stops a coordinate in the hanging position, 1/s.
     fn stiffness(&self) -> Result<f64, RobotError> {
         let hanging = self.settings.machine.hanging();
         let mass = self.system.lagrangian.mass_matrix(&std::array::from_fn(|i| hanging[i]));
@@ -77,7 +77,7 @@ impl<'a, const N: usize> Robot<'a, N> {
         Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
     }
 
-    /// One log; the same whatever the others are.
+    /// Simulates one log, independently of the others.
     pub(super) fn log(&self, id: usize) -> Result<RobotLog, RobotError> {
         let streams = Streams { seed: self.settings.seed, log: id };
         let times = self.times(&mut streams.of(Purpose::Jitter));
@@ -113,7 +113,7 @@ impl<'a, const N: usize> Robot<'a, N> {
         times.iter().map(at).collect()
     }
 
-    /// About rest where the machine hangs.
+    /// The start of a motion, near rest in the hanging position.
     fn rest(&self, streams: Streams) -> Motion<'_, N> {
         let (spread, hanging) = (self.settings.start, self.settings.machine.hanging());
         let mut stream = streams.of(Purpose::Start);
@@ -142,20 +142,20 @@ fn normal(stream: &mut Pcg64) -> f64 {
 /// A robot under the commands of one log.
 struct Motion<'r, const N: usize> {
     robot: &'r Robot<'r, N>,
-    /// When each command is given, s.
+    /// Times of the commands, s.
     times: &'r [f64],
     commands: &'r [[f64; N]],
     state: ContinuousState<f64, N>,
-    /// τ now.
+    /// Current torque τ.
     torque: [f64; N],
-    /// Now, s.
+    /// Current time, s.
     t: f64,
-    /// Commands that have taken effect.
+    /// Number of commands that have taken effect.
     arrived: usize,
 }
 
 impl<const N: usize> Motion<'_, N> {
-    /// Moves on to a time, from one command's arrival to the next, and gives v̇ there.
+    /// Advances to a time, from one command's arrival to the next; returns v̇ there.
     fn advance(&mut self, t: f64) -> Option<[f64; N]> {
         let delay = self.robot.settings.drives.delay;
         while let (Some(given), Some(u)) = (self.times.get(self.arrived), self.commands.get(self.arrived)) {
@@ -171,7 +171,7 @@ impl<const N: usize> Motion<'_, N> {
         acceleration(&self.robot.system, &self.state.q, &self.state.v, &self.torque).ok()
     }
 
-    /// Moves on under the torque of now.
+    /// Advances under the current torque.
     fn coast(&mut self, to: f64) -> Option<()> {
         let steps = ((to - self.t) / self.robot.fine).ceil();
         for _ in 0..steps as usize {

@@ -14,7 +14,7 @@ struct Sine {
 }
 
 impl Sines {
-    /// Amplitudes and frequencies uniform in their ranges, phases in a turn.
+    /// Draws the sines: amplitudes and frequencies uniform in their ranges, phases uniform in a turn.
     pub fn draw(excitation: &Excitation, stream: &mut impl Rng) -> Self {
         let Excitation { sines, frequency, amplitude } = *excitation;
         let mut uniform = |[least, greatest]: [f64; 2]| least + (greatest - least) * stream.random::<f64>();
@@ -26,7 +26,7 @@ impl Sines {
         Self((0..sines).map(|_| one()).collect())
     }
 
-    /// The sum at a time, s.
+    /// The sum at time t, s.
     pub fn at(&self, t: f64) -> f64 {
         self.0.iter().map(|sine| sine.amplitude * (TAU * sine.frequency * t + sine.phase).sin()).sum()
     }

@@ -83,7 +83,7 @@ fn torques_are_late_and_weak_as_asked_for() {
     let logs = robot_logs(&RobotSettings { drives, ..settings() }).unwrap();
     for log in &logs.logs {
         assert!(log.commands.column(1).all(|u| u == 0.0) && log.commands.column(0).all(|u| u != 0.0));
-        // A stamp that is three steps later by rounding is late by one more sample.
+        // A delay that rounding makes longer than three steps is late by one more sample.
         let torques: Vec<f64> = log.torques.column(0).collect();
         let commands: Vec<f64> = log.commands.column(0).collect();
         assert_eq!(torques[..3], [0.0; 3]);
