@@ -1,4 +1,4 @@
-//! Gives the linker the memory of the target's board.
+//! Build script that gives the linker the memory of the target's board.
 use std::path::Path;
 use std::{env, fs};
 
@@ -18,7 +18,7 @@ fn main() {
     shape(Path::new(&out));
 }
 
-/// Leaves the model that the image `shape` carries, and says what it is.
+/// Leaves the model for the image `shape`, and sets its configuration.
 fn shape(out: &Path) {
     println!("cargo:rerun-if-env-changed=LEASTACTION_SHAPE");
     println!("cargo:rerun-if-env-changed=LEASTACTION_SHAPE_ORDER");
@@ -26,7 +26,7 @@ fn shape(out: &Path) {
     let Ok(file) = env::var("LEASTACTION_SHAPE") else { return };
     println!("cargo:rerun-if-changed={file}");
     let source = fs::read_to_string(&file).expect("LEASTACTION_SHAPE names a file that export --rust wrote");
-    // What is included has no documentation of its own.
+    // An included source has no documentation of its own.
     let lines: Vec<_> = source.lines().filter(|line| !line.starts_with("//!")).collect();
     fs::write(out.join("shape.rs"), lines.join("\n")).expect("the folder can be written to");
     if source.contains("GraphModel") {

@@ -1,13 +1,13 @@
-//! How loaders answer damaged model files, on any target: every changed bit and every truncation, counted by reason.
+//! Answers of loaders to damaged model files, on any target: every changed bit and every truncation, counted by reason.
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError, checksum};
 
-/// How often a loader refused, and how often it did not.
+/// Numbers of refused and of accepted files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refusals {
     /// Damaged files that were accepted.
     pub accepted: u32,
-    /// Refusals by the place of their reason in [`CATALOGUE`].
+    /// Number of refusals for each reason, in the order of [`CATALOGUE`].
     by_reason: [u32; CATALOGUE.len()],
 }
 
@@ -16,17 +16,17 @@ pub struct Refusals {
 pub enum Damage {
     /// Every bit is changed, one at a time.
     Bit,
-    /// Every bit before the checksum is changed, and the checksum corrected: the other checks have to find it alone.
+    /// Every bit before the checksum is changed and the checksum corrected, so only the other checks can find it.
     BitUnderChecksum,
     /// The end is missing, from one byte to all.
     Truncation,
 }
 
 impl Damage {
-    /// All of them.
+    /// All kinds of damage.
     pub const ALL: [Self; 3] = [Self::Bit, Self::BitUnderChecksum, Self::Truncation];
 
-    /// Its name in reports.
+    /// Name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bit => "bit",
@@ -35,7 +35,7 @@ impl Damage {
         }
     }
 
-    /// Counts the answers of a loader to a file with every such damage in turn; the file is whole again at the end.
+    /// Counts a loader's answers to a file with every such damage in turn; the file is whole again at the end.
     pub fn refusals(
         self,
         file: &mut [u8],
@@ -56,7 +56,7 @@ impl Damage {
 }
 
 impl Refusals {
-    /// Counts what a loader said.
+    /// Counts one answer of a loader.
     pub fn count(&mut self, outcome: Result<(), ModelError>) {
         let counter = match outcome {
             Ok(()) => Some(&mut self.accepted),
@@ -72,12 +72,12 @@ impl Refusals {
         }
     }
 
-    /// The reasons that occurred, and how often.
+    /// Reasons that occurred, with their counts.
     pub fn occurred(&self) -> impl Iterator<Item = (&'static Entry, u32)> {
         CATALOGUE.iter().zip(self.by_reason).filter(|(_, count)| *count > 0)
     }
 
-    /// How often the reason of that name occurred.
+    /// Count of the reason with the given name.
     pub fn of(&self, name: &str) -> u32 {
         self.occurred().find(|(entry, _)| entry.name == name).map_or(0, |(_, count)| count)
     }

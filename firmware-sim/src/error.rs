@@ -1,33 +1,33 @@
 use core::fmt;
 
-/// Why a scenario cannot begin.
+/// Reason why a scenario cannot begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SetupError {
-    /// A number of the configuration, or one that the model gives, is out of its range.
+    /// A number of the configuration, or one computed from the model, is out of its range.
     OutOfRange {
-        /// Which.
+        /// Name of the number.
         what: &'static str,
-        /// What it was set to.
+        /// Value of the number.
         value: f32,
-        /// What it must be.
+        /// Range of the number.
         range: Range,
     },
     /// The model's inertia matrix at the upright position cannot be inverted.
     SingularInertia,
     /// The Riccati equation has no finite solution for the model: its upright position cannot be held by this input.
     NotStabilisable,
-    /// Only mechanisms of one and two coordinates are brought upright.
+    /// The task needs a swing-up, which exists only for mechanisms of one and two coordinates.
     NoSwingUp,
 }
 
-/// What a number of a configuration must be.
+/// Valid range of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Range {
-    /// In words.
+    /// A range in words.
     Words(&'static str),
-    /// One number, and why.
+    /// A single valid number, and the reason.
     Only(f32, &'static str),
 }
 
@@ -59,7 +59,7 @@ impl fmt::Display for SetupError {
 
 impl core::error::Error for SetupError {}
 
-/// `value` if it satisfies the condition, which `range` says in words.
+/// Checks a condition on `value`, which `range` expresses in words.
 pub(crate) fn require(
     what: &'static str,
     value: f32,
@@ -70,7 +70,7 @@ pub(crate) fn require(
     if condition { Ok(()) } else { Err(SetupError::OutOfRange { what, value, range }) }
 }
 
-/// Whether all of them are finite.
+/// Checks that all values are finite.
 pub(crate) fn require_finite(what: &'static str, values: &[f32]) -> Result<(), SetupError> {
     values.iter().try_for_each(|x| require(what, *x, x.is_finite(), "finite"))
 }

@@ -11,29 +11,29 @@ use leastaction_core::observer::Commands;
 use leastaction_core::scalar::all_finite;
 use serde::{Deserialize, Serialize};
 
-/// What the firmware made of a tick.
+/// Outcome of a tick in the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome<const N: usize> {
     /// Estimated position and velocity now.
     #[serde(with = "StateWire")]
     pub estimate: ContinuousState<f32, N>,
-    /// What the encoders should have read by the model, zeros included, before the readings were taken; rad or m, not wrapped.
+    /// Predicted readings of the encoders before the samples were taken in, zeros included; rad or m, not wrapped.
     #[serde(with = "array")]
     pub predicted: [f32; N],
-    /// What the encoders read more than there is, as far as it was learned; rad or m.
+    /// Learned zeros of the encoders, by which they read too much; rad or m.
     #[serde(with = "array")]
     pub zeros: [f32; N],
     /// Force and mode.
     pub command: Command<N>,
-    /// The model's last step.
+    /// Report of the model's last step.
     #[serde(with = "ReportWire")]
     pub newton: Report<f32>,
-    /// Steps of the model, or commands computed from it, that failed in this tick.
+    /// Number of failed steps of the model, or of commands computed from it, in this tick.
     pub errors: u32,
 }
 
 impl<const N: usize> Outcome<N> {
-    /// Before anything was measured.
+    /// Outcome before anything was measured.
     pub const fn waiting() -> Self {
         let zero = [0.0; N];
         Self {
@@ -47,16 +47,15 @@ impl<const N: usize> Outcome<N> {
     }
 }
 
-/// Elapsed ticks where a log begins: longer than any patience.
+/// Elapsed ticks at the beginning of a log: longer than any patience.
 pub(crate) const FIRST_TICK: u32 = u32::MAX;
-/// Ticks that the firmware goes through at most when it wakes: beyond any patience and any delay.
+/// Maximum number of ticks that the firmware goes through when it wakes: beyond any patience and any delay.
 const MOST_ELAPSED: u32 = 256;
 
 /// The program on the microcontroller: an observer, a controller, and its own record of the commands under way.
 ///
-/// It steps the model ahead over the commands that are already decided, so that the controller sees the state its force
-/// will meet. Where a step of the model fails it holds the last good state, commands no force in that tick, and
-/// counts the error.
+/// It steps the model ahead over the commands that are already decided, so the controller sees the state that its force will meet. If a
+/// step of the model fails, it holds the last good state, commands no force in that tick, and counts the error.
 pub struct Firmware<'a, M: Mechanism<N>, C, const N: usize> {
     model: &'a M,
     controller: C,
@@ -68,8 +67,8 @@ pub struct Firmware<'a, M: Mechanism<N>, C, const N: usize> {
 }
 
 impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C, N> {
-    /// A program of ticks of h seconds for actuators of these limits, gains and offsets (the delay is the observer's, not the
-    /// actuator's); `angle` says which encoders forget whole turns.
+    /// Creates a program with ticks of h seconds for actuators with the given limits, gains and offsets (the delay is that of `observer`,
+    /// not of `actuator`); `angle` marks the encoders that forget whole turns.
     pub fn new(
         model: &'a M,
         controller: C,
@@ -99,8 +98,8 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         self.give(outcome, command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe }))
     }
 
-    /// Runs on samples and the command of a log, which takes the place of the controller's; before the first tick of a recording that
-    /// command is taken to have stood.
+    /// Runs on the samples and the command of a log, which replaces the controller's command. At the first tick of a recording, the command
+    /// is assumed to have stood before.
     pub fn replay(&mut self, elapsed: u32, measured: &[Option<f32>; N], u: [f32; N]) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };
         let estimated = self.estimate(elapsed, measured, &mut outcome);
@@ -123,7 +122,7 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         outcome
     }
 
-    /// Predicts over the elapsed ticks and corrects; the first error is returned after all was tried.
+    /// Predicts over the elapsed ticks and corrects; returns the first error after trying everything.
     fn estimate(
         &mut self,
         elapsed: u32,
@@ -132,7 +131,7 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
     ) -> Result<(), StepError<f32>> {
         let mut result = Ok(());
         self.observer.wake(elapsed.saturating_sub(1));
-        // More than the observer's patience and the line's delay make no difference.
+        // Ticks beyond the observer's patience and the line's delay make no difference.
         for tick in 0..elapsed.min(MOST_ELAPSED) {
             if tick > 0 {
                 self.force = self.line.advance(None);
@@ -151,7 +150,7 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         result.and(corrected)
     }
 
-    /// What the encoders should read: where there is no estimate yet, what they do.
+    /// Predicted readings of the encoders; without an estimate yet, the readings themselves.
     fn predicted(&self, measured: &[Option<f32>; N]) -> [f32; N] {
         match self.observer.state() {
             Some(state) => linear::add_scaled(&state.q(), 1.0, &self.observer.zeros()),

@@ -2,15 +2,15 @@
 //!
 //! The loop has two halves that meet only in encoder readings and force commands:
 //!
-//! - the **world**: a [`plant::Plant`] stepped finely, and the [`devices`]: quantised, noisy, dropping encoders; a
-//!   saturating actuator at the end of a delay line; a clock whose ticks come late or not at all. Each draws from a
-//!   random stream of its own, so that changing one leaves the others as they were.
+//! - the **world**: a [`plant::Plant`] stepped finely, and the [`devices`]: quantised, noisy, dropping encoders; a saturating actuator at
+//!   the end of a delay line; a clock whose ticks come late or not at all. Each draws from a random stream of its own, so changing one does
+//!   not affect the others.
 //! - the **firmware**: an [`observer`] that steps the model by the discrete Euler–Lagrange equation and corrects it by
 //!   the encoders, and a [`control`]ler that knows nothing but the model.
 //!
-//! A [`scenario`] puts the halves together, runs them for so many ticks, hands every [`Tick`] to a sink and
-//! returns a [`Summary`] whose hash is a fingerprint of the whole trace. There is no allocation and no panic;
-//! where the model cannot be stepped, the firmware holds its last good state, commands no force, and counts it.
+//! A [`scenario`] joins the halves, runs them for a number of ticks, hands every [`Tick`] to a sink and returns a [`Summary`] whose hash is
+//! a fingerprint of the whole trace. There is no allocation and no panic; if the model cannot be stepped, the firmware holds its last good
+//! state, commands no force, and counts the error.
 //!
 //! Positions are in m or rad, velocities in m/s or rad/s, forces in N or N m, times in s. A coordinate whose actuator
 //! limit is 0 is not actuated.

@@ -7,15 +7,15 @@ use leastaction_core::linear;
 use leastaction_core::model::TrainedStep;
 use leastaction_core::scalar::max_abs;
 
-/// A system in N coordinates that can be simulated and controlled in f32: what plants and models have in common.
+/// A system in N coordinates that can be simulated and controlled in f32: the common interface of plants and models.
 ///
-/// Every [`System`] of a Lagrangian with an invertible mass matrix is one. A learned one is handed over as [`Trained`], with the
-/// step that its file names.
+/// Every [`System`] of a Lagrangian with an invertible mass matrix is a mechanism. A learned system is passed as [`Trained`], with the step
+/// that its file names.
 ///
-/// A plant may have any kinetic energy. Observers and controllers take T = ½ vᵀM(q)v, and with it p = M(q)v: programs and
-/// predictions refuse models of another ([`require_quadratic`]).
+/// A plant may have any kinetic energy. Observers and controllers assume T = ½ vᵀM(q)v, and so p = M(q)v: programs and predictions refuse
+/// models with any other kinetic energy ([`require_quadratic`]).
 pub trait Mechanism<const N: usize> {
-    /// Its energies.
+    /// Lagrangian of the mechanism.
     type Lagrangian: Lagrangian<f32, N>;
     /// The forces beside the control.
     type Forces: Forces<f32, N>;
@@ -23,12 +23,12 @@ pub trait Mechanism<const N: usize> {
     /// The Lagrangian with its forces.
     fn system(&self) -> &System<Self::Lagrangian, Self::Forces>;
 
-    /// The step and order that a model was trained for, where it says so.
+    /// Step and order that a model was trained for, if it names them.
     fn trained_step(&self) -> Option<TrainedStep> {
         None
     }
 
-    /// T(q, v) and V(q), J, with the potentials that forces store.
+    /// T(q, v) and V(q), J, including the potentials that forces store.
     fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
         self.system().energies(q, v)
     }
@@ -48,12 +48,12 @@ pub trait Mechanism<const N: usize> {
         self.system().lagrangian.dynamics(q, v).l_v
     }
 
-    /// M(q)a of a kinetic energy that is quadratic in v: the momentum of a "velocity" a.
+    /// M(q)a for a kinetic energy quadratic in v: the momentum of a "velocity" a.
     fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N] {
         self.momentum(q, a)
     }
 
-    /// v = M(q)⁻¹p of a kinetic energy that is quadratic in v.
+    /// Velocity v = M(q)⁻¹p for a kinetic energy quadratic in v.
     fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
         Ok(linear::solve(self.system().lagrangian.linearization(q, &[0.0; N]).l_vv, *p)?)
     }
@@ -63,7 +63,7 @@ pub trait Mechanism<const N: usize> {
         continuous::inverse_dynamics(self.system(), q, v, a)
     }
 
-    /// One Runge–Kutta step of h seconds under a held control.
+    /// Takes one Runge–Kutta step of h seconds under a held control.
     fn rk4_step(
         &self,
         state: &ContinuousState<f32, N>,
@@ -87,15 +87,15 @@ where
     }
 }
 
-/// A learned system with the step it was trained for: what a model file gives.
+/// A learned system with the step it was trained for, as in a model file.
 ///
-/// A model learned through a discrete step has absorbed the error of that step, and is less accurate with another: programs
-/// and predictions of another step or order are refused, unless [`OtherStep::Accepted`](crate::observer::OtherStep) is said.
+/// A model learned through a discrete step has absorbed the error of that step, and is less accurate with another: programs and predictions
+/// with another step or order are refused, unless [`OtherStep::Accepted`](crate::observer::OtherStep) is set.
 #[derive(Clone, Copy, Debug)]
 pub struct Trained<'a, L, F> {
     /// The Lagrangian with its forces.
     pub system: &'a System<L, F>,
-    /// Order and step in training; `None` of a model that was learned without steps.
+    /// Order and step in training; `None` for a model learned without steps.
     pub step: Option<TrainedStep>,
 }
 
@@ -116,19 +116,19 @@ where
     }
 }
 
-/// Speeds at which a kinetic energy is tried, rad/s or m/s.
+/// Speeds at which a kinetic energy is tested, rad/s or m/s.
 const SPEEDS: [f32; 3] = [0.25, 1.0, 4.0];
-/// Largest difference of L_v and M(q)v, as a fraction of M(q)v.
+/// Largest accepted difference between L_v and M(q)v, as a fraction of M(q)v.
 const QUADRATIC: f32 = 1e-3;
 
-/// Whether p = L_v(q, v) is M(q)v, as of a kinetic energy quadratic in v, at speeds of 0.25, 1 and 4 rad/s or m/s.
+/// Checks that p = L_v(q, v) is M(q)v, as for a kinetic energy quadratic in v, at speeds of 0.25, 1 and 4 rad/s or m/s.
 ///
 /// # Errors
-/// Where they differ by more than 0.1%, as those of a graph whose kinetic energy is a network's.
+/// An error if they differ by more than 0.1%, as for a graph with a network for its kinetic energy.
 pub fn require_quadratic<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N]) -> Result<(), SetupError> {
     let mass = model.system().lagrangian.linearization(q, &[0.0; N]).l_vv;
     SPEEDS.into_iter().try_for_each(|speed| {
-        // Neither along a coordinate nor along a diagonal.
+        // Direction neither along a coordinate nor along a diagonal.
         let v = core::array::from_fn(|i| if i % 2 == 0 { speed } else { -0.7 * speed });
         let (found, expected) = (model.momentum(q, &v), linear::multiply(&mass, &v));
         let difference = max_abs(&linear::add_scaled(&found, -1.0, &expected));

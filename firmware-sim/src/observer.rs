@@ -1,4 +1,4 @@
-//! How the firmware's [`Observer`] is set up.
+//! Configuration of the firmware's [`Observer`].
 
 pub use leastaction_core::discrete::Order;
 pub use leastaction_core::observer::{Integrator, Observer, Tuning, ZerosPrior};
@@ -12,33 +12,33 @@ use leastaction_core::model::TrainedStep;
 use leastaction_core::observer::Commands;
 use serde::{Deserialize, Serialize};
 
-/// How the observer steps the model and how much it believes it.
+/// Configuration of the observer: how it steps the model, and how far it trusts it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObserverConfig {
     /// Order of the discrete Euler–Lagrange step; a model learned through steps names its own.
     #[serde(with = "OrderWire")]
     pub order: Order,
-    /// What becomes of an order or a tick that the model was not trained for.
+    /// Treatment of an order or a tick that the model was not trained for.
     pub other_step: OtherStep,
     /// Bounds of Newton's method.
     #[serde(with = "NewtonWire")]
     pub newton: Newton<f32>,
-    /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
+    /// Maximum number of samples in memory, at least 1: a longer memory smooths the noise more and follows a wrong model longer.
     pub memory: u8,
-    /// Ticks from a command to its effect, or any part of one, as far as the firmware knows; at most [`MAX_DELAY`].
+    /// Delay from a command to its effect, in ticks or any part of one, as far as the firmware knows; at most [`MAX_DELAY`].
     pub delay: f32,
-    /// Samples of one encoder missing in a row, or ticks slept through, after which the estimate is not trusted any more.
+    /// Number of samples of one encoder missing in a row, or of ticks slept through, after which the estimate is no longer trusted.
     pub patience: u8,
-    /// Which zeros of the encoders it learns; none where there is nothing.
+    /// Learning of the encoders' zeros; `None` if no zeros are learned.
     pub zeros: Option<LearnZeros>,
 }
 
-/// Zeros of encoders that are learned from their innovations, all of them alike; see [`leastaction_core::observer`].
+/// Learning of the encoders' zeros from their innovations, with equal settings for all encoders; see [`leastaction_core::observer`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearnZeros {
-    /// How far off they may be, standard deviation, rad or m, > 0.
+    /// Standard deviation of the zeros, rad or m, > 0.
     pub deviation: f32,
-    /// Standard deviation of an innovation, rad or m, > 0: larger learns more slowly.
+    /// Standard deviation of an innovation, rad or m, > 0; a larger one learns more slowly.
     pub innovation: f32,
 }
 
@@ -46,33 +46,33 @@ pub struct LearnZeros {
 pub type ObserverOf<'a, M, const N: usize> =
     Observer<'a, f32, <M as Mechanism<N>>::Lagrangian, <M as Mechanism<N>>::Forces, N>;
 
-/// What becomes of an order or a tick that a model was not trained for.
+/// Treatment of an order or a tick that a model was not trained for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum OtherStep {
-    /// It is an error: the model is less accurate with it.
+    /// Refuse it with an error: the model is less accurate with it.
     #[default]
     Refused,
-    /// It is what the caller asked for, who should say so aloud where [`ObserverConfig::require_step`] would refuse it.
+    /// Accept it. The caller should report it if [`ObserverConfig::require_step`] would refuse it.
     Accepted,
 }
 
-/// Newton's default bounds in f32, [`Newton::default`], but at most 8 updates, which bounds a tick; the largest accepted
+/// Newton's default bounds in f32, [`Newton::default`], but with at most 8 updates, which bounds the time of a tick; the largest accepted
 /// residual is √ε = 2^−11.5.
 const NEWTON: Newton<f32> = Newton { max_iterations: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
 
 impl Default for ObserverConfig {
-    /// [`ObserverConfig::new`].
+    /// Returns [`ObserverConfig::new`].
     fn default() -> Self {
         Self::new()
     }
 }
 
-/// Relative difference of two steps that are the same but for rounding.
+/// Relative difference up to which two steps count as equal, for rounding.
 const SAME_STEP: f32 = 1e-6;
 
 impl ObserverConfig {
-    /// Order 2, of no other step than the model's, at most 8 updates of Newton's method a step, a memory of 5 samples, one tick of delay, a patience
-    /// of 25 samples, all zeros known.
+    /// Creates the defaults: order 2, no step other than the model's, at most 8 updates of Newton's method per step, a memory of 5 samples,
+    /// one tick of delay, a patience of 25 samples, all zeros known.
     pub const fn new() -> Self {
         Self {
             order: Order::Two,
@@ -85,8 +85,7 @@ impl ObserverConfig {
         }
     }
 
-    /// Whether steps of this order and of `tick` seconds are those that a model was trained for; every step is where a model
-    /// names none.
+    /// Checks that the order and steps of `tick` seconds are those of training; a model that names no step accepts any.
     ///
     /// # Errors
     /// The tick or the order that differs, with the model's own.
@@ -125,7 +124,7 @@ impl ObserverConfig {
         Ok(())
     }
 
-    /// The observer of a model by ticks of h seconds; `angle` says which encoders forget whole turns.
+    /// Creates the observer of a model for ticks of h seconds; `angle` marks the encoders that forget whole turns.
     pub fn observer<'a, M: Mechanism<N>, const N: usize>(
         &self,
         model: &'a M,
@@ -138,14 +137,14 @@ impl ObserverConfig {
         Observer::new(model.system(), Integrator::new(self.order, h, self.newton), angle, tuning)
     }
 
-    /// The commands on their way, by the drive and the delay that the firmware knows.
+    /// Creates the line of delayed commands from the drive and the delay that the firmware knows.
     pub(crate) fn commands<const N: usize>(&self, drive: &Drive<N>) -> Commands<f32, N> {
         let (whole, rest) = whole_and_rest(self.delay);
         Commands::new(whole, drive.late(rest))
     }
 }
 
-/// The whole ticks of a delay, which is not negative, and the rest of it.
+/// Splits a non-negative delay into whole ticks and the rest.
 pub(crate) fn whole_and_rest(delay: f32) -> (u8, f32) {
     let whole = delay as u8;
     (whole, delay - f32::from(whole))

@@ -14,18 +14,18 @@ pub struct Plant<'a, M, const N: usize> {
 }
 
 impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
-    /// A mechanism at (q, v), with so many integration steps (at least 1) to each call of [`Plant::advance`].
+    /// Creates a plant at (q, v), with the given number of integration steps (at least 1) in each call of [`Plant::advance`].
     pub fn new(mechanism: &'a M, state: ContinuousState<f32, N>, substeps: u16) -> Self {
         debug_assert!(substeps >= 1, "setups without integration steps are refused");
         Self { mechanism, state, substeps: substeps.max(1) }
     }
 
-    /// Where it is, and how fast it moves.
+    /// Position and velocity.
     pub fn state(&self) -> &ContinuousState<f32, N> {
         &self.state
     }
 
-    /// Moves on for a time (s) under a held force; on error it stays at the last finite state.
+    /// Moves on for a time (s) under a held force; after an error it stays at the last finite state.
     pub fn advance(&mut self, duration: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
         if duration <= 0.0 {
             return Ok(());

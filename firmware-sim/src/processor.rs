@@ -3,25 +3,25 @@ use crate::control::{Controller, Target};
 use crate::firmware::{Firmware, Outcome};
 use core::convert::Infallible;
 
-/// What runs the firmware's part of a tick: [`Firmware`] in place, or a processor at the other end of a link.
+/// Execution of the firmware's part of a tick: [`Firmware`] in place, or a processor at the other end of a link.
 pub trait Processor<const N: usize> {
-    /// Why a tick did not run; a [`Firmware`] in place always does.
+    /// Reason why a tick did not run; a [`Firmware`] in place always runs.
     type Error;
 
     /// Runs `elapsed` ticks after the last run, on the samples that arrived, towards a target.
     ///
     /// # Errors
-    /// Where there is no outcome; a run ends there.
+    /// An error if there is no outcome; the run ends there.
     fn run(
         &mut self,
         elapsed: u32,
         measured: &[Option<f32>; N],
         target: &Target<N>,
     ) -> Result<Outcome<N>, Self::Error>;
-    /// Runs on the samples and the command of a log, which takes the place of the controller's.
+    /// Runs on the samples and the command of a log, which replaces the controller's command.
     ///
     /// # Errors
-    /// As [`Processor::run`].
+    /// See [`Processor::run`].
     fn replay(
         &mut self,
         elapsed: u32,

@@ -11,58 +11,58 @@ use crate::wire::array;
 use leastaction_core::lagrangian::Lagrangian;
 use serde::{Deserialize, Serialize};
 
-/// All that the firmware is told of a scenario, wherever it runs.
+/// Everything that the firmware is told about a scenario, wherever it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Program<const N: usize> {
     /// The tick h > 0, s.
     pub tick: f32,
-    /// Which encoders measure angles, and wrap their readings.
+    /// Flags of the encoders that measure angles, and wrap their readings.
     #[serde(with = "array")]
     pub angle: [bool; N],
-    /// The limits of the actuators, and gain and offset as far as the firmware knows; their delay is the observer's to know.
+    /// Limits of the actuators, and their gain and offset as far as the firmware knows; `observer` has their delay.
     pub actuator: ActuatorConfig<N>,
-    /// How the firmware steps its model and estimates the state.
+    /// Configuration of the model's steps and of the state estimate.
     pub observer: ObserverConfig,
-    /// What the controller is for.
+    /// Task of the controller.
     pub task: Task<N>,
 }
 
-/// What a controller is for.
+/// Task of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Task<const N: usize> {
     /// Following a motion.
     Track {
-        /// Where the motion begins, rad or m; the targets come with the samples.
+        /// Position where the motion begins, rad or m; the targets come with the samples.
         #[serde(with = "array")]
         begin: [f32; N],
-        /// The feedback.
+        /// Feedback gains.
         gains: Gains,
-        /// How feed-forward and feedback are used.
+        /// Use of feed-forward and feedback.
         law: Law,
     },
     /// Bringing the last coordinate upright, θ = 0, by a force on the first, and holding it there.
     SwingUp {
-        /// How energy is pumped in.
+        /// Settings of the energy pump.
         pump: PumpConfig,
-        /// What the regulator weighs.
+        /// Tolerances of the regulator.
         tolerance: Tolerance<N>,
-        /// When the regulator takes over.
+        /// Conditions under which the regulator takes over.
         catch: Catch,
     },
-    /// Estimating the state under the commands of somebody else.
+    /// Estimating the state under commands from elsewhere.
     Listen,
     /// Holding the mechanism against gravity wherever it is pushed.
     Float {
-        /// Where it is at the beginning, rad or m.
+        /// Position at the beginning, rad or m.
         #[serde(with = "array")]
         begin: [f32; N],
-        /// [`Float::drag`], 1/s.
+        /// Drag as in [`Float::drag`], 1/s.
         drag: f32,
     },
 }
 
 impl<const N: usize> Task<N> {
-    /// Where the model's kinetic energy is checked.
+    /// Position at which the model's kinetic energy is checked.
     fn begin(&self) -> [f32; N] {
         match self {
             Self::Track { begin, .. } | Self::Float { begin, .. } => *begin,
@@ -92,20 +92,20 @@ impl<const N: usize> Program<N> {
         self.task.validate()
     }
 
-    /// Whether the program can be run over a model: its numbers, its step, and the model's kinetic energy where it begins.
+    /// Checks that the program can be run over a model: its numbers, its step, and the model's kinetic energy where it begins.
     pub(crate) fn check<M: Mechanism<N>>(&self, model: &M) -> Result<(), SetupError> {
         self.validate()?;
         self.observer.check_step(self.tick, model.trained_step())?;
         require_quadratic(model, &self.task.begin())
     }
 
-    /// A program that estimates the state under the commands of somebody else, as of a log, which become forces by `drive`.
+    /// Creates a program that estimates the state under commands from elsewhere, such as a log, which `drive` converts to forces.
     pub fn listening(tick: f32, angle: [bool; N], drive: Drive<N>, observer: ObserverConfig) -> Self {
         let actuator = ActuatorConfig { drive, ..ActuatorConfig::new([0.0; N]) };
         Self { tick, angle, actuator, observer, task: Task::Listen }
     }
 
-    /// The firmware over a model without a controller, whatever the task is.
+    /// Creates the firmware over a model without a controller, whatever the task is.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
@@ -125,7 +125,7 @@ impl<const N: usize> Program<N> {
         Firmware::new(model, controller, self.tick, self.angle, &self.observer, self.actuator)
     }
 
-    /// The firmware over a model of any coordinates, for every task but bringing it upright.
+    /// Creates the firmware over a model of any coordinates, for every task except a swing-up.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
@@ -138,7 +138,7 @@ impl<const N: usize> Program<N> {
         Ok(self.firmware(model, controller))
     }
 
-    /// The controller over a model, of which `swing_up` brings it upright.
+    /// Creates the controller over a model; `swing_up` makes the controller that brings it upright.
     fn controller<M: Mechanism<N>, P>(
         &self,
         model: &M,
@@ -158,7 +158,7 @@ impl<const N: usize> Program<N> {
         }
     }
 
-    /// The same, with a pump made by `pump` and a regulator; D is 2N.
+    /// Creates the controller with the pump that `pump` makes and a regulator; D is 2N.
     fn upright_controller<M: Mechanism<N>, P, const D: usize>(
         &self,
         model: &M,
@@ -185,14 +185,14 @@ impl<const N: usize> Program<N> {
     }
 }
 
-/// Of the inertia matrix at a position.
+/// Diagonal of the inertia matrix at a position.
 pub(crate) fn diagonal<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N]) -> [f32; N] {
     let mass = model.system().lagrangian.linearization(q, &[0.0; N]).l_vv;
     core::array::from_fn(|i| mass[i][i])
 }
 
 impl Program<1> {
-    /// The firmware over a model of a pendulum, q = θ.
+    /// Creates the firmware over a model of a pendulum, q = θ.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
@@ -206,7 +206,7 @@ impl Program<1> {
 }
 
 impl Program<2> {
-    /// The firmware over a model of a cart and its pole, q = (x, θ); of any two coordinates for another task.
+    /// Creates the firmware over a model of a cart and its pole, q = (x, θ); for any other task, of any two coordinates.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models

@@ -4,15 +4,14 @@ use crate::tick::{Mode, Tick, TraceHash};
 use leastaction_core::discrete::Report;
 use leastaction_core::scalar::{Compensated, Scalar};
 
-/// When a run counts as a success: the error stays within the tolerance over the last `hold` seconds, and the position
-/// within the bounds from beginning to end.
+/// Goal of a run, met if the error stays within the tolerance over the last `hold` seconds, and the position within the bounds throughout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal<const N: usize> {
-    /// Largest |error|, rad or m; infinite where it does not matter.
+    /// Largest |error|, rad or m; infinite if it does not matter.
     pub tolerance: [f32; N],
-    /// For how long, s; the whole run where it is longer than the run.
+    /// Duration, s; the whole run if longer than the run.
     pub hold: f32,
-    /// Largest |q|, rad or m (the track of a cart); infinite where there is none.
+    /// Largest |q|, rad or m (the track of a cart); infinite if there is none.
     pub bounds: [f32; N],
 }
 
@@ -29,7 +28,7 @@ impl<const N: usize> Goal<N> {
     }
 }
 
-/// How often something went wrong.
+/// Counts of incidents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Incidents {
     /// Encoder readings dropped.
@@ -40,20 +39,20 @@ pub struct Incidents {
     pub missed: u32,
     /// Ticks in which the firmware commanded no force because its model failed.
     pub safe: u32,
-    /// Errors of the model: steps refused and commands that were not finite.
+    /// Errors of the model: refused steps, and commands that were not finite.
     pub model: u32,
-    /// Moves of the plant that were refused, as where its state is no longer finite; it stays where it was.
+    /// Refused moves of the plant, for instance if its state is no longer finite; it stays where it was.
     pub plant: u32,
 }
 
-/// What came out of a run.
+/// Summary of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary<const N: usize> {
-    /// Ticks run.
+    /// Number of ticks run.
     pub ticks: u32,
     /// Whether the goal was reached.
     pub success: bool,
-    /// When the error came within the tolerance for good, s; `None` where it is not at the end.
+    /// Time at which the error came within the tolerance for good, s; `None` if it is outside at the end.
     pub settled_at: Option<f32>,
     /// Largest |q|, rad or m.
     pub max_q: [f32; N],
@@ -67,9 +66,9 @@ pub struct Summary<const N: usize> {
     pub rms_estimate_v: [f32; N],
     /// Largest |applied force|, N or N m.
     pub max_force: [f32; N],
-    /// Most Newton iterations and largest residual of an accepted step.
+    /// Largest number of Newton iterations and largest residual of an accepted step.
     pub newton: Report<f32>,
-    /// What went wrong.
+    /// Counts of incidents.
     pub incidents: Incidents,
     /// Fingerprint of the trace; see [`TraceHash`].
     pub hash: u64,
@@ -99,7 +98,7 @@ impl<const N: usize> Squares<N> {
     }
 }
 
-/// Keeps the summary of a run as its ticks go by.
+/// Recorder that builds the summary of a run from its ticks.
 pub(crate) struct Recorder<const N: usize> {
     goal: Goal<N>,
     angle: [bool; N],
@@ -156,7 +155,7 @@ impl<const N: usize> Recorder<N> {
         self.count(tick);
     }
 
-    /// Since when the error is within the tolerance, and whether the position left its bounds.
+    /// Updates the time since which the error is within the tolerance, and whether the position has left its bounds.
     fn update_goal(&mut self, tick: &Tick<N>) {
         let settled_since = self.summary.settled_at.unwrap_or(tick.time);
         self.summary.settled_at = self.goal.met(&tick.error).then_some(settled_since);
@@ -201,7 +200,7 @@ impl<const N: usize> Recorder<N> {
     }
 }
 
-/// Keeps the largest magnitudes.
+/// Updates the largest magnitudes.
 fn enlarge<const N: usize>(largest: &mut [f32; N], x: &[f32; N]) {
     for (largest, x) in largest.iter_mut().zip(x) {
         *largest = largest.max(x.abs());

@@ -2,7 +2,7 @@ use crc::{CRC_64_XZ, Crc, Digest, NoTable};
 use leastaction_core::discrete::Report;
 use serde::{Deserialize, Serialize};
 
-/// What the firmware was doing in a tick.
+/// Mode of the firmware in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Mode {
@@ -22,43 +22,43 @@ pub enum Mode {
     Float,
 }
 
-/// Everything that happened in one tick. Angles are not wrapped, except as measured and in `error`.
+/// Record of one tick. Angles are not wrapped, except in `measured` and `error`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick<const N: usize> {
-    /// Ticks before this one.
+    /// Number of ticks before this one.
     pub index: u32,
-    /// When it was due, s.
+    /// Due time of the tick, s.
     pub time: f32,
-    /// True position when it was due, rad or m.
+    /// True position at the due time, rad or m.
     pub q: [f32; N],
-    /// True velocity when it was due, rad/s or m/s.
+    /// True velocity at the due time, rad/s or m/s.
     pub v: [f32; N],
-    /// Encoder readings, rad or m; `None` where dropped or where the tick was missed.
+    /// Encoder readings, rad or m; `None` for a dropped reading or a missed tick.
     pub measured: [Option<f32>; N],
-    /// Estimated position; the last one where the tick was missed.
+    /// Estimated position; the last estimate if the tick was missed.
     pub q_estimate: [f32; N],
-    /// Estimated velocity; the last one where the tick was missed.
+    /// Estimated velocity; the last estimate if the tick was missed.
     pub v_estimate: [f32; N],
-    /// Where the mechanism should be.
+    /// Desired position of the mechanism.
     pub reference: [f32; N],
-    /// q − reference, angles in [−π, π]. (In `predict` the reference is the model's position.)
+    /// Position minus reference, angles in [−π, π]. (In `predict` the reference is the model's position.)
     pub error: [f32; N],
     /// Command that the firmware gave in this tick, within the limits.
     pub commanded: [f32; N],
     /// Force that acts from this tick on, N or N m.
     pub applied: [f32; N],
-    /// Newton's iterations and residual in the model's step; zero where none was taken.
+    /// Newton's iterations and residual in the model's step; zero if no step was taken.
     pub newton: Report<f32>,
-    /// How late the tick came, s.
+    /// Lateness of the tick, s.
     pub lateness: f32,
-    /// The firmware did not run.
+    /// Whether the firmware did not run.
     pub missed: bool,
-    /// What the firmware was doing.
+    /// Mode of the firmware.
     pub mode: Mode,
 }
 
 impl<const N: usize> Tick<N> {
-    /// Readings that did not arrive, of a tick that was not missed.
+    /// Number of readings that did not arrive; 0 for a missed tick.
     pub fn dropped(&self) -> usize {
         if self.missed { 0 } else { self.measured.iter().filter(|sample| sample.is_none()).count() }
     }
@@ -96,7 +96,7 @@ impl TraceHash {
         self.0.update(&[tick.newton.iterations, tick.missed.into(), tick.mode as u8]);
     }
 
-    /// The hash of what was taken in.
+    /// Hash of all ticks taken in.
     pub fn finish(self) -> u64 {
         self.0.finalize()
     }

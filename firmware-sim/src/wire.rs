@@ -1,4 +1,4 @@
-//! What `serde` does not do by itself: arrays of any length, and types of core.
+//! Serialization that `serde` does not provide: arrays of any length, and types of core.
 
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::{Newton, Order, Report};
@@ -21,7 +21,7 @@ pub(crate) enum OrderWire {
     Four,
 }
 
-/// How a step went.
+/// Report of a step.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Report::<f32>")]
 pub(crate) struct ReportWire {
@@ -42,7 +42,7 @@ pub(crate) struct StateWire<R, const N: usize> {
     v: [R; N],
 }
 
-/// An array as a tuple: its numbers one after another, without their count.
+/// An array as a tuple: its elements one after another, without their count.
 pub(crate) mod array {
     use core::fmt;
     use core::marker::PhantomData;

@@ -1,8 +1,8 @@
-//! How many instructions something takes.
+//! Counts of instructions.
 
 use crate::board::{INSTRUCTIONS_PER_TICK, ticks};
 
-/// Instructions of one call, the mean of `calls`, without the loop around them.
+/// Instructions of one call, as the mean of `calls` calls, without the loop around them.
 pub fn mean(calls: u32, mut call: impl FnMut()) -> u32 {
     let start = ticks(0);
     for _ in 0..calls {
@@ -14,20 +14,20 @@ pub fn mean(calls: u32, mut call: impl FnMut()) -> u32 {
         call();
         core::hint::black_box(());
     }
-    // Divided last: a tick is many instructions.
+    // Divides last: a tick is many instructions.
     (ticks(start) - empty) * INSTRUCTIONS_PER_TICK / calls
 }
 
-/// Classes of an octave of counts, 1.6% to 0.8% wide.
+/// Bits of a class within an octave of counts: 64 classes, each 1.6% to 0.8% wide.
 const CLASS_BITS: u32 = 6;
-/// From 2⁸ to 2²⁴ instructions.
+/// Number of classes, from 2⁸ to 2²⁴ instructions.
 const CLASSES: usize = 16 << CLASS_BITS;
 
 /// Counts of many calls: their median and the largest.
 pub struct Counts {
     classes: [u32; CLASSES],
     calls: u32,
-    /// The largest, instructions.
+    /// Largest count, instructions.
     pub worst: u32,
 }
 

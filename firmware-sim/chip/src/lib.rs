@@ -1,7 +1,7 @@
-//! What the images share: the board, counting instructions, watching the stack, and printing.
+//! Shared parts of the images: the board, counting instructions, watching the stack, and printing.
 //!
-//! An image runs under QEMU with one instruction a virtual nanosecond (`-icount shift=0`), so that counts are the same at
-//! every run. They are instructions, not cycles. Output goes by semihosting, as lines of a name and a value.
+//! An image runs under QEMU with one instruction per virtual nanosecond (`-icount shift=0`), so counts are equal in every run. They are
+//! instructions, not cycles. Output goes by semihosting, as lines of a name and a value.
 #![no_std]
 
 pub mod board;
@@ -12,7 +12,7 @@ pub mod report;
 pub mod serial;
 pub mod stack;
 
-/// A panic that can be reached is an error of the linker: nothing defines this symbol.
+/// Panic handler that calls an undefined symbol: a panic that can be reached is a linker error.
 #[cfg(not(test))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -23,7 +23,7 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     unsafe { a_panic_can_be_reached() }
 }
 
-/// Bytes at a multiple of 4, as a model file in flash has to lie.
+/// Bytes at a multiple of 4, as required for a model file in flash.
 #[repr(C, align(4))]
 pub struct Aligned<const N: usize>(
     /// The bytes.

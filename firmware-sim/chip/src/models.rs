@@ -1,4 +1,4 @@
-//! The models that the images carry in flash, and what runs them.
+//! The models that the images carry in flash, and the functions that run them.
 
 use crate::instructions::Counts;
 use crate::{print, report, stack};
@@ -20,14 +20,14 @@ use leastaction_firmware_sim::trajectory::reference::{
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
-/// Loads a model, and prints the stack that it takes.
+/// Loads a model, and prints the stack that loading takes.
 pub fn load<T>(load: impl FnOnce() -> Result<T, ModelError>) -> Result<T, &'static [u8]> {
     let (depth, model) = stack::deepest(load);
     print::number(b"load_stack", depth as u32);
     model.map_err(|_| b"the model is refused".as_slice())
 }
 
-/// Measures a system in generalised coordinates with steps along a path.
+/// Measures a system in generalised coordinates, with steps along a path.
 pub fn free<L, F, P: Path, const N: usize>(
     system: &System<L, F>,
     newton: Newton<f32>,
@@ -46,43 +46,43 @@ where
     report::motion(&mut motion, &mut Counts::default())
 }
 
-/// The cart-pole with steps along a path.
+/// Measures the cart-pole, with steps along a path.
 pub fn cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Cartpole::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 
-/// The same with damping and dry friction.
+/// Measures the cart-pole with damping and dry friction.
 pub fn dry_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Cartpole::load(black_box(file)))?;
     free::<_, _, P, 2>(black_box(&dry(&model)), newton())
 }
 
-/// The same with weights in half precision.
+/// Measures the cart-pole with weights in half precision.
 pub fn half_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| HalfCartpole::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 
-/// The double pendulum with steps along a path.
+/// Measures the double pendulum, with steps along a path.
 pub fn double_pendulum<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Double::load(black_box(file), TREE))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 
-/// Two links as rigid bodies with steps along a path.
+/// Measures two links as rigid bodies, with steps along a path.
 pub fn links<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Links::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 
-/// A cart-pole as rigid bodies, with the dry friction that was learned with them.
+/// Measures a cart-pole as rigid bodies, with the dry friction that was learned with them.
 pub fn dry_bodies<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| DryBodies::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 
-/// Seven joints in space with steps along a path; their inverse dynamics too.
+/// Measures seven joints in space, with steps along a path, and their inverse dynamics.
 pub fn arm<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Arm::load(black_box(file)))?;
     let at = [[0.1_f32; 7], [0.2; 7], [0.3; 7]];
@@ -93,8 +93,8 @@ pub fn arm<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     free::<_, _, P, 7>(&model.system, newton())
 }
 
-/// The chain of bobs, straight and aslant, with steps of an order. Its rods are constants of the program, which takes a third
-/// less code than to step whatever rods the file has.
+/// Measures the chain of bobs, straight and aslant, with steps of the given order. Its rods are constants of the program, which takes a
+/// third less code than stepping whatever rods the file has.
 pub fn bobs(file: &'static [u8], order: Order) -> Result<(), &'static [u8]> {
     let mut rods = chain();
     let bobs = load(|| Bobs::load(black_box(file), GRAPH, &mut [], &mut rods))?;
@@ -103,7 +103,7 @@ pub fn bobs(file: &'static [u8], order: Order) -> Result<(), &'static [u8]> {
     hanging(&bobs.system.graph, (&chain(), &aslant()), (order, newton()), (&mut numbers, &mut workspace))
 }
 
-/// Measures particles on rods with steps of an order.
+/// Measures particles on rods, with steps of the given order.
 pub fn hanging<S: Particles<f32, 2>, const NODES: usize>(
     graph: &S,
     (rods, q): (&[Holonomic<f32, 2>], &[[f32; 2]; NODES]),

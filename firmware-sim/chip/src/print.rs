@@ -6,7 +6,7 @@ fn bytes(text: &[u8]) {
     text.iter().for_each(|byte| sys_writec(*byte));
 }
 
-/// A name and a text.
+/// Prints a name and a text.
 pub fn line(name: &[u8], value: &[u8]) {
     bytes(name);
     bytes(b" ");
@@ -14,7 +14,7 @@ pub fn line(name: &[u8], value: &[u8]) {
     bytes(b"\n");
 }
 
-/// A name and a whole number.
+/// Prints a name and a whole number.
 #[inline(never)]
 pub fn number(name: &[u8], mut value: u32) {
     let mut digits = [b'0'; 10];
@@ -30,7 +30,7 @@ pub fn number(name: &[u8], mut value: u32) {
     line(name, digits.get(10 - length..).unwrap_or(&digits));
 }
 
-/// A name and 16 hexadecimal digits.
+/// Prints a name and 16 hexadecimal digits.
 #[inline(never)]
 pub fn hash(name: &[u8], value: u64) {
     let mut digits = [0; 16];

@@ -4,9 +4,9 @@ use crate::instructions::{Counts, mean};
 use crate::{board, print, stack};
 use leastaction_firmware_sim::trajectory::{Fingerprint, Motion};
 
-/// Steps where no number was left in flash.
+/// Number of steps if no number was left in flash.
 const STEPS: u32 = 1_000;
-/// Calls that the mean is of.
+/// Number of calls in a mean.
 const CALLS: u32 = 100;
 
 /// Prints instructions and stack of an evaluation.
@@ -16,7 +16,7 @@ pub fn evaluation(name: &[u8], stack_name: &[u8], mut evaluate: impl FnMut()) {
     print::number(name, mean(CALLS, evaluate));
 }
 
-/// Follows a motion for as many steps as flash says, and prints what it took.
+/// Follows a motion for the number of steps in flash, and prints its cost.
 pub fn motion<M: Motion>(motion: &mut M, counts: &mut Counts) -> Result<(), &'static [u8]> {
     let steps = board::argument().unwrap_or(STEPS);
     let mut fingerprint = Fingerprint::default();

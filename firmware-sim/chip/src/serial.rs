@@ -4,11 +4,11 @@ use crate::board::Uart;
 use crate::board::{INSTRUCTIONS_PER_TICK, ticks};
 use leastaction_firmware_sim::link::Port;
 
-/// Looks for a byte before giving up: some minutes under emulation. The other end may have died, and an image that waits
-/// for ever would keep a processor of the host busy for ever.
+/// Number of looks for a byte before giving up: some minutes under emulation. The other end may have died, and an image that waits forever
+/// would keep a processor of the host busy forever.
 const PATIENCE: u32 = u32::MAX;
 
-/// Nothing was heard for minutes.
+/// Error that nothing was heard for minutes.
 pub struct Silence;
 
 /// The serial line.

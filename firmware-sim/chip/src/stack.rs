@@ -1,19 +1,19 @@
-//! How deep the stack goes: the workspace below it is painted, and looked at afterwards.
+//! Depth of the stack: the memory below it is painted, and inspected afterwards.
 
 use crate::board::stack_pointer;
 
 unsafe extern "C" {
-    /// Where static memory ends and the stack may reach to, by the linker script of both runtimes.
+    /// End of static memory, to which the stack may reach, by the linker script of both runtimes.
     static mut __sheap: u32;
 }
 
 const PAINT: u32 = 0xcccc_cccc;
-/// Left alone below the painter's own frame, bytes.
+/// Bytes left alone below the painter's own frame.
 const MARGIN: usize = 128;
-/// Painted at most, bytes: no image comes near.
+/// Maximum number of painted bytes: no image comes near.
 const DEPTH: usize = 1 << 16;
 
-/// Bytes of stack that `work` takes below its caller, and what it returns.
+/// Runs `work`, and returns the bytes of stack that it takes below its caller, and its result.
 #[inline(never)]
 pub fn deepest<T>(work: impl FnOnce() -> T) -> (usize, T) {
     let top = stack_pointer();

@@ -8,28 +8,28 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 use leastaction_core::linear::add_scaled;
 
-/// PD feedback joint by joint and gravity compensation at what the encoders read, without an observer: velocities are differences of
-/// readings through a low-pass filter of first order.
+/// PD feedback joint by joint, with gravity compensation at the encoders' readings, without an observer: velocities are differences of
+/// readings through a first-order low-pass filter.
 ///
-/// u = V_q(q) − D(ω²e + 2ζωė), with D the diagonal of M where the motion begins. What it sees is brought forward over the delay, at a
-/// constant velocity, to when the command acts. Source: Siciliano et al., "Robotics", 2009, section 8.5.1.
+/// u = V_q(q) − D(ω²e + 2ζωė), with D the diagonal of M where the motion begins. Readings are extrapolated over the delay, at constant
+/// velocity, to the time when the command acts. Source: Siciliano et al., "Robotics", 2009, section 8.5.1.
 #[derive(Clone, Copy, Debug)]
 pub struct ByEncoders<const N: usize> {
     gains: Gains,
     inertia: [f32; N],
     angle: [bool; N],
     tick: f32,
-    /// From a reading to the effect of its command, s.
+    /// Delay from a reading to the effect of its command, s.
     delay: f32,
-    /// Of the filter, rad/s.
+    /// Cut-off frequency of the velocity filter, rad/s.
     cut_off: f32,
-    /// The last reading of every encoder, with the ticks since.
+    /// Last reading of every encoder, with the number of ticks since.
     last: [Option<(f32, f32)>; N],
     velocity: [f32; N],
 }
 
 impl<const N: usize> ByEncoders<N> {
-    /// A controller of ticks of h seconds and a delay (s), with a filter of so many Hz.
+    /// Creates a controller with ticks of h seconds, a delay (s), and a filter with the given cut-off frequency, Hz.
     ///
     /// # Errors
     /// Gains and frequencies out of their ranges.
@@ -50,12 +50,12 @@ impl<const N: usize> ByEncoders<N> {
         Ok(Self { gains, inertia, angle, tick, delay, cut_off, last: [None; N], velocity: [0.0; N] })
     }
 
-    /// Takes one reading: y now, so many ticks after the last one.
+    /// Takes one reading y, `ticks` ticks after the last run.
     fn take(&mut self, i: usize, y: f32, ticks: f32) {
         if let Some((last, before)) = self.last[i] {
             let time = (before + ticks) * self.tick;
             let moved = difference(&[y], &[last], &[self.angle[i]])[0];
-            // The exact response of the filter to a constant difference.
+            // Exact response of the filter to a constant difference.
             let part = 1.0 - libm::expf(-self.cut_off * time);
             self.velocity[i] += part * (moved / time - self.velocity[i]);
         }

@@ -10,7 +10,7 @@ use leastaction_core::discrete::StepError;
 /// Targets are ignored. Source: Siciliano et al., "Robotics", 2009, section 8.5.1, without the proportional term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Float {
-    /// d ≥ 0, 1/s: at which an exact model slows down where nothing else acts; 0 leaves that to the mechanism's own friction.
+    /// Drag d ≥ 0, 1/s: the rate at which an exact model slows down if nothing else acts; 0 leaves that to the mechanism's own friction.
     pub drag: f32,
 }
 

@@ -26,22 +26,22 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
-/// What a controller asks for.
+/// Output of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Command<const N: usize> {
-    /// Force, N or N m; the firmware makes a command within the limits of it.
+    /// Force, N or N m; the firmware turns it into a command within the limits.
     #[serde(with = "array")]
     pub u: [f32; N],
-    /// What the controller is doing.
+    /// Mode of the controller.
     pub mode: Mode,
 }
 
 /// A feedback law over a model.
 pub trait Controller<M, const N: usize> {
-    /// What the encoders read, so many ticks after the last readings; before any command of the tick. Most controllers go by the estimate
-    /// alone.
+    /// Takes the encoders' readings, `elapsed` ticks after the last readings, before any command of the tick. Most controllers use only the
+    /// estimate.
     fn read(&mut self, _elapsed: u32, _measured: &[Option<f32>; N]) {}
-    /// The force for the estimated state at which it will act, towards a target. An error where the model cannot say.
+    /// Computes the force towards a target from the estimated state at which the force will act. An error if the model cannot compute it.
     fn command(
         &mut self,
         model: &M,

@@ -4,17 +4,17 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
-/// How energy is pumped into a swinging coordinate. Bands are where the effort falls off linearly, so that noise about
-/// zero does not switch it at full strength.
+/// Energy pumping into a swinging coordinate. Within a band the effort falls off linearly, so noise about zero does not switch it at full
+/// strength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PumpConfig {
-    /// Strongest effort: of a joint, N m; of a cart, m/s². Positive.
+    /// Strongest effort: N m for a joint, m/s² for a cart. Positive.
     pub effort: f32,
     /// Missing energy at which the effort is full, as a fraction of the energy between hanging and upright. Positive.
     pub energy_band: f32,
     /// Velocity at which the effort is full, rad/s. Positive.
     pub rate_band: f32,
-    /// ω, rad/s, of the pull that brings a cart back to the middle (critically damped); a joint has none. Not negative.
+    /// Rate ω, rad/s, of the critically damped pull that brings a cart back to the middle; unused for a joint. Not negative.
     pub centring: f32,
 }
 
@@ -34,26 +34,26 @@ impl PumpConfig {
         )
     }
 
-    /// Between −1 and 1: with the sign of `rate` while energy is missing, against it while there is too much. A mechanism
-    /// exactly at rest is pushed in the positive direction.
+    /// Pumping effort between −1 and 1: with the sign of `rate` if energy is missing, against it if there is too much. A mechanism exactly
+    /// at rest is pushed in the positive direction.
     fn drive(&self, missing: f32, rate: f32) -> f32 {
         let direction = if rate == 0.0 { 1.0 } else { unit(rate / self.rate_band) };
         unit(missing / self.energy_band) * direction
     }
 }
 
-/// `x` within ±1.
+/// Clamps `x` to ±1.
 fn unit(x: f32) -> f32 {
     x.clamp(-1.0, 1.0)
 }
 
 /// An energy-based swing-up law, from the model's own energies.
 pub trait Pump<M, const N: usize> {
-    /// The force at an estimated state. An error where the model's inverse dynamics is singular.
+    /// Force at an estimated state. An error if the model's inverse dynamics is singular.
     fn force(&self, model: &M, state: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>>;
 }
 
-/// What pumps nothing: of mechanisms that nothing brings upright.
+/// Pump for mechanisms that are never brought upright; it has no values.
 #[derive(Clone, Copy, Debug)]
 pub enum NoPump {}
 
@@ -63,7 +63,7 @@ impl<M, const N: usize> Pump<M, N> for NoPump {
     }
 }
 
-/// Pumps a single joint: u = ±effort with the sign of θ̇ while energy is missing, for Ė = uθ̇.
+/// Pump for a single joint: u = ±effort with the sign of θ̇ while energy is missing, since Ė = uθ̇.
 ///
 /// Source: K. J. Åström and K. Furuta, "Swinging up a pendulum by energy control", Automatica 36, 2000.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ pub struct JointPump {
 }
 
 impl JointPump {
-    /// A pump towards the model's potential at `upright` (rad); the joint hangs half a turn away.
+    /// Creates a pump towards the model's potential at `upright` (rad); the joint hangs half a turn away.
     pub fn new<M: Mechanism<1>>(model: &M, upright: f32, config: PumpConfig) -> Result<Self, SetupError> {
         config.validate()?;
         let potential = |theta| model.energies(&[theta], &[0.0]).potential;
@@ -91,12 +91,11 @@ impl<M: Mechanism<1>> Pump<M, 1> for JointPump {
     }
 }
 
-/// Pumps a pole by accelerating the cart that carries it; q = (x, θ), the force acts on the cart alone.
+/// Pump for a pole, by accelerating the cart that carries it; q = (x, θ), the force acts on the cart alone.
 ///
-/// In the frame of the cart the pole gains Ė = −M₁₂ẍθ̇, so ẍ takes the sign of −M₁₂θ̇ while energy is missing; a
-/// critically damped pull keeps the cart near the middle. The force for a wanted ẍ follows from the model's inverse
-/// dynamics with the pole left free. Sources: Åström and Furuta, as above; M. W. Spong, "Partial feedback linearization
-/// of underactuated mechanical systems", IROS 1994.
+/// The pole gains Ė = −M₁₂ẍθ̇ in the frame of the cart, so ẍ takes the sign of −M₁₂θ̇ while energy is missing; a critically damped pull
+/// keeps the cart near the middle. The force for a wanted ẍ follows from the model's inverse dynamics with the pole left free. Sources:
+/// Åström and Furuta, as above; M. W. Spong, "Partial feedback linearization of underactuated mechanical systems", IROS 1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CartPump {
     config: PumpConfig,
@@ -105,7 +104,7 @@ pub struct CartPump {
 }
 
 impl CartPump {
-    /// A pump towards the model's potential at the angle `upright` (rad); the pole hangs half a turn away.
+    /// Creates a pump towards the model's potential at the angle `upright` (rad); the pole hangs half a turn away.
     pub fn new<M: Mechanism<2>>(model: &M, upright: f32, config: PumpConfig) -> Result<Self, SetupError> {
         config.validate()?;
         let potential = |theta| model.energies(&[0.0, theta], &[0.0; 2]).potential;
@@ -113,15 +112,15 @@ impl CartPump {
         Ok(Self { config, upright, height })
     }
 
-    /// Missing energy of the pole in the frame of the cart, as a fraction of the height. Both potentials are taken at the
-    /// cart's own place, where a learned model may be a little higher or lower.
+    /// Missing energy of the pole in the frame of the cart, as a fraction of the height. Both potentials are taken at the cart's own
+    /// position, where a learned model may be a little higher or lower than elsewhere.
     fn missing<M: Mechanism<2>>(&self, model: &M, [x, theta]: [f32; 2], theta_dot: f32) -> f32 {
         let now = model.energies(&[x, theta], &[0.0, theta_dot]);
         let upright = model.energies(&[x, self.upright], &[0.0; 2]).potential;
         (upright - now.kinetic - now.potential) / self.height
     }
 
-    /// The cart's wanted acceleration, m/s².
+    /// Wanted acceleration of the cart, m/s².
     fn acceleration<M: Mechanism<2>>(&self, model: &M, state: &ContinuousState<f32, 2>) -> f32 {
         let ([x, theta], [x_dot, theta_dot]) = (state.q, state.v);
         let [_, coupling] = model.inertial_force(&state.q, &[1.0, 0.0]);
@@ -143,7 +142,7 @@ impl<M: Mechanism<2>> Pump<M, 2> for CartPump {
     }
 }
 
-/// The energy between hanging and upright, which must be there.
+/// Checks the energy difference between upright and hanging, which must be positive.
 fn positive_height(height: f32) -> Result<f32, SetupError> {
     let sensible = height.is_finite() && height > 0.0;
     require(

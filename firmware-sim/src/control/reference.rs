@@ -4,25 +4,25 @@ use core::f32::consts::TAU;
 use leastaction_core::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// Harmonics of a motion at most.
+/// Maximum number of harmonics of a motion.
 pub const HARMONICS: usize = 5;
 
-/// A periodic motion, entered from rest ([`enter`]): a Fourier series of the time s since it began,
+/// A periodic motion, entered from rest ([`enter`]): a Fourier series in the time s since its beginning,
 ///
 /// q_i(s) = centre_i + Σ_k a_ik cos 2πk f_i s + b_ik sin 2πk f_i s.
 ///
 /// Source: Swevers et al., "Optimal robot excitation and identification", 1997 (the series).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<const N: usize> {
-    /// When it begins, s: the observer needs a few samples before.
+    /// Time at which the motion begins, s: the observer needs a few samples before.
     pub begin: f32,
-    /// r ≥ 0, s: 0 for a motion that begins at rest by itself.
+    /// Duration r ≥ 0 of the entry, s; 0 for a motion that begins at rest by itself.
     pub ramp: f32,
-    /// rad or m.
+    /// Centre, rad or m.
     pub centre: [f32; N],
-    /// f > 0, Hz.
+    /// Frequency f > 0, Hz.
     pub frequency: [f32; N],
-    /// a and b of every harmonic, rad or m.
+    /// Coefficients a and b of every harmonic, rad or m.
     pub waves: [[[f32; 2]; HARMONICS]; N],
 }
 
@@ -40,20 +40,20 @@ pub struct Setpoint<const N: usize> {
     pub a: [f32; N],
 }
 
-/// Where a mechanism should be over time.
+/// Desired motion of a mechanism over time.
 pub trait Trajectory<const N: usize> {
     /// Position, velocity and acceleration at time t ≥ 0, s.
     fn at(&self, t: f32) -> Setpoint<N>;
-    /// Whether it is one: its numbers are in their ranges.
+    /// Checks that the numbers of the trajectory are in their ranges.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first number that is out of range.
     fn validate(&self) -> Result<(), SetupError> {
         require_finite("trajectory", &self.at(0.0).q)
     }
 }
 
-/// Rest at a position, rad or m.
+/// Trajectory at rest at a position, rad or m.
 impl<const N: usize> Trajectory<N> for [f32; N] {
     fn at(&self, _: f32) -> Setpoint<N> {
         Setpoint { q: *self, v: [0.0; N], a: [0.0; N] }
@@ -70,21 +70,21 @@ impl<T: Trajectory<N>, const N: usize> Trajectory<N> for &T {
     }
 }
 
-/// What a command is for: where the mechanism should be when it takes effect, and while it acts.
+/// Target of a command: the desired motion when it takes effect, and while it acts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target<const N: usize> {
     /// Position when the command takes effect, rad or m.
     #[serde(with = "array")]
     pub q: [f32; N],
-    /// Velocity then, rad/s or m/s.
+    /// Velocity when the command takes effect, rad/s or m/s.
     #[serde(with = "array")]
     pub v: [f32; N],
-    /// In the middle of the tick over which the command is held.
+    /// Setpoint in the middle of the tick over which the command is held.
     pub middle: Setpoint<N>,
 }
 
 impl<const N: usize> Target<N> {
-    /// Of a trajectory, for a command that acts from the time `effect` on for a tick of h, s.
+    /// Target on a trajectory for a command that acts from time `effect` on, over a tick of h, s.
     pub fn of(trajectory: &impl Trajectory<N>, effect: f32, h: f32) -> Self {
         let Setpoint { q, v, .. } = trajectory.at(effect);
         Self { q, v, middle: trajectory.at(effect + 0.5 * h) }
@@ -112,8 +112,9 @@ impl<const N: usize> Trajectory<N> for Reference<N> {
     }
 }
 
-/// A motion of its own time s, entered from rest: the point at t (s) after it began, from the position and its first two derivatives
-/// by s. Before, it rests where the motion begins; over the first r seconds s = r(x³ − x⁴/2) with x = t/r, then s = t − r/2.
+/// Enters a motion of its own time s from rest: the setpoint at time t (s) after its beginning, from the position and its first two
+/// derivatives in s. Before that, it rests at the motion's first point; over the first r seconds s = r(x³ − x⁴/2) with x = t/r, then s = t
+/// − r/2.
 pub fn enter<const N: usize>(t: f32, r: f32, motion: impl Fn(f32) -> [[f32; N]; 3]) -> Setpoint<N> {
     if t < 0.0 {
         let [q, ..] = motion(0.0);
@@ -138,7 +139,7 @@ fn entered(t: f32, r: f32) -> (f32, f32, f32) {
 }
 
 impl<const N: usize> Reference<N> {
-    /// There and back: q_i = from + ½(to − from)(1 − cos 2πf(t − begin)), rad or m and Hz.
+    /// A motion there and back: q_i = from + ½(to − from)(1 − cos 2πf(t − begin)), rad or m and Hz.
     pub const fn there_and_back(begin: f32, from: [f32; N], to: [f32; N], frequency: [f32; N]) -> Self {
         let (mut centre, mut waves) = (from, [[[0.0; 2]; HARMONICS]; N]);
         let mut i = 0;

@@ -9,16 +9,16 @@ use leastaction_core::linear::{dot, solve_many, transpose};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-/// The deviations that count alike in the regulator's cost (Bryson's rule): each weight is one over its square.
+/// Tolerances: deviations of equal cost to the regulator (Bryson's rule); each weight is the inverse square of its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance<const N: usize> {
-    /// Of positions, rad or m, > 0.
+    /// Tolerance of positions, rad or m, > 0.
     #[serde(with = "array")]
     pub q: [f32; N],
-    /// Of velocities, rad/s or m/s, > 0.
+    /// Tolerance of velocities, rad/s or m/s, > 0.
     #[serde(with = "array")]
     pub v: [f32; N],
-    /// Of the force, N or N m, > 0.
+    /// Tolerance of the force, N or N m, > 0.
     pub u: f32,
 }
 
@@ -30,7 +30,7 @@ impl<const N: usize> Tolerance<N> {
         Ok(())
     }
 
-    /// Q.
+    /// Weight matrix Q.
     fn weights<const D: usize>(&self) -> SMatrix<f32, D, D> {
         const { assert!(D == 2 * N, "the state has N positions and N velocities") };
         let mut tolerances = self.q.iter().chain(&self.v);
@@ -42,15 +42,15 @@ impl<const N: usize> Tolerance<N> {
 /// Linear-quadratic feedback about an equilibrium, through one coordinate's actuator: u = u₀ − K_q(q − q₀) − K_v v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regulator<const N: usize> {
-    /// q₀.
+    /// Equilibrium position q₀.
     pub target: [f32; N],
-    /// Which coordinate is actuated.
+    /// Index of the actuated coordinate.
     pub input: usize,
-    /// u₀, what the model needs to stand still there.
+    /// Bias u₀, the force at which the model stands still at q₀.
     pub bias: f32,
-    /// K_q.
+    /// Position gains K_q.
     pub gain_q: [f32; N],
-    /// K_v.
+    /// Velocity gains K_v.
     pub gain_v: [f32; N],
 }
 
@@ -58,7 +58,7 @@ impl<const N: usize> Regulator<N> {
     /// Designs the feedback for ticks of h seconds from the model's own second derivatives at `target`; D is 2N.
     ///
     /// # Errors
-    /// Tolerances that are not positive, an input that is no coordinate, and a model whose rest at `target` cannot be held by it.
+    /// Tolerances that are not positive, an input that is no coordinate, and a model whose rest at `target` the input cannot hold.
     pub fn design<M: Mechanism<N>, const D: usize>(
         model: &M,
         target: [f32; N],
@@ -80,20 +80,20 @@ impl<const N: usize> Regulator<N> {
         Ok(Self { target, input, bias, gain_q: part(&k, 0), gain_v: part(&k, N) })
     }
 
-    /// The force at a state, N or N m, not limited; `angle` says which coordinates are angles.
+    /// Force at a state, N or N m, without limits; `angle` marks the coordinates that are angles.
     pub fn force(&self, state: &ContinuousState<f32, N>, angle: &[bool; N]) -> f32 {
         let deviation = difference(&state.q, &self.target, angle);
         self.bias - dot(&self.gain_q, &deviation) - dot(&self.gain_v, &state.v)
     }
 }
 
-/// N entries of a column of 2N, from one on.
+/// N entries of a column of 2N, starting at `from`.
 fn part<const D: usize, const N: usize>(column: &SVector<f32, D>, from: usize) -> [f32; N] {
     debug_assert!(from + N <= D, "a part of the column");
     core::array::from_fn(|i| column.get(from + i).copied().unwrap_or(f32::NAN))
 }
 
-/// The model about a rest at q₀: v̇ = M⁻¹((L_qq + Q_q)δq + Q_v v + u), exactly; L_vq vanishes with v.
+/// Linearises the model about a rest at q₀: v̇ = M⁻¹((L_qq + Q_q)δq + Q_v v + u), exactly; L_vq vanishes with v.
 fn linearise<M: Mechanism<N>, const N: usize, const D: usize>(
     model: &M,
     target: &[f32; N],

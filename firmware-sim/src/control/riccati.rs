@@ -1,17 +1,17 @@
 use crate::error::SetupError;
 use nalgebra::{SMatrix, SVector};
 
-/// Doublings at most; each squares the closed loop, so 24 see ahead 2²⁴ ticks.
+/// Maximum number of doublings; each squares the closed loop, so 24 look 2²⁴ ticks ahead.
 const MAX_DOUBLINGS: usize = 24;
-/// Relative change below which the solution is said to stand, f32.
+/// Relative change below which the solution counts as converged, f32.
 const TOLERANCE: f32 = 1e-5;
 
-/// ẋ = Ax + bu, or x⁺ = Ax + bu after [`Linear::sampled`].
+/// Linear system ẋ = Ax + bu, or x⁺ = Ax + bu after [`Linear::sampled`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear<const D: usize> {
-    /// A.
+    /// Matrix A.
     pub a: SMatrix<f32, D, D>,
-    /// b.
+    /// Vector b.
     pub b: SVector<f32, D>,
 }
 
@@ -28,8 +28,8 @@ impl<const D: usize> Linear<D> {
     }
 }
 
-/// The gain K, as a column, of the feedback u = −Kx that minimises Σ xᵀQx + ru² along x⁺ = Ax + bu: K = bᵀPA/(r + bᵀPb) with
-/// the stabilising solution P of P = Q + AᵀP(I + bbᵀP/r)⁻¹A. An error where there is none.
+/// Computes the gain K, as a column, of the feedback u = −Kx that minimises Σ xᵀQx + ru² along x⁺ = Ax + bu: K = bᵀPA/(r + bᵀPb) with the
+/// stabilising solution P of P = Q + AᵀP(I + bbᵀP/r)⁻¹A. An error if there is none.
 ///
 /// Structure-preserving doubling: with G₀ = bbᵀ/r and P₀ = Q, W = (I + G P)⁻¹ gives A ← AWA, G ← G + AWGAᵀ,
 /// P ← P + AᵀPWA, where A vanishes quadratically. Source: Chu, Fan, Lin and Wang, "Structure-preserving algorithms for
@@ -57,7 +57,7 @@ pub fn riccati<const D: usize>(
     Err(SetupError::NotStabilisable)
 }
 
-/// K = bᵀPA/(r + bᵀPb), as a column.
+/// Gain K = bᵀPA/(r + bᵀPb), as a column.
 fn gain<const D: usize>(
     system: &Linear<D>,
     p: &SMatrix<f32, D, D>,
@@ -68,7 +68,7 @@ fn gain<const D: usize>(
     if k.iter().all(|k| k.is_finite()) { Ok(k) } else { Err(SetupError::NotStabilisable) }
 }
 
-/// ½(X + Xᵀ): rounding must not grow an antisymmetric part.
+/// ½(X + Xᵀ), so rounding cannot grow an antisymmetric part.
 fn symmetric<const D: usize>(x: &SMatrix<f32, D, D>) -> SMatrix<f32, D, D> {
     (x + x.transpose()) * 0.5
 }

@@ -6,18 +6,18 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
-/// When the regulator takes over from the pump, and when it gives up.
+/// Conditions under which the regulator takes over from the pump, and gives up.
 ///
-/// A regulator that spares its force (a small tolerance of u) asks near the unstable direction for about twice the least
-/// force that can still save it, so it recovers, saturated, from states that ask for up to twice the limit; one that does
-/// not spare it recovers from fewer.
+/// A regulator with a small tolerance of u spares its force: near the unstable direction it asks for about twice the smallest force that
+/// can still save the mechanism, and so recovers, saturated, from states for which it asks up to twice the limit. A regulator that does not
+/// spare its force recovers from fewer states.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Catch {
-    /// It takes over within this angle of upright, rad, > 0.
+    /// Angle from upright within which the regulator may take over, rad, > 0.
     pub angle: f32,
-    /// It takes over where it asks for at most so many times the actuator's limit, > 0; at most 2 is sensible.
+    /// Largest force at which the regulator may take over, as a multiple of the actuator's limit, > 0; at most 2 is sensible.
     pub force: f32,
-    /// It gives up beyond this angle, rad; at least `angle`.
+    /// Angle beyond which the regulator gives up, rad; at least `angle`.
     pub release: f32,
 }
 
@@ -33,15 +33,15 @@ impl Catch {
 /// Pumps energy until the mechanism is near upright, then holds it there.
 #[derive(Clone, Copy, Debug)]
 pub struct SwingUp<P, const N: usize> {
-    /// Brings it up.
+    /// Pump that brings the mechanism up.
     pub pump: P,
-    /// Holds it.
+    /// Regulator that holds it.
     pub regulator: Regulator<N>,
-    /// When to change between them.
+    /// Conditions for changing between pump and regulator.
     pub catch: Catch,
-    /// Which coordinate swings.
+    /// Index of the swinging coordinate.
     pub swinging: usize,
-    /// Which coordinates are angles.
+    /// Flags of the coordinates that are angles.
     pub angle: [bool; N],
     /// Largest force of the actuator, N or N m.
     pub limit: f32,
@@ -50,11 +50,11 @@ pub struct SwingUp<P, const N: usize> {
 }
 
 impl<P, const N: usize> SwingUp<P, N> {
-    /// Whether the regulator, which asks for so much force, should be at work.
+    /// Whether the regulator should be at work; `force` is the force that it asks for.
     fn holds(&self, state: &ContinuousState<f32, N>, force: f32) -> bool {
         let deviation = difference(&state.q, &self.regulator.target, &self.angle);
         debug_assert!(self.swinging < N, "one of the coordinates swings");
-        // Of no coordinate: never near upright.
+        // An invalid coordinate counts as never near upright.
         let angle = deviation.get(self.swinging).map_or(f32::INFINITY, |x| x.abs());
         if self.holding {
             angle < self.catch.release

@@ -37,7 +37,7 @@ where
     }
 }
 
-/// No controller: the commands are somebody else's.
+/// No controller: commands come from elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Listen;
 

@@ -7,12 +7,12 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
-/// Feedback of the tracking error as a desired acceleration −ω²e − 2ζωė, the same in every coordinate.
+/// Feedback gains: the tracking error gives a desired acceleration −ω²e − 2ζωė, with equal gains in every coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gains {
-    /// ω, rad/s, of the error's decay.
+    /// Rate ω of the error's decay, rad/s.
     pub frequency: f32,
-    /// ζ; 1 does not overshoot.
+    /// Damping ratio ζ; 1 does not overshoot.
     pub damping: f32,
 }
 
@@ -26,13 +26,13 @@ impl Gains {
     }
 }
 
-/// How a reference is followed.
+/// Control law for following a reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Law {
     /// Feed-forward by the model's inverse dynamics, feedback through its inertia matrix.
     #[default]
     ComputedTorque,
-    /// What holds the arm against gravity where it is, and PD feedback joint by joint: the usual rival.
+    /// Gravity compensation at the present position, and PD feedback joint by joint: the usual rival.
     PdGravity,
 }
 
@@ -42,13 +42,13 @@ pub enum Law {
 /// where the motion begins. Source: Siciliano et al., "Robotics", 2009, sections 8.5 and 8.5.1.
 #[derive(Clone, Copy, Debug)]
 pub struct Track<const N: usize> {
-    /// The feedback.
+    /// Feedback gains.
     pub gains: Gains,
-    /// How feed-forward and feedback are used.
+    /// Use of feed-forward and feedback.
     pub law: Law,
-    /// D, kg m² or kg.
+    /// Diagonal D of the inertia matrix, kg m² or kg.
     pub inertia: [f32; N],
-    /// Which coordinates are angles.
+    /// Flags of the coordinates that are angles.
     pub angle: [bool; N],
 }
 

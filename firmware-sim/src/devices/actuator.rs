@@ -6,34 +6,34 @@ use serde::{Deserialize, Serialize};
 
 pub use leastaction_core::observer::MAX_DELAY;
 
-/// Between the commands u and the forces τ = g u + o of all coordinates.
+/// Conversion between the commands u and the forces τ = g u + o of all coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drive<const N: usize> {
-    /// g, not 0: N or N m per unit of command.
+    /// Gain g, not 0: N or N m per unit of command.
     #[serde(with = "array")]
     pub gain: [f32; N],
-    /// o, N or N m.
+    /// Offset o, N or N m.
     #[serde(with = "array")]
     pub offset: [f32; N],
 }
 
 impl<const N: usize> Drive<N> {
-    /// The command is the force.
+    /// Ideal drive: the command is the force.
     pub const fn ideal() -> Self {
         Self { gain: [1.0; N], offset: [0.0; N] }
     }
 
-    /// τ = g u + o.
+    /// Force τ = g u + o.
     pub fn force(&self, u: &[f32; N]) -> [f32; N] {
         self.late(0.0).output(u)
     }
 
-    /// u = (τ − o)/g.
+    /// Command u = (τ − o)/g.
     pub fn command(&self, tau: &[f32; N]) -> [f32; N] {
         self.late(0.0).command(tau)
     }
 
-    /// With a delay of so much of a tick, in \[0, 1\].
+    /// Actuator with a delay, as a fraction of a tick in \[0, 1\].
     pub(crate) fn late(&self, delay: f32) -> forces::Actuator<f32, N> {
         forces::Actuator { gain: self.gain, offset: self.offset, delay }
     }
@@ -52,18 +52,18 @@ impl<const N: usize> Drive<N> {
 /// The actuators of all coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorConfig<const N: usize> {
-    /// Largest command, ≥ 0; 0 where a coordinate is not actuated.
+    /// Largest command, ≥ 0; 0 if a coordinate is not actuated.
     #[serde(with = "array")]
     pub limit: [f32; N],
-    /// Between command and force.
+    /// Conversion between command and force.
     pub drive: Drive<N>,
-    /// Ticks from a command to its effect, or any part of one, at most [`MAX_DELAY`]. The rest beyond whole ticks counts from when a
-    /// tick is due: a command that comes later still acts at once.
+    /// Delay from a command to its effect, in ticks or any part of one, at most [`MAX_DELAY`]. The part beyond whole ticks counts from the
+    /// time when a tick is due: a command that comes later still acts at once.
     pub delay: f32,
 }
 
 impl<const N: usize> ActuatorConfig<N> {
-    /// Actuators of these limits whose forces are the commands, one tick late.
+    /// Creates actuators with the given limits; forces are the commands, one tick late.
     pub const fn new(limit: [f32; N]) -> Self {
         Self { limit, drive: Drive::ideal(), delay: 1.0 }
     }
@@ -77,13 +77,13 @@ impl<const N: usize> ActuatorConfig<N> {
         require("actuator delay", self.delay, sensible, "from 0 to 8 ticks")
     }
 
-    /// `u` within the limits.
+    /// Clamps `u` to the limits.
     pub fn saturate(&self, u: &[f32; N]) -> [f32; N] {
         core::array::from_fn(|i| u[i].max(-self.limit[i]).min(self.limit[i]))
     }
 }
 
-/// Commands on their way: what goes in comes out so many ticks later.
+/// Delay line of commands: each comes out a number of ticks after it went in.
 pub type DelayLine<const N: usize> = leastaction_core::observer::DelayLine<f32, N>;
 
 /// Actuators with a delay line and saturation; between ticks they hold the force.
@@ -95,7 +95,7 @@ pub struct Actuator<const N: usize> {
 }
 
 impl<const N: usize> Actuator<N> {
-    /// Actuators without a command.
+    /// Creates actuators without a command.
     pub fn new(config: ActuatorConfig<N>) -> Self {
         let line = DelayLine::new(whole_and_rest(config.delay).0);
         Self { config, line, force: config.drive.force(&[0.0; N]) }
@@ -106,12 +106,12 @@ impl<const N: usize> Actuator<N> {
         self.force
     }
 
-    /// The part of a tick after which a command that is due in it takes effect.
+    /// Fraction of a tick after which a command that is due in the tick takes effect.
     pub fn rest(&self) -> f32 {
         whole_and_rest(self.config.delay).1
     }
 
-    /// Begins a tick: takes a command, if there is one, and applies the one that is due.
+    /// Begins a tick: takes a command, if there is one, and applies the command that is due.
     pub fn advance(&mut self, command: Option<[f32; N]>) -> [f32; N] {
         self.force = self.config.drive.force(&self.config.saturate(&self.line.advance(command)));
         self.force

@@ -1,19 +1,19 @@
 use super::{Device, Stream};
 use crate::error::{SetupError, require};
 
-/// How ticks go wrong.
+/// Faults of the clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClockConfig {
     /// Probability that a tick comes late, 0 to 1.
     pub late: f32,
-    /// Largest lateness as a fraction of the tick, 0 to 1; a late tick's is uniform below it.
+    /// Largest lateness as a fraction of the tick, 0 to 1; the lateness of a late tick is uniform below it.
     pub jitter: f32,
     /// Probability that a tick is missed: the firmware does not run and the last command is repeated, 0 to 1.
     pub missed: f32,
 }
 
 impl ClockConfig {
-    /// Every tick on time.
+    /// A clock with every tick on time.
     pub const fn perfect() -> Self {
         Self { late: 0.0, jitter: 0.0, missed: 0.0 }
     }
@@ -28,12 +28,12 @@ impl ClockConfig {
     }
 }
 
-/// When the firmware runs in a tick.
+/// Arrival of a tick at the firmware.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
-    /// How late, as a fraction of the tick.
+    /// Lateness as a fraction of the tick.
     pub lateness: f32,
-    /// Not at all.
+    /// Whether the tick was missed.
     pub missed: bool,
 }
 
@@ -45,7 +45,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock that draws from the seed's clock stream.
+    /// Creates a clock that draws from the seed's clock stream.
     pub fn new(config: ClockConfig, seed: u64) -> Self {
         Self { config, stream: Stream::new(seed, Device::Clock) }
     }

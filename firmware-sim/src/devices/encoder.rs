@@ -6,11 +6,11 @@ use core::f32::consts::TAU;
 /// An encoder of one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderConfig {
-    /// Whether it measures an angle: its readings are then wrapped to [−π, π].
+    /// Whether the coordinate is an angle, whose readings are wrapped to [−π, π].
     pub angle: bool,
-    /// One count, rad or m; 0: infinitely fine.
+    /// Size of one count, rad or m; 0: infinitely fine.
     pub resolution: f32,
-    /// What it reads more than there is, rad or m.
+    /// Zero, the excess of the reading over the true position, rad or m.
     pub zero: f32,
     /// Standard deviation of Gaussian noise before quantisation, rad or m, ≥ 0.
     pub noise: f32,
@@ -29,7 +29,7 @@ impl EncoderConfig {
         Self { angle: false, resolution: 1.0 / 20_000.0, zero: 0.0, noise: 2e-4, drop: 0.0 }
     }
 
-    /// The same encoder without noise, quantisation or drops.
+    /// The encoder without noise, quantisation or drops.
     #[must_use]
     pub const fn perfect(self) -> Self {
         Self { resolution: 0.0, noise: 0.0, drop: 0.0, ..self }
@@ -44,7 +44,7 @@ impl EncoderConfig {
         require("encoder drop probability", drop, (0.0..=1.0).contains(&drop), "from 0 to 1")
     }
 
-    /// What the encoder reads at x with a noise of so many standard deviations.
+    /// Reading at x with a noise of `deviation` standard deviations.
     fn read(&self, x: f32, deviation: f32) -> f32 {
         let noisy = x + self.zero + self.noise * deviation;
         let reading = if self.resolution > 0.0 {
@@ -64,12 +64,12 @@ pub struct Encoders<const N: usize> {
 }
 
 impl<const N: usize> Encoders<N> {
-    /// Encoders that draw from the seed's encoder stream.
+    /// Creates encoders that draw from the seed's encoder stream.
     pub fn new(config: [EncoderConfig; N], seed: u64) -> Self {
         Self { config, stream: Stream::new(seed, Device::Encoder) }
     }
 
-    /// One sample of every coordinate, rad or m; `None` where it was dropped. Readings are finite.
+    /// Samples every coordinate, rad or m; `None` for a dropped sample. Readings are finite.
     pub fn sample(&mut self, q: &[f32; N]) -> [Option<f32>; N] {
         core::array::from_fn(|i| {
             let (deviation, dropped) = (self.stream.normal(), self.stream.happens(self.config[i].drop));

@@ -1,4 +1,4 @@
-//! What lies between the firmware and the mechanism: encoders, actuators and the clock, with their faults.
+//! Devices between the firmware and the mechanism: encoders, actuators and the clock, with their faults.
 
 mod actuator;
 mod clock;
@@ -15,7 +15,7 @@ use crate::error::SetupError;
 /// All devices of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Devices<const N: usize> {
-    /// One encoder a coordinate.
+    /// One encoder per coordinate.
     pub encoders: [EncoderConfig; N],
     /// The actuators.
     pub actuator: ActuatorConfig<N>,
@@ -24,13 +24,13 @@ pub struct Devices<const N: usize> {
 }
 
 impl<const N: usize> Devices<N> {
-    /// Realistic devices: these encoders, actuators of these limits (N or N m) with one tick of delay, a perfect clock.
+    /// Creates realistic devices: the given encoders, actuators with the given limits (N or N m) and one tick of delay, a perfect clock.
     pub const fn new(encoders: [EncoderConfig; N], limit: [f32; N]) -> Self {
         Self { encoders, actuator: ActuatorConfig::new(limit), clock: ClockConfig::perfect() }
     }
 
-    /// The same mechanism with ideal devices: exact encoders (whose zeros stay), no delay, a perfect clock. Limits, gains and offsets of
-    /// the actuators stay.
+    /// The devices made ideal: exact encoders (whose zeros stay), no delay, a perfect clock. Limits, gains and offsets of the actuators
+    /// stay.
     #[must_use]
     pub fn perfect(self) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl<const N: usize> Devices<N> {
         }
     }
 
-    /// Which coordinates are angles.
+    /// Flags of the coordinates that are angles.
     pub fn angles(&self) -> [bool; N] {
         self.encoders.map(|encoder| encoder.angle)
     }

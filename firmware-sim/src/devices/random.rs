@@ -3,7 +3,7 @@ use leastaction_core::scalar::Scalar;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// What draws random numbers, each from a stream of its own.
+/// Sources of random numbers, each with a stream of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Device {
@@ -17,7 +17,7 @@ pub enum Device {
     Push,
 }
 
-/// A device's own stream of random numbers: the same for the same seed, whatever the other devices draw.
+/// A device's own stream of random numbers: it depends only on the seed, not on the draws of other devices.
 #[derive(Clone, Debug)]
 pub struct Stream(Pcg32);
 
@@ -46,7 +46,7 @@ impl Stream {
         radius * cos
     }
 
-    /// True with the given probability; draws one number whatever it is.
+    /// True with the given probability; always draws one number.
     pub fn happens(&mut self, probability: f32) -> bool {
         self.uniform() < probability
     }

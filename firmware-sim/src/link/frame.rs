@@ -1,20 +1,20 @@
-//! Bytes of a frame: a postcard document, its CRC-32, and COBS around both, so that a 0 ends a frame and is nowhere else.
+//! Bytes of a frame: a postcard document, its CRC-32, and COBS around both, so a 0 ends a frame and occurs nowhere else.
 //!
-//! COBS is of Cheshire and Baker, "Consistent Overhead Byte Stuffing", SIGCOMM 1997. A frame is too short for a block of
-//! 254 bytes, so that every block stands for a 0 behind it.
+//! COBS is from Cheshire and Baker, "Consistent Overhead Byte Stuffing", SIGCOMM 1997. A frame is too short for a block of 254 bytes, so
+//! every block stands for a 0 behind it.
 
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::Serialize;
 use serde::de::Deserialize;
 
-/// Bytes of a document and its checksum at most; all messages of up to 7 coordinates are shorter.
+/// Maximum length of a document with its checksum, bytes; all messages of up to 7 coordinates are shorter.
 pub const MAX_FRAME: usize = 256;
 
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;
 
-/// What arrived is not a whole frame with the message that was expected: a byte was lost, changed or added, or it is too long.
+/// The bytes received are not a whole frame with the expected message: a byte was lost, changed or added, or the frame is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Broken;
 
@@ -38,7 +38,7 @@ impl Frame {
         Self { bytes: [0; MAX_FRAME], length: 0 }
     }
 
-    /// A message; [`Broken`] where it does not fit.
+    /// Creates the frame of a message; [`Broken`] if it does not fit.
     pub fn of(message: &impl Serialize) -> Result<Self, Broken> {
         let mut frame = Self::empty();
         let length = postcard::to_slice(message, &mut frame.bytes).map_err(|_| Broken)?.len();
@@ -50,7 +50,7 @@ impl Frame {
         Ok(frame)
     }
 
-    /// Hands over the bytes as they go over the link, to the first error.
+    /// Hands over the bytes in their form on the link, up to the first error.
     pub fn send<E>(&self, mut to: impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
         debug_assert!(
             self.length <= MAX_FRAME,
@@ -64,7 +64,7 @@ impl Frame {
         to(0)
     }
 
-    /// The message in it; [`Broken`] where the checksum does not fit, the message is of another kind, or bytes follow it.
+    /// The message of the frame; [`Broken`] if the checksum does not match, the message is of another kind, or bytes follow it.
     pub fn message<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
         match postcard::take_from_bytes(self.document()?) {
             Ok((message, [])) => Ok(message),
@@ -72,7 +72,7 @@ impl Frame {
         }
     }
 
-    /// The first message of a document, whatever follows it.
+    /// The first part of a document, whatever follows it.
     pub(super) fn beginning<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
         postcard::take_from_bytes(self.document()?).map(|(message, _)| message).map_err(|_| Broken)
     }
@@ -90,11 +90,11 @@ impl Frame {
     }
 }
 
-/// Puts arriving bytes together to frames.
+/// Assembles arriving bytes into frames.
 #[derive(Clone, Debug)]
 pub struct Receiver {
     frame: Frame,
-    /// Bytes to the end of a block; `None` before the first.
+    /// Bytes left to the end of a block; `None` before the first block.
     left: Option<u8>,
     broken: bool,
 }
@@ -106,7 +106,7 @@ impl Default for Receiver {
 }
 
 impl Receiver {
-    /// Takes a byte: the frame that it ends, if it ends one. After a broken frame the next is read as if nothing had been.
+    /// Takes a byte, and returns the frame that it ends, if any. A broken frame does not affect the next.
     pub fn push(&mut self, byte: u8) -> Option<Result<Frame, Broken>> {
         if byte != 0 {
             self.broken |= self.take(byte).is_err();

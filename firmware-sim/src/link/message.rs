@@ -9,82 +9,82 @@ use serde::{Deserialize, Serialize};
 /// Version of the messages: the first byte of every document.
 pub const VERSION: u8 = 6;
 
-/// What the world asks of a processor.
+/// Request from the world to a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request<const N: usize> {
-    /// To load the model in its flash and run a program from the beginning.
+    /// Loads the model in the processor's flash and runs a program from the beginning.
     Begin(Program<N>),
-    /// To run a tick.
+    /// Runs a tick.
     Tick(Samples<N>),
-    /// To end.
+    /// Ends the program.
     End,
-    /// To run a tick of a log.
+    /// Runs a tick of a log.
     Log(LoggedSamples<N>),
 }
 
-/// What the firmware is told at the beginning of a tick of a log.
+/// Input of the firmware at the beginning of a tick of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoggedSamples<const N: usize> {
-    /// The number of the request; its answer has the same.
+    /// Number of the request, repeated in its answer.
     pub sequence: u32,
-    /// Ticks since the one before.
+    /// Number of ticks since the previous tick of the log.
     pub elapsed: u32,
-    /// Encoder readings, rad or m; `None` where missing.
+    /// Encoder readings, rad or m; `None` for a missing one.
     #[serde(with = "array")]
     pub measured: [Option<f32>; N],
-    /// The command that was given.
+    /// Command that was given.
     #[serde(with = "array")]
     pub command: [f32; N],
 }
 
-/// What the firmware is told at the beginning of a tick.
+/// Input of the firmware at the beginning of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Samples<const N: usize> {
-    /// The number of the request; its answer has the same.
+    /// Number of the request, repeated in its answer.
     pub sequence: u32,
-    /// Ticks since the last one that was run.
+    /// Number of ticks since the last one that was run.
     pub elapsed: u32,
-    /// Encoder readings, rad or m; `None` where dropped.
+    /// Encoder readings, rad or m; `None` for a dropped one.
     #[serde(with = "array")]
     pub measured: [Option<f32>; N],
-    /// What the command of this tick is for.
+    /// Target of the command of this tick.
     pub target: Target<N>,
 }
 
-/// What a processor answers.
+/// Answer of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer<'a, const N: usize> {
     /// The program can run.
     Ready {
-        /// The processor's own name.
+        /// Name of the processor.
         processor: &'a str,
     },
     /// A tick was run.
     Done(Done<N>),
-    /// The request is refused.
+    /// The request was refused.
     Refused(Refusal),
 }
 
-/// A tick that was run.
+/// Result of a tick that was run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Done<const N: usize> {
-    /// The number of the request.
+    /// Number of the request.
     pub sequence: u32,
-    /// What the firmware made of it.
+    /// Outcome of the firmware.
     pub outcome: Outcome<N>,
-    /// Instructions that it took; 0 where nobody counts.
+    /// Number of instructions that the tick took; 0 if they are not counted.
     pub instructions: u32,
 }
 
-/// The frame of a request.
+/// Creates the frame of a request.
 pub fn request<const N: usize>(request: &Request<N>) -> Result<Frame, Broken> {
     Frame::of(&(VERSION, N as u8, request))
 }
 
-/// The request in a frame.
+/// Reads the request in a frame.
 ///
 /// # Errors
-/// Where the frame holds no request of this version in N coordinates: why.
+/// The reason why the frame holds no request of this version in N coordinates.
 pub fn parse_request<const N: usize>(frame: &Frame) -> Result<Request<N>, Refusal> {
     let (version, coordinates): (u8, u8) = frame.beginning().map_err(|_| Refusal::Frame)?;
     if version != VERSION {
@@ -96,15 +96,15 @@ pub fn parse_request<const N: usize>(frame: &Frame) -> Result<Request<N>, Refusa
     frame.message::<(u8, u8, _)>().map(|(_, _, request)| request).map_err(|_| Refusal::Frame)
 }
 
-/// The frame of an answer.
+/// Creates the frame of an answer.
 pub fn answer<const N: usize>(answer: &Answer<'_, N>) -> Result<Frame, Broken> {
     Frame::of(&(VERSION, answer))
 }
 
-/// The answer in a frame.
+/// Reads the answer in a frame.
 ///
 /// # Errors
-/// Where the frame holds no answer of this version in N coordinates.
+/// [`Broken`] if the frame holds no answer of this version in N coordinates.
 pub fn parse_answer<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, Broken> {
     match frame.message()? {
         (VERSION, answer) => Ok(answer),

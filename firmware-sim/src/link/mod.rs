@@ -1,4 +1,4 @@
-//! The link between a world and a processor in another place: what goes over it, and the processor's end, [`serve`].
+//! The link between a world and a processor in another place: its messages, and the processor's end, [`serve`].
 //!
 //! `firmware-sim/LINK.md` has the frames byte by byte. The world asks and the processor answers, one frame each way:
 //! first a [`Program`](crate::Program), answered with [`Answer::Ready`] or a [`Refusal`], then tick after tick. Nothing

@@ -3,22 +3,22 @@ use core::fmt;
 use leastaction_core::model::{Coded, ModelError, entry_of};
 use serde::{Deserialize, Serialize};
 
-/// Why a processor refuses a request.
+/// Reason why a processor refuses a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
     /// The frame was damaged, or is no request.
     Frame,
-    /// The messages are of another version.
+    /// The messages have another version.
     Version {
-        /// The one that it speaks.
+        /// Version that the processor speaks.
         supported: u8,
     },
-    /// It has no program for so many coordinates.
+    /// The processor has no program for this number of coordinates.
     Coordinates {
-        /// The largest number that it has one for.
+        /// Largest number of coordinates for which it has a program.
         supported: u8,
     },
-    /// A tick before a program was begun.
+    /// A tick came before a program was begun.
     NotBegun,
     /// There is no model in its flash.
     NoModel,
@@ -28,12 +28,12 @@ pub enum Refusal {
     Program(ProgramFault),
 }
 
-/// Why a model file is refused: a reason of core's [catalogue](leastaction_core::model::CATALOGUE).
+/// Refusal of a model file: a reason of core's [catalogue](leastaction_core::model::CATALOGUE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelRefusal {
-    /// Its number there.
+    /// Number of the reason in the catalogue.
     pub code: u8,
-    /// Its numbers, as of the error; those beyond 32 bits are cut to `u32::MAX`.
+    /// Numbers of the error; those beyond 32 bits are cut to `u32::MAX`.
     pub numbers: [u32; 3],
 }
 
@@ -44,7 +44,7 @@ impl From<ModelError> for ModelRefusal {
     }
 }
 
-/// The kinds of [`SetupError`], without their words.
+/// Kinds of [`SetupError`], without their details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProgramFault {
     /// A number is out of its range, or the model's upright position is not above the hanging one.
@@ -53,7 +53,7 @@ pub enum ProgramFault {
     SingularInertia,
     /// No feedback holds the model upright.
     NotStabilisable,
-    /// Only mechanisms of one and two coordinates are brought upright.
+    /// The program needs a swing-up, which exists only for mechanisms of one and two coordinates.
     NoSwingUp,
 }
 

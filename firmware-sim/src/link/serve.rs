@@ -11,30 +11,30 @@ use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelE
 
 /// A board's end of a link.
 pub trait Port {
-    /// Why no byte comes or goes any more.
+    /// Reason why no more bytes come or go.
     type Error;
 
     /// Waits for a byte.
     ///
     /// # Errors
-    /// Where none will come.
+    /// An error if no byte will come.
     fn receive(&mut self) -> Result<u8, Self::Error>;
     /// Sends a byte.
     ///
     /// # Errors
-    /// Where it cannot go.
+    /// An error if the byte cannot be sent.
     fn send(&mut self, byte: u8) -> Result<(), Self::Error>;
-    /// Does some work, and counts its instructions where the board can.
+    /// Does some work, and counts its instructions if the board can.
     fn count<T>(&mut self, work: impl FnOnce() -> T) -> (u32, T) {
         (0, work())
     }
 }
 
-/// Friction with laws that have networks. Models without such a law run as they do in a program that knows none.
+/// Friction and laws with networks. Models without such laws run as in a program that knows none.
 type AllForces<'a, const H: usize, const D: usize, const N: usize> =
     (Friction<N>, (Dissipation<'a, f32, N, H, D>, PotentialCorrection<'a, f32, N, H, D>));
 
-/// Runs a program of `$n` coordinates over the model in a file: inertia-network, or of rigid bodies.
+/// Runs a program of `$n` coordinates over the model in a file, an inertia network or rigid bodies.
 macro_rules! run {
     ($link:ident, $file:ident, $program:ident, $n:literal) => {
         match $file.map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
@@ -55,7 +55,7 @@ macro_rules! run {
     };
 }
 
-/// Runs a program over a model that was loaded, begun by `$start`, or says why it was not.
+/// Runs a program over a loaded model, begun by `$start`, or answers with the reason for refusing it.
 macro_rules! over {
     ($link:ident, $loaded:expr, $program:ident) => {
         over!($link, $loaded, $program, start)
@@ -68,11 +68,12 @@ macro_rules! over {
     }};
 }
 
-/// Serves requests until one is to end: programs over an inertia network of 1 or 2 coordinates with at most `D` hidden layers
-/// of at most `H` units, or over 1 or 2 rigid bodies, with laws of force of such networks or without, borrowed where it lies, in the name of a processor.
+/// Serves requests until one ends the program, in the name of a processor: programs over an inertia network of 1 or 2 coordinates with at
+/// most `D` hidden layers of at most `H` units, or over 1 or 2 rigid bodies, optionally with laws of force with such networks. The model is
+/// borrowed in place.
 ///
 /// # Errors
-/// The port's own.
+/// Errors of the port.
 pub fn serve<P: Port, const H: usize, const D: usize>(
     port: &mut P,
     model: Option<&[u8]>,
@@ -95,11 +96,11 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     }
 }
 
-/// Serves requests until one is to end: programs over an arm of N joints, with damping and dry friction or without, borrowed where it
-/// lies, in the name of a processor. It follows targets, and brings nothing upright.
+/// Serves requests until one ends the program, in the name of a processor: programs over an arm of N joints, optionally with damping and
+/// dry friction, borrowed in place. It follows targets, and brings nothing upright.
 ///
 /// # Errors
-/// The port's own.
+/// Errors of the port.
 pub fn serve_arm<P: Port, const N: usize>(
     port: &mut P,
     model: Option<&[u8]>,
@@ -119,7 +120,7 @@ pub fn serve_arm<P: Port, const N: usize>(
     }
 }
 
-/// A port with frames.
+/// A port that transfers frames.
 struct Link<'a, P> {
     port: &'a mut P,
     receiver: Receiver,
@@ -127,7 +128,7 @@ struct Link<'a, P> {
 }
 
 impl<P: Port> Link<'_, P> {
-    /// Waits for a whole frame; broken ones are refused on the way.
+    /// Waits for a whole frame, refusing broken frames on the way.
     fn receive(&mut self) -> Result<Frame, P::Error> {
         loop {
             let byte = self.port.receive()?;
@@ -142,7 +143,7 @@ impl<P: Port> Link<'_, P> {
     fn send<const N: usize>(&mut self, message: &Answer<'_, N>) -> Result<(), P::Error> {
         match answer(message) {
             Ok(frame) => frame.send(|byte| self.port.send(byte)),
-            // The other end would hear nothing, and say so.
+            // Sends nothing: the other end would notice, and say so.
             Err(_) => {
                 debug_assert!(false, "no answer is longer than a frame");
                 Ok(())

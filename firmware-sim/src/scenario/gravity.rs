@@ -9,24 +9,25 @@ use crate::tick::Tick;
 use crate::{Mechanism, Program, Task};
 use leastaction_core::scalar::{Scalar, max_abs};
 
-/// When the push begins and ends, s.
+/// Beginning and end of the push, s.
 const PUSH: [f32; 2] = [2.0, 2.2];
-/// Until then what the observer took the brakes for may still be in its estimate, s.
+/// Time until which the estimate may still be affected by the brakes, s.
 const FLOATS: f32 = 0.5;
-/// Below this speed a mechanism is at rest, rad/s or m/s.
+/// Speed below which a mechanism counts as at rest, rad/s or m/s.
 const REST: f32 = 0.05;
 
 /// A fully actuated mechanism that floats, held against gravity alone, and is pushed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GravityConfig<const N: usize> {
-    /// Loop, devices, goal, push; the error is the way from the start.
+    /// Loop, devices, goal and push; the error is the distance from the start.
     pub setup: Setup<N>,
-    /// [`Float::drag`](crate::control::Float::drag), 1/s.
+    /// Drag as in [`Float::drag`](crate::control::Float::drag), 1/s.
     pub drag: f32,
 }
 
 impl<const N: usize> GravityConfig<N> {
-    /// From rest at `start`, where brakes hold it until the first command acts, 10 s of 10 ms, pushed from 2.0 to 2.2 s by up to `push` (N or N m) in every coordinate; a drag of 1/s.
+    /// Creates a run of 10 s in ticks of 10 ms from rest at `start`, where brakes hold the mechanism until the first command acts. It is
+    /// pushed from 2.0 to 2.2 s by up to `push` (N or N m) in every coordinate; the drag is 1/s.
     pub const fn new(
         encoders: [EncoderConfig; N],
         limit: [f32; N],
@@ -42,7 +43,7 @@ impl<const N: usize> GravityConfig<N> {
         Self { setup, drag: 1.0 }
     }
 
-    /// What the firmware is told.
+    /// Program of the firmware.
     pub fn program(&self) -> Program<N> {
         self.setup.program(Task::Float { begin: self.setup.start.q, drag: self.drag })
     }
@@ -67,23 +68,23 @@ impl GravityConfig<2> {
     }
 }
 
-/// How a mechanism floated, from its ticks.
+/// Measures of a floating mechanism, from its ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floating<const N: usize> {
     push: [f32; 2],
     angle: [bool; N],
     quiet: Option<(f32, [f32; N])>,
     pushed: Option<[f32; N]>,
-    /// Mean velocity before the push, from half a second on: what the model's gravity is wrong by, less what friction bears; rad/s or m/s.
+    /// Mean velocity before the push, from half a second on: the error of the model's gravity, less what friction bears; rad/s or m/s.
     pub drift: [f32; N],
-    /// Largest way from where it was pushed, rad or m.
+    /// Largest distance from the point of the push, rad or m.
     pub peak: [f32; N],
-    /// From the end of the push until every speed is below 0.05 rad/s or m/s for good, s; `None` where it is not at the end.
+    /// Time from the end of the push until every speed stays below 0.05 rad/s or m/s, s; `None` if the mechanism still moves at the end.
     pub rest_after: Option<f32>,
 }
 
 impl<const N: usize> Floating<N> {
-    /// Before the first tick of a run.
+    /// Creates the measures before the first tick of a run.
     pub fn new(setup: &Setup<N>) -> Self {
         let (push, angle) = ([setup.push.begin, setup.push.end], setup.devices.angles());
         let zero = [0.0; N];
@@ -112,13 +113,13 @@ impl<const N: usize> Floating<N> {
         }
     }
 
-    /// Whether it was at rest at the end.
+    /// Whether the mechanism was at rest at the end.
     pub fn rests(&self) -> bool {
         self.rest_after.is_some()
     }
 }
 
-/// Lets a mechanism float, held by the model's gravity alone, and pushes it; a success where it is at rest at the end.
+/// Lets a mechanism float, held by the model's gravity alone, and pushes it; the run succeeds if the mechanism is at rest at the end.
 ///
 /// # Errors
 /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.

@@ -18,7 +18,7 @@ use leastaction_core::scalar::Scalar;
 pub struct Excitation<const N: usize> {
     /// Amplitude, N or N m; limited by the actuators.
     pub amplitude: [f32; N],
-    /// f, Hz.
+    /// Frequency f, Hz.
     pub frequency: [f32; N],
 }
 
@@ -36,17 +36,17 @@ impl<const N: usize> Excitation<N> {
     }
 }
 
-/// The model stepped beside the plant under the same force, without feedback: no encoder, no clock, no delay.
+/// A comparison: the model stepped beside the plant under the same force, without feedback: no encoder, no clock, no delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predict<const N: usize> {
-    /// The loop; of the devices only the limits count, and which coordinates are angles.
+    /// The loop; of its devices, only the limits and the flags of angles are used.
     pub setup: Setup<N>,
-    /// The force.
+    /// Force on plant and model.
     pub excitation: Excitation<N>,
 }
 
 impl<const N: usize> Predict<N> {
-    /// 5 s of 10 ms at order 4, errors within 0.01 rad or m throughout.
+    /// Creates a run of 5 s in ticks of 10 ms at order 4; errors must stay within 0.01 rad or m throughout.
     const fn new(
         encoders: [EncoderConfig; N],
         limit: [f32; N],
@@ -70,7 +70,7 @@ impl<const N: usize> Predict<N> {
 }
 
 impl Predict<1> {
-    /// The pendulum from anywhere, excited by 2 N m at 0.5 Hz.
+    /// The pendulum from any angle, excited by 2 N m at 0.5 Hz.
     pub const fn pendulum() -> Self {
         let start = Start { q: [PI], q_spread: [2.0], v_spread: [1.0] };
         Self::new([EncoderConfig::rotary()], [2.0], start, Excitation { amplitude: [2.0], frequency: [0.5] })
@@ -78,7 +78,7 @@ impl Predict<1> {
 }
 
 impl Predict<2> {
-    /// The cart-pole with the pole anywhere below the horizontal, excited by 2 N on the cart at 0.5 Hz.
+    /// The cart-pole with the pole at any angle below the horizontal, excited by 2 N on the cart at 0.5 Hz.
     pub const fn cartpole() -> Self {
         let start = Start { q: [0.0, PI], q_spread: [0.5, 1.5], v_spread: [0.05, 1.0] };
         let excitation = Excitation { amplitude: [2.0, 0.0], frequency: [0.5; 2] };
@@ -117,7 +117,7 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
         }
     }
 
-    /// One tick under a force. The first takes the plant's position q₁ instead of a velocity: positions suffice.
+    /// Takes one tick under a force. The first takes the plant's position q₁ instead of a velocity: positions suffice.
     fn advance(&mut self, u: &[f32; N], q1: &[f32; N]) -> Result<(), StepError<f32>> {
         self.mode = Mode::Safe;
         let u = Control::held(*u);
@@ -163,8 +163,8 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
 
 /// Steps the model beside the plant under the same force, from the plant's first two positions.
 ///
-/// The error of a tick is the plant's position minus the model's; as measured it shows the true position. Where a step is
-/// refused the model stays where it was.
+/// The error of a tick is the plant's position minus the model's; the measured position is the true one. If a step is refused, the model
+/// stays where it was.
 ///
 /// # Errors
 /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.

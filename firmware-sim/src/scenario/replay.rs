@@ -9,26 +9,27 @@ use crate::tick::Tick;
 /// A tick of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Logged<const N: usize> {
-    /// Ticks since the one before; [`Logged::FIRST`] where another recording begins.
+    /// Number of ticks since the previous one; [`Logged::FIRST`] where another recording begins.
     pub elapsed: u32,
-    /// When, s.
+    /// Time, s.
     pub time: f32,
     /// Encoder readings, rad or m.
     pub measured: [Option<f32>; N],
-    /// The command that was given then.
+    /// Command that was given at that time.
     pub command: [f32; N],
 }
 
 impl<const N: usize> Logged<N> {
-    /// Longer than any patience: the firmware forgets the state that it knew, though not the zeros that it learned, and takes the first command to have stood before.
+    /// Ticks longer than any patience: the firmware forgets the state that it knew, but not the zeros that it learned, and assumes that the
+    /// first command stood before.
     pub const FIRST: u32 = FIRST_TICK;
 }
 
-/// Runs a firmware along a log: its observer takes the readings, the commands of the log take the place of the controller's.
+/// Runs a firmware along a log: its observer takes the readings, and the commands of the log replace the controller's.
 ///
-/// In a tick, q is the last reading, the reference what the model predicted that the encoder would read, and the error the innovation, one
-/// minus the other, 0 before there was an estimate; v, which no encoder reads, is 0. The force applied is what the program takes the log's
-/// command for, delays apart. The goal is that the model never fails.
+/// q of a tick is the last reading, the reference is the model's prediction of the reading, and the error is the innovation, the reading
+/// minus the prediction, 0 before there was an estimate; v, which no encoder reads, is 0. The applied force is the program's force for the
+/// command of the log, without delays. The goal is that the model never fails.
 ///
 /// # Errors
 /// A program out of range, and the first tick that the processor does not run.

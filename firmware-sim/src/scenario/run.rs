@@ -12,16 +12,16 @@ use core::convert::Infallible;
 use core::fmt;
 use leastaction_core::linear::add_scaled;
 
-/// The world as the firmware meets it.
+/// The world as the firmware sees it.
 struct World<'a, P, const N: usize> {
     plant: Plant<'a, P, N>,
     encoders: Encoders<N>,
     actuator: Actuator<N>,
     clock: Clock,
     push: Push<N>,
-    /// The push of this run, and that of this tick.
+    /// Push of this run, and push of this tick.
     pushes: [[f32; N]; 2],
-    /// The force at which brakes still hold it, where there are any: that without a command.
+    /// Force without a command, at which brakes still hold the mechanism; `None` without brakes, or after they opened.
     braked: Option<[f32; N]>,
     h: f32,
     errors: u32,
@@ -43,12 +43,12 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
         }
     }
 
-    /// The tick at time t (s) begins.
+    /// Begins the tick at time t (s).
     fn begin(&mut self, t: f32) {
         self.pushes[1] = if self.push.acts(t) { self.pushes[0] } else { [0.0; N] };
     }
 
-    /// Lets a fraction of a tick go by under the forces that act.
+    /// Lets a fraction of a tick pass under the acting forces.
     fn pass(&mut self, fraction: f32) {
         let force = self.actuator.force();
         self.braked = self.braked.filter(|braked| *braked == force);
@@ -60,7 +60,8 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
         self.errors += u32::from(moved.is_err());
     }
 
-    /// Takes the command of a tick that came so late, and lets the rest of the tick go by; the force that acts from then on.
+    /// Takes the command of a tick that came late by `lateness`, and lets the rest of the tick pass; returns the force that acts from then
+    /// on.
     fn act(&mut self, command: Option<[f32; N]>, lateness: f32) -> [f32; N] {
         let effect = lateness.max(self.actuator.rest());
         self.pass(effect - lateness);
@@ -70,16 +71,16 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
     }
 }
 
-/// A processor in its world, tick by tick.
+/// A processor in its world, run tick by tick.
 struct Loop<'a, P, R, T, const N: usize> {
     world: World<'a, P, N>,
     processor: R,
     trajectory: T,
-    /// From a command to its effect as far as the firmware knows, s.
+    /// Delay from a command to its effect as far as the firmware knows, s.
     delay: f32,
     recorder: Recorder<N>,
     angle: [bool; N],
-    /// Ticks since the firmware last ran.
+    /// Number of ticks since the firmware last ran.
     elapsed: u32,
 }
 
@@ -115,7 +116,7 @@ impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_
         })
     }
 
-    /// The firmware's part.
+    /// Runs the firmware's part of a tick.
     fn run(
         &mut self,
         time: f32,
@@ -134,16 +135,16 @@ impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_
     }
 }
 
-/// Why a run on a processor did not come to its end.
+/// Reason why a run on a processor did not reach its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RunError<E> {
-    /// It cannot begin.
+    /// The run cannot begin.
     Setup(SetupError),
-    /// The processor did not run a tick; the sink has seen all before it.
+    /// The processor did not run a tick; the sink has seen all ticks before it.
     Processor {
-        /// The tick's index.
+        /// Index of the tick.
         tick: u32,
-        /// Why.
+        /// Error of the processor.
         error: E,
     },
 }
@@ -159,7 +160,7 @@ impl<E: fmt::Display> fmt::Display for RunError<E> {
 
 impl<E: core::error::Error> core::error::Error for RunError<E> {}
 
-/// A firmware in place always runs, so that only its setup can fail.
+/// A firmware in place always runs, so only its setup can fail.
 impl From<RunError<Infallible>> for SetupError {
     fn from(error: RunError<Infallible>) -> Self {
         match error {
@@ -169,7 +170,7 @@ impl From<RunError<Infallible>> for SetupError {
     }
 }
 
-/// Runs a world against what runs the firmware's part of its ticks, along a trajectory.
+/// Runs a world along a trajectory, with `processor` for the firmware's part of its ticks.
 ///
 /// # Errors
 /// A setup out of range, and the first tick that the processor does not run.
@@ -200,7 +201,7 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
     Ok(looped.recorder.finish())
 }
 
-/// The same with a firmware that always runs.
+/// Runs a world with a firmware that always runs.
 pub(super) fn run_in_place<P, R, const N: usize>(
     plant: &P,
     firmware: R,

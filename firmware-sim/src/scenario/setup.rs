@@ -5,10 +5,10 @@ use crate::summary::Goal;
 use crate::{Program, Task};
 use leastaction_core::continuous::ContinuousState;
 
-/// Longest run, ticks: beyond it f32 no longer tells every tick's time from the next.
+/// Longest run, ticks: beyond it, f32 no longer distinguishes the times of successive ticks.
 const MAX_TICKS: f32 = 16_777_216.0;
 
-/// Where a run begins: each component uniform in centre ± spread.
+/// Start of a run: each component uniform in centre ± spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start<const N: usize> {
     /// Centre of the position, rad or m.
@@ -20,12 +20,12 @@ pub struct Start<const N: usize> {
 }
 
 impl<const N: usize> Start<N> {
-    /// At rest at a position.
+    /// Start at rest at a position.
     pub const fn at_rest(q: [f32; N]) -> Self {
         Self { q, q_spread: [0.0; N], v_spread: [0.0; N] }
     }
 
-    /// The initial state that belongs to a seed.
+    /// Draws the initial state that belongs to a seed.
     pub fn draw(&self, seed: u64) -> ContinuousState<f32, N> {
         let mut stream = Stream::new(seed, Device::Start);
         let q = core::array::from_fn(|i| self.q[i] + self.q_spread[i] * stream.symmetric());
@@ -40,14 +40,14 @@ impl<const N: usize> Start<N> {
     }
 }
 
-/// Forces that push the mechanism for a while, of which the firmware is told nothing.
+/// Forces that push the mechanism for a while, unknown to the firmware.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push<const N: usize> {
-    /// First time, s.
+    /// Beginning, s.
     pub begin: f32,
-    /// Last time, s.
+    /// End, s.
     pub end: f32,
-    /// Each force is uniform within ± this, N or N m.
+    /// Bound of each force, which is uniform within ± this, N or N m.
     pub most: [f32; N],
 }
 
@@ -57,13 +57,13 @@ impl<const N: usize> Push<N> {
         Self { begin: 0.0, end: 0.0, most: [0.0; N] }
     }
 
-    /// The forces that belong to a seed.
+    /// Draws the forces that belong to a seed.
     pub fn draw(&self, seed: u64) -> [f32; N] {
         let mut stream = Stream::new(seed, Device::Push);
         self.most.map(|most| most * stream.symmetric())
     }
 
-    /// Whether it acts over the tick that begins at time t, s.
+    /// Whether the push acts over the tick that begins at time t, s.
     pub(super) fn acts(&self, t: f32) -> bool {
         (self.begin..self.end).contains(&t)
     }
@@ -74,7 +74,7 @@ impl<const N: usize> Push<N> {
     }
 }
 
-/// What all scenarios share.
+/// Settings that all scenarios share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup<const N: usize> {
     /// Seed of all random numbers.
@@ -83,26 +83,27 @@ pub struct Setup<const N: usize> {
     pub tick: f32,
     /// Length of the run, s; at least one tick.
     pub seconds: f32,
-    /// Integration steps of the plant in a tick, at least 1.
+    /// Number of integration steps of the plant in a tick, at least 1.
     pub substeps: u16,
     /// The initial state.
     pub start: Start<N>,
     /// Encoders, actuators and clock.
     pub devices: Devices<N>,
-    /// What disturbs it.
+    /// Disturbance of the mechanism.
     pub push: Push<N>,
-    /// Whether brakes hold it until the first command takes effect.
+    /// Whether brakes hold the mechanism until the first command takes effect.
     pub brakes: bool,
-    /// What the firmware takes gain and offset of the actuators for.
+    /// Gain and offset of the actuators that the firmware assumes.
     pub known_drive: Drive<N>,
-    /// How the firmware steps its model and estimates the state.
+    /// Configuration of the model's steps and of the state estimate.
     pub observer: ObserverConfig,
-    /// When the run counts as a success.
+    /// Goal of the run.
     pub goal: Goal<N>,
 }
 
 impl<const N: usize> Setup<N> {
-    /// 10 s of 10 ms from `start`, undisturbed, without brakes; gain and offset of the actuators are taken for 1 and 0.
+    /// Creates a run of 10 s in ticks of 10 ms from `start`, undisturbed, without brakes; the firmware assumes gain 1 and offset 0 of the
+    /// actuators.
     pub const fn new(start: Start<N>, devices: Devices<N>, goal: Goal<N>) -> Self {
         Self {
             seed: 0,
@@ -119,29 +120,29 @@ impl<const N: usize> Setup<N> {
         }
     }
 
-    /// Ticks of the run.
+    /// Number of ticks of the run.
     pub fn ticks(&self) -> u32 {
         libm::roundf(self.seconds / self.tick) as u32
     }
 
-    /// The same run with ideal devices and a firmware that knows of no delay.
+    /// The run with ideal devices, and a firmware that knows of no delay.
     #[must_use]
     pub fn perfect(self) -> Self {
         let observer = ObserverConfig { delay: 0.0, ..self.observer };
         Self { devices: self.devices.perfect(), observer, ..self }
     }
 
-    /// What the firmware is told of it, for a task.
+    /// Program that the firmware gets for a task.
     pub(super) fn program(&self, task: Task<N>) -> Program<N> {
         let Self { tick, devices, known_drive: drive, observer, .. } = *self;
         let actuator = ActuatorConfig { drive, ..devices.actuator };
         Program { tick, angle: devices.angles(), actuator, observer, task }
     }
 
-    /// Whether every number is in its range.
+    /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first number that is out of range.
     pub fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
         let ticks = self.seconds / self.tick;

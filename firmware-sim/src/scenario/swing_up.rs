@@ -14,20 +14,20 @@ use core::f32::consts::PI;
 pub struct SwingUpConfig<const N: usize> {
     /// Loop, devices, goal.
     pub setup: Setup<N>,
-    /// How energy is pumped in.
+    /// Settings of the energy pump.
     pub pump: PumpConfig,
-    /// What the regulator weighs.
+    /// Tolerances of the regulator.
     pub tolerance: Tolerance<N>,
-    /// When the regulator takes over.
+    /// Conditions under which the regulator takes over.
     pub catch: Catch,
 }
 
-/// Within 0.1 rad of upright over the last 2 s.
+/// Largest angle from upright, rad, over the last 2 s.
 const UPRIGHT: f32 = 0.1;
 const HOLD: f32 = 2.0;
 
 impl SwingUpConfig<1> {
-    /// The pendulum from about hanging, 10 s of 10 ms, with at most 2 N m (lifting [`PENDULUM`] takes 4.9 N m).
+    /// The pendulum from near hanging, 10 s in ticks of 10 ms, with at most 2 N m (lifting [`PENDULUM`] takes 4.9 N m).
     ///
     /// [`PENDULUM`]: leastaction_core::energy::trigonometric::PENDULUM
     pub const fn pendulum() -> Self {
@@ -44,7 +44,7 @@ impl SwingUpConfig<1> {
 }
 
 impl SwingUpConfig<2> {
-    /// The cart-pole from about hanging, 10 s of 10 ms, with at most 10 N on the cart, on a track of ±2.4 m.
+    /// The cart-pole from near hanging, 10 s in ticks of 10 ms, with at most 10 N on the cart, on a track of ±2.4 m.
     pub const fn cartpole() -> Self {
         let devices = Devices::new(CART_AND_POLE, [10.0, 0.0]);
         let goal = Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] };
@@ -60,7 +60,7 @@ impl SwingUpConfig<2> {
 }
 
 impl<const N: usize> SwingUpConfig<N> {
-    /// What the firmware is told.
+    /// Program of the firmware.
     pub fn program(&self) -> Program<N> {
         self.setup.program(Task::SwingUp { pump: self.pump, tolerance: self.tolerance, catch: self.catch })
     }
@@ -69,7 +69,7 @@ impl<const N: usize> SwingUpConfig<N> {
 /// Swings a pendulum up by its joint and holds it, by energies and derivatives of the model alone. q = θ, upright at 0.
 ///
 /// # Errors
-/// As [`Program::start`], and a setup out of range.
+/// See [`Program::start`]; also a setup out of range.
 pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
     plant: &P,
     model: &M,
@@ -84,7 +84,7 @@ pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
 /// q = (x, θ), upright at 0.
 ///
 /// # Errors
-/// As [`Program::start`], and a setup out of range.
+/// See [`Program::start`]; also a setup out of range.
 pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
     plant: &P,
     model: &M,

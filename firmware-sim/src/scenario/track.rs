@@ -11,7 +11,7 @@ use crate::tick::Tick;
 use crate::{Mechanism, Program, Task};
 use core::f32::consts::PI;
 
-/// When the motions begin, s.
+/// Time at which the motions begin, s.
 const BEGIN: f32 = 0.1;
 
 /// A fully actuated mechanism following a trajectory from its start.
@@ -19,16 +19,16 @@ const BEGIN: f32 = 0.1;
 pub struct TrackConfig<const N: usize, T = Reference<N>> {
     /// Loop, devices, goal; the limits of the actuators must suffice for the motion.
     pub setup: Setup<N>,
-    /// The motion.
+    /// Motion to follow.
     pub reference: T,
-    /// The feedback.
+    /// Feedback gains.
     pub gains: Gains,
-    /// How feed-forward and feedback are used.
+    /// Use of feed-forward and feedback.
     pub law: Law,
 }
 
 impl<const N: usize, T: Copy> TrackConfig<N, T> {
-    /// A motion from rest at `start`, 10 s of 10 ms, errors within 0.05 rad or m throughout.
+    /// Creates a run of 10 s in ticks of 10 ms along a motion from rest at `start`; errors must stay within 0.05 rad or m throughout.
     pub const fn new(
         encoders: [EncoderConfig; N],
         limit: [f32; N],
@@ -42,25 +42,25 @@ impl<const N: usize, T: Copy> TrackConfig<N, T> {
 }
 
 impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
-    /// Whether every number of loop and motion is in its range.
+    /// Checks that every number of loop and motion is in its range.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first number that is out of range.
     pub fn validate(&self) -> Result<(), SetupError> {
         self.setup.validate()?;
         self.reference.validate()
     }
 
-    /// What the firmware is told.
+    /// Program of the firmware.
     pub fn program(&self) -> Program<N> {
         self.setup.program(Task::Track { begin: self.reference.at(0.0).q, gains: self.gains, law: self.law })
     }
 
-    /// The firmware over a model that follows the motion by gravity and the readings of the encoders alone, whose velocities are filtered at
-    /// so many Hz: [`ByEncoders`]. The observer runs beside it, for the record.
+    /// Creates the firmware over a model that follows the motion by gravity compensation and the encoders' readings alone, with velocities
+    /// filtered at the cut-off frequency `cut_off`, Hz: [`ByEncoders`]. The observer runs beside it, for the record.
     ///
     /// # Errors
-    /// As of [`Program::follow`].
+    /// See [`Program::follow`]; also a cut-off frequency out of range.
     pub fn by_encoders<'m, M: Mechanism<N>>(
         &self,
         model: &'m M,

@@ -1,11 +1,11 @@
-//! One number for the bits of every elementary function, which every target must give.
+//! Fingerprint of the bits of every elementary function, which every target must give.
 
 use super::Fingerprint;
 use leastaction_core::scalar::{Real, Scalar, WeightFormat, f16};
 
-/// Inputs of each function.
+/// Number of inputs of each function.
 const INPUTS: u32 = 1 << 14;
-/// Where functions turn, end or change their formula.
+/// Inputs at which functions turn, end or change their formula.
 const EDGES: [f32; 16] = [
     0.0,
     -0.0,
@@ -26,12 +26,12 @@ const EDGES: [f32; 16] = [
 ];
 
 impl Fingerprint {
-    /// Takes in a number; one NaN is as good as another, for processors differ in their bits.
+    /// Takes in a number; all NaN count as one, since processors differ in their bits.
     fn add(&mut self, x: f32) {
         self.bits(if x.is_nan() { f32::NAN } else { x }.to_bits());
     }
 
-    /// Of √x, eˣ, ln(1 + x), tanh x, sin x, cos x, both ways to take turns off an angle, and widening from half precision: at edges, at
+    /// Fingerprint of √x, eˣ, ln(1 + x), tanh x, sin x, cos x, both ways to wrap an angle, and widening from half precision: at edges, at
     /// numbers of every size up to 2¹⁶ and at any bits.
     pub fn of_elementary_functions() -> Self {
         let mut fingerprint = Self::default();

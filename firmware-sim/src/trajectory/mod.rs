@@ -1,7 +1,6 @@
 //! Runs of a model from a fixed start under a fixed force, whose positions have one fingerprint on every target.
 //!
-//! A square wave pushes the first coordinate (of particles: the last node along the first axis), 8 steps one way and 8
-//! the other.
+//! A square wave pushes the first coordinate (for particles: the last node along the first axis), 8 steps one way and 8 the other.
 
 mod elementary;
 pub mod reference;
@@ -15,7 +14,7 @@ use leastaction_core::particles::Particles;
 
 /// Amplitude of the square wave, N or N m.
 const PUSH: f32 = 0.25;
-/// Steps that it lasts one way.
+/// Number of steps that the wave lasts one way.
 const HALF_PERIOD: u32 = 8;
 
 fn push(index: u32) -> f32 {
@@ -24,13 +23,13 @@ fn push(index: u32) -> f32 {
 
 /// A model in motion, step by step.
 pub trait Motion {
-    /// Why a step is refused.
+    /// Reason why a step is refused.
     type Error;
 
-    /// Takes the step of that index; on error the motion is where it was.
+    /// Takes the step with the given index; an error leaves the motion unchanged.
     ///
     /// # Errors
-    /// As the model's own step.
+    /// Errors of the model's own step.
     fn step(&mut self, index: u32) -> Result<Report<f32>, Self::Error>;
     /// Calls `visit` with every coordinate of the position, in order.
     fn positions(&self, visit: impl FnMut(f32));
@@ -45,10 +44,10 @@ pub struct SystemMotion<'a, L, F, P, const N: usize> {
 }
 
 impl<'a, L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> SystemMotion<'a, L, F, P, N> {
-    /// A system at q_i = 0.1 + 0.6 i, v_i = 0.2 − 0.6 i (rad or m, rad/s or m/s).
+    /// Creates a motion from q_i = 0.1 + 0.6 i, v_i = 0.2 − 0.6 i (rad or m, rad/s or m/s).
     ///
     /// # Errors
-    /// Where a momentum is not finite.
+    /// An error if a momentum is not finite.
     pub fn new(system: &'a System<L, F>, del: Del<f32, P>) -> Result<Self, StepError<f32>> {
         let q = core::array::from_fn(|i| 0.1 + 0.6 * i as f32);
         let v = core::array::from_fn(|i| 0.2 - 0.6 * i as f32);
@@ -85,7 +84,7 @@ pub struct ParticleMotion<'a, S, C: ?Sized, const D: usize> {
 }
 
 impl<'a, S: Particles<f32, D>, C: Constraints<f32, D> + ?Sized, const D: usize> ParticleMotion<'a, S, C, D> {
-    /// Particles in a state, with workspace for a force on each and for [`Rattle::workspace`] numbers.
+    /// Creates a motion of particles in a state, with memory for a force on each particle and for [`Rattle::workspace`] numbers.
     pub fn new(
         mechanism: &'a Constrained<'a, f32, S, C, D>,
         rattle: Rattle<f32>,
@@ -127,7 +126,7 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// Takes in where a motion is.
+    /// Takes in the positions of a motion.
     pub fn update(&mut self, motion: &impl Motion) {
         motion.positions(|x| self.bits(x.to_bits()));
     }
@@ -138,13 +137,13 @@ impl Fingerprint {
         }
     }
 
-    /// The fingerprint of what was taken in.
+    /// Fingerprint of all bits taken in.
     pub fn value(&self) -> u64 {
         self.0
     }
 }
 
-/// The fingerprint of so many steps.
+/// Fingerprint of a number of steps.
 ///
 /// # Errors
 /// The first step that is refused.

@@ -1,4 +1,4 @@
-//! The models of `firmware-sim/chip/models`, one of each family, and how every target runs them.
+//! The models of `firmware-sim/chip/models`, one of each family, and the way every target runs them.
 
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
@@ -7,7 +7,7 @@ use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
 use leastaction_core::model::{ArmModel, BodiesModel, GraphModel, InertiaNetworkModel, ModularModel};
 use leastaction_core::scalar::f16;
 
-/// The step, s.
+/// Step size, s.
 pub const STEP: f32 = 0.01;
 
 /// A cart-pole: layers 2 → 32 → 32 → 4.
@@ -19,7 +19,7 @@ pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
 /// The cart-pole with friction.
 pub type DryCartpole<'a> = System<InertiaNetwork<'a, f32, 2, 32, 2>, Friction<2>>;
 
-/// The same with weights in half precision.
+/// The cart-pole with weights in half precision.
 pub type HalfCartpole<'a> = InertiaNetworkModel<'a, 2, 32, 2, f16>;
 
 /// Two pendulums of one learned type: layers 2 → 8 → 2 and 2 → 8 → 1.
@@ -43,10 +43,10 @@ pub type Bobs<'a> = GraphModel<'a, 2, 1, 8, 1>;
 /// The graph of [`Bobs`], with one bob more than it was learned from.
 pub const GRAPH: &str = "three";
 
-/// Bobs of the graph.
+/// Number of bobs of the graph.
 pub const BOBS: usize = 3;
 
-/// The cart-pole with friction of 0.1 N and 0.005 N m, known to the program as its other numbers are to the file.
+/// The cart-pole with friction of 0.1 N and 0.005 N m; the numbers of friction are part of the program, all others come from the file.
 pub fn dry<'a>(Cartpole { system, .. }: &Cartpole<'a>) -> DryCartpole<'a> {
     let friction = |constant| DryFriction { constant, load: 0.2, smoothing: 0.05, width: 0.1 };
     let friction = Coulomb { coordinates: [friction(0.1), friction(0.005)] };
@@ -66,7 +66,7 @@ pub fn chain() -> [Holonomic<f32, 2>; BOBS] {
     })
 }
 
-/// The chain straight and aslant, m.
+/// Positions of the chain straight and aslant, m.
 pub fn aslant() -> [[f32; 2]; BOBS] {
     core::array::from_fn(|bob| [0.6 * (bob + 1) as f32, -0.8 * (bob + 1) as f32])
 }

@@ -1,4 +1,4 @@
-//! Models that are a little wrong, as learned ones are.
+//! Models that are a little wrong, like learned ones.
 #![allow(dead_code, reason = "each test file uses its share")]
 
 use leastaction_core::energy::trigonometric::{Trigonometric, Wave};
@@ -26,7 +26,7 @@ impl<const N: usize> Perturbed<N> {
         Self { inertia, potential }
     }
 
-    /// A potential of this amplitude, J, that varies with all coordinates, as it should not with a cart's position.
+    /// Adds a potential of the given amplitude, J, that varies with all coordinates, as it should not with a cart's position.
     #[must_use]
     pub fn with_ripple(mut self, amplitude: f64) -> Self {
         let mut wave = [1.0; N];

@@ -27,7 +27,7 @@ fn hashes(seed: u64) -> [u64; 4] {
     ]
 }
 
-/// Of seed 0. Another one is another mathematics or other devices, which is to be said where it is changed.
+/// Hashes of seed 0. A change means other mathematics or other devices, and must be explained where it is made.
 const KNOWN: [u64; 4] =
     [0x4dde_fd3f_3f53_0acd, 0xb59a_fc4b_c1f1_064f, 0x6e2e_2c50_8208_2b12, 0x3075_b953_8cb8_cdb5];
 

@@ -5,7 +5,7 @@ use leastaction_core::energy::trigonometric::{ACROBOT, PENDULUM};
 use leastaction_core::forces::{Coulomb, DryFriction, System};
 use leastaction_firmware_sim::scenario::{Floating, GravityConfig, gravity};
 
-/// The largest way that the push moved a coordinate, rad.
+/// Largest distance by which the push moved a coordinate, rad.
 fn way(floating: &Floating<2>) -> f32 {
     floating.peak.into_iter().fold(0.0, f32::max)
 }
@@ -44,7 +44,7 @@ fn the_push_is_of_the_seed_and_the_firmware_is_not_told() {
     assert!(floating.peak[0] < 0.02 && floating.rest_after == Some(0.0), "{floating:?}");
 }
 
-/// Smooth dry friction bears what the model's gravity is wrong by, at a creep.
+/// Smooth dry friction bears the error of the model's gravity, at a creep.
 #[test]
 fn friction_bears_what_the_model_does_not_know() {
     let dry = DryFriction { constant: 1.0, width: 0.02, ..DryFriction::none() };

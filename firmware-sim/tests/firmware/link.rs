@@ -1,4 +1,4 @@
-//! Frames of the link, whole and damaged, and what the processor's end makes of them.
+//! Frames of the link, whole and damaged, and the answers of the processor's end.
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError};
 use leastaction_firmware_sim::control::{Gains, Law, Target, Tolerance};
@@ -38,13 +38,13 @@ fn bytes(frame: &Frame) -> Vec<u8> {
     bytes
 }
 
-/// All frames, and broken ones, that come of bytes.
+/// All frames, whole or broken, that the bytes give.
 fn frames(bytes: &[u8]) -> Vec<Result<Frame, Broken>> {
     let mut receiver = Receiver::default();
     bytes.iter().filter_map(|byte| receiver.push(*byte)).collect()
 }
 
-/// A program whose every number is one that no default has.
+/// A program in which no number is a default.
 fn program() -> Program<2> {
     let mut config = SwingUpConfig::cartpole();
     config.setup.tick = 0.0125;
@@ -70,7 +70,7 @@ fn logged(sequence: u32) -> LoggedSamples<2> {
     LoggedSamples { sequence, elapsed: 1, measured, command: [0.5, 0.0] }
 }
 
-/// Of a motion of the cart-pole.
+/// Target of a motion of the cart-pole.
 fn target(t: f32) -> Target<2> {
     Target::of(&TrackConfig::<2>::cartpole().reference, t, 0.0125)
 }
@@ -130,7 +130,7 @@ fn every_truncation_is_refused_and_the_next_frame_is_read() {
     let (long, next) =
         (bytes(&request(&Request::Begin(program())).unwrap()), bytes(&request(&tick()).unwrap()));
     for length in 1..long.len() {
-        // Its end is lost, with and without the 0 that ends it.
+        // The end of the frame is lost, with and without the final 0.
         let cut: Vec<u8> = long[..length].iter().chain(&[0]).chain(&next).copied().collect();
         let received = frames(&cut);
         let first = received[0].as_ref().map_err(|_| Refusal::Frame).and_then(parse_request::<2>);
@@ -138,7 +138,7 @@ fn every_truncation_is_refused_and_the_next_frame_is_read() {
             assert_eq!((first, received.len()), (Err(Refusal::Frame), 2), "{length}");
         }
         assert_eq!(parse_request::<2>(received[1].as_ref().unwrap()), Ok(tick()), "{length}");
-        // Its beginning is lost.
+        // The beginning of the frame is lost.
         let received = frames(&long[length..]);
         assert!(
             received
@@ -175,7 +175,7 @@ proptest! {
     }
 }
 
-/// A line of which the world's words are known before.
+/// A line on which the world's words are known beforehand.
 struct Script {
     heard: std::vec::IntoIter<u8>,
     said: Vec<u8>,
@@ -198,7 +198,7 @@ impl Port for Script {
     }
 }
 
-/// What a processor with a model answers to some bytes, and how it ended.
+/// Answers of a processor with a model to some bytes, and its end.
 fn answers(model: Option<&[u8]>, heard: Vec<u8>) -> (Vec<Frame>, Result<(), Silence>) {
     let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
     let end = serve::<_, 32, 2>(&mut script, model, "tester");
@@ -234,7 +234,7 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     }
 }
 
-/// Rigid bodies with friction behind a drive that gives less than it is told to.
+/// Rigid bodies with friction behind a drive that gives less force than commanded.
 #[test]
 fn bodies_with_friction_run_as_they_do_in_place() {
     let model = DryBodies::load(&DRY_FILE.0).unwrap();
@@ -256,7 +256,7 @@ fn bodies_with_friction_run_as_they_do_in_place() {
     assert!(said.len() == 21 && firmware.last().command.u[0] != 0.0);
 }
 
-/// A program of seven joints whose every number is one that takes the most bytes.
+/// A program of seven joints in which every number takes the most bytes.
 fn arm_program() -> Program<7> {
     let Program { tick, observer, .. } = program();
     let (actuator, gains) = (ActuatorConfig::new([80.0; 7]), Gains { frequency: 20.0, damping: 1.0 });
@@ -362,7 +362,7 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     assert_eq!(refusal(Some(file), &newer), Refusal::Version { supported: VERSION });
 }
 
-/// A model is refused by this number of core's catalogue.
+/// Refusal of a model by the given number of core's catalogue.
 fn of_model(code: u8, numbers: [u32; 3]) -> Refusal {
     Refusal::Model(ModelRefusal { code, numbers })
 }

@@ -18,8 +18,8 @@ fn pendulum() -> Pendulum {
     System::conservative(PENDULUM)
 }
 
-/// Velocity errors of an observer with exact readings of a pendulum that turns over, tick by tick; `seen` says when the
-/// encoder delivers.
+/// Velocity errors of an observer with exact readings of a pendulum that turns over, tick by tick; `seen` says whether the encoder
+/// delivers.
 fn errors(system: &Pendulum, config: &ObserverConfig, ticks: u32, seen: impl Fn(u32) -> bool) -> Vec<f32> {
     let mut plant = Plant::new(system, ContinuousState { q: [0.5], v: [4.0] }, 8);
     let mut observer = config.observer(system, H, [true]);
@@ -124,8 +124,8 @@ fn a_prediction_ahead_is_that_many_steps() {
     assert_eq!(Some(ahead), observer.estimate().unwrap());
 }
 
-/// A pendulum on which a known force swings to and fro, read by an encoder that is off by `zero`: the zero that was learned, and the
-/// velocity's largest error in the last half.
+/// Runs a pendulum on which a known force swings to and fro, read by an encoder that is off by `zero`: returns the learned zero, and the
+/// largest error of velocity in the last half.
 fn learned_zero(zero: f32, config: &ObserverConfig) -> (f32, f32) {
     let system = pendulum();
     let mut plant = Plant::new(&system, ContinuousState { q: [2.0], v: [0.0] }, 8);

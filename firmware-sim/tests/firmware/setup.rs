@@ -1,4 +1,4 @@
-//! What a model does not suit is refused before anything moves, with the reason.
+//! A model that does not suit is refused before anything moves, with the reason.
 
 use leastaction_core::discrete::{Newton, Order};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
@@ -16,7 +16,7 @@ use leastaction_firmware_sim::{
     Firmware, Mode, Outcome, Program, SetupError, Summary, Tick, Trained, require_quadratic,
 };
 
-/// A pendulum whose kinetic energy grows faster than v²: T = v²/6 + cv⁴/4, as one that a network learned might.
+/// A pendulum whose kinetic energy grows faster than v²: T = v²/6 + cv⁴/4, as a network might learn it.
 struct Quartic {
     c: f32,
 }
@@ -61,7 +61,7 @@ fn a_kinetic_energy_that_is_not_quadratic_is_refused() {
         let (what, message) = out_of_range(run);
         assert!(what.contains("momentum") && message.contains("quadratic in v"), "{message}");
     }
-    // What is wrong by less than any model of ours is no obstacle, nor is a plant of any kinetic energy.
+    // Smaller errors than those of any model of ours are no obstacle, nor is a plant of any kinetic energy.
     assert_eq!(require_quadratic(&System::conservative(Quartic { c: 1e-6 }), &[0.3]), Ok(()));
     assert!(track(&model, &plant, &TrackConfig::<1>::pendulum(), |_| {}).is_ok());
 }
@@ -84,10 +84,10 @@ fn a_tick_that_the_model_was_not_trained_for_is_refused_or_accepted_in_so_many_w
     config.setup.observer.other_step = OtherStep::Accepted;
     let accepted = track(&system, &model, &config, |_| {}).unwrap();
     assert!(config.setup.observer.require_step(0.02, model.step).is_err());
-    // Where the model names no step, every one is its own.
+    // A model that names no step accepts any.
     config.setup.observer.other_step = OtherStep::Refused;
     assert_eq!(track(&system, &system, &config, |_| {}), Ok(accepted));
-    // Rounding makes no other step.
+    // Rounding does not count as another step.
     config.setup.tick = 0.01_f32.next_up();
     assert!(track(&system, &model, &config, |_| {}).is_ok());
 }
@@ -124,7 +124,7 @@ impl Forces<f32, 2> for Brake {
     }
 }
 
-/// The inverse dynamics of both controllers are singular there: no force is commanded, the error is counted, and the loop goes on.
+/// The inverse dynamics of both controllers are singular at the brake: no force is commanded, the error is counted, and the loop goes on.
 #[test]
 fn where_a_controller_fails_the_firmware_is_safe_and_counts_it() {
     let plant = System::conservative(CARTPOLE);
@@ -164,7 +164,7 @@ fn the_constant_configuration_has_newtons_default_residuals() {
     assert_eq!(SWING_UP.setup.observer, CONFIG);
 }
 
-/// A task may hand these to another, whatever borrows the model.
+/// A task may hand these types to another, whatever borrows the model.
 #[test]
 fn what_moves_between_tasks_can_be_sent() {
     fn send<T: Send>() {}

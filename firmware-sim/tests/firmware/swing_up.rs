@@ -139,7 +139,7 @@ fn a_model_that_hangs_upright_is_refused() {
     assert!(matches!(refused, Err(SetupError::OutOfRange { .. })), "{refused:?}");
 }
 
-/// A cart-pole as it is on a table: dry friction of 5% of the largest force under the cart, encoders off by 0.02, drives 8 ms late.
+/// A cart-pole like one on a table: dry friction of 5% of the largest force under the cart, encoders off by 0.02, drives 8 ms late.
 fn on_the_table(seed: u64) -> SwingUpConfig<2> {
     let mut config = SwingUpConfig::cartpole();
     config.setup.seed = seed;
@@ -157,7 +157,7 @@ fn dry(force: f32) -> System<Trigonometric<'static, 2>, (Viscous<f32, 2>, Coulom
 #[test]
 fn friction_zeros_and_delay_do_not_keep_it_down() {
     let learning = Some(LearnZeros { deviation: 0.02, innovation: 3e-3 });
-    // The model knows of the friction, and learns the zeros; then neither.
+    // The model knows the friction, and learns the zeros; then neither.
     for (model, zeros) in [(dry(0.5), learning), (dry(0.0), None)] {
         for seed in 0..STARTS {
             let mut config = on_the_table(seed);
@@ -168,7 +168,7 @@ fn friction_zeros_and_delay_do_not_keep_it_down() {
     }
 }
 
-/// Its drive gives nine tenths of what it is told to, and the firmware believes in another.
+/// A cart-pole on a table with a drive that gives nine tenths of the commanded force, while the firmware assumes another drive.
 fn weak_drive(seed: u64, known: Drive<2>) -> SwingUpConfig<2> {
     let mut config = on_the_table(seed);
     config.setup.devices.actuator.drive = Drive { gain: [0.9, 1.0], offset: [0.0; 2] };
@@ -176,14 +176,14 @@ fn weak_drive(seed: u64, known: Drive<2>) -> SwingUpConfig<2> {
     config
 }
 
-/// A model file at an address that its weights can be read from.
+/// A model file at an address from which its weights can be read.
 #[repr(C, align(4))]
 struct Aligned<const N: usize>([u8; N]);
 
 static LEARNED: Aligned<{ include_bytes!("../../chip/models/cartpole-dry.postcard").len() }> =
     Aligned(*include_bytes!("../../chip/models/cartpole-dry.postcard"));
 
-/// The model of `chip/models/make.sh`, learned from logs of this very machine: `docs/book/src/swing-up.md`.
+/// The model of `chip/models/make.sh`, learned from logs of the same machine: `docs/book/src/swing-up.md`.
 #[test]
 fn learned_from_the_machines_own_logs() {
     type Friction = (Viscous<f32, 2>, Coulomb<f32, 2>);

@@ -1,6 +1,6 @@
 //! The controller of an arm of seven joints: observer, model and control law, at the other end of a serial line from the world.
 //!
-//! As `controller.rs`; the model in the slot of the flash is a tree of seven bodies in space, and targets come with the samples.
+//! It works like `controller.rs`; the model in the slot of the flash is a tree of seven bodies in space, and targets come with the samples.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Nothing but the cart-pole's acceleration: what it takes of the flash of a firmware.
+//! The cart-pole's acceleration and nothing else: its share of a firmware's flash.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Nothing but the cart-pole's acceleration, of a model that is constants of the program: no reader of model files.
+//! The cart-pole's acceleration and nothing else, with a model of constants in the program: no reader of model files.
 #![no_std]
 #![no_main]
 

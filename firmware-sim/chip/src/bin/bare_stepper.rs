@@ -1,4 +1,4 @@
-//! The cart-pole's step of `bare_step`, by a stepper: what its convenience takes of the flash.
+//! The cart-pole's step of `bare_step`, taken by a stepper: the flash that its convenience costs.
 #![no_std]
 #![no_main]
 

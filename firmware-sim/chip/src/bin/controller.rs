@@ -1,7 +1,7 @@
 //! The controller of a scenario: observer, model and control law, at the other end of a serial line from the world.
 //!
-//! The model lies in the slot of the flash, weights and all, and is run there: of 1 or 2 coordinates with at most 2 hidden
-//! layers of 32 units. `leastaction simulate … --on` is the world; `firmware-sim/LINK.md` is what they say.
+//! The model lies in the slot of the flash, weights and all, and runs there; it has 1 or 2 coordinates and at most 2 hidden layers of 32
+//! units. `leastaction simulate … --on` is the world; `firmware-sim/LINK.md` describes their messages.
 #![no_std]
 #![no_main]
 
@@ -9,9 +9,9 @@ use leastaction_chip::serial::Serial;
 use leastaction_chip::{board, image};
 use leastaction_firmware_sim::link::serve;
 
-/// Units of a hidden layer at most.
+/// Maximum number of units of a hidden layer.
 const UNITS: usize = 32;
-/// Hidden layers at most.
+/// Maximum number of hidden layers.
 const LAYERS: usize = 2;
 
 fn run() -> Result<(), &'static [u8]> {

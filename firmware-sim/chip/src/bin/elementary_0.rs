@@ -1,4 +1,4 @@
-//! The fingerprint of the elementary functions, and whether the floating-point unit rounds as it must.
+//! Fingerprint of the elementary functions, and the check that the floating-point unit rounds as it must.
 #![no_std]
 #![no_main]
 

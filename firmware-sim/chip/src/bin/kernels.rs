@@ -1,4 +1,4 @@
-//! Instructions of the parts that evaluations are made of.
+//! Instruction counts of the parts that make up evaluations.
 #![no_std]
 #![no_main]
 
@@ -15,7 +15,7 @@ use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use leastaction_fpu as fpu;
 use micromath::F32Ext;
 
-/// Units of a layer.
+/// Number of units of a layer.
 const UNITS: usize = 32;
 const CALLS: u32 = 200;
 
@@ -35,7 +35,7 @@ fn layer<W: WeightFormat<Wide = f32>, const T: usize>(names: [&[u8]; 2], dense: 
     print::number(names[1], adjoint);
 }
 
-/// Prints the instructions of one unit of an activation, of 32 with two tangents.
+/// Prints the instructions of an activation per unit, for 32 units with two tangents.
 #[inline(always)]
 fn activation(name: &[u8], activation: Activation) {
     let Some(z) = Units::<_, 2, UNITS>::of(&black_box([Jet { value: 0.3_f32, tangent: [0.1; 2] }; UNITS]))
@@ -56,7 +56,7 @@ fn scalar(name: &[u8], mut f: impl FnMut(f32) -> f32) {
     print::number(name, mean(CALLS, || _ = black_box(f(black_box(x)))));
 }
 
-/// Prints the instructions of a law of force, its value and its value with its derivatives, divided by its N coordinates.
+/// Prints the instructions of a law of force, for its value and for its value with derivatives, divided by its N coordinates.
 #[inline(always)]
 fn law<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
     let [value, both] = instructions_of(law);
@@ -64,14 +64,14 @@ fn law<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
     print::number(names[1], both / N as u32);
 }
 
-/// The same, not divided.
+/// Prints the instructions of a law of force, not divided.
 fn law_of_all<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
     let [value, both] = instructions_of(law);
     print::number(names[0], value);
     print::number(names[1], both);
 }
 
-/// Instructions of a law of force, of its value and of its value with its derivatives.
+/// Instructions of a law of force: for its value, and for its value with derivatives.
 #[inline(always)]
 fn instructions_of<F: Forces<f32, N>, const N: usize>(law: &F) -> [u32; 2] {
     let at = [core::array::from_fn(|i| 0.3 - 0.1 * i as f32); 3];
@@ -96,7 +96,7 @@ fn laws() {
     law::<_, N>([b"friction", b"friction_with_derivatives"], &friction);
 }
 
-/// Laws of force of two angles with networks of 8 units: dissipation of one of them and of both, and a potential of both.
+/// Laws of force of two angles with networks of 8 units: dissipation of one angle and of both, and a potential of both.
 fn network_laws() -> Option<()> {
     static WEIGHTS: [f32; 96] = [0.125; 96];
     let (one, both) = ([None, Some(Coordinate::Angle)], [Some(Coordinate::Angle); 2]);
@@ -144,8 +144,8 @@ fn numbers<const N: usize>() -> [f32; N] {
     })
 }
 
-/// Whether the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs, and weights in half precision
-/// from any address on; whether every number of half precision is widened alike, and roots, sines and cosines are the same.
+/// Checks that the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs, and for weights in half precision
+/// at any address; that every number of half precision is widened alike; and that roots, sines and cosines agree.
 fn loops_agree() -> bool {
     let (weights, x) = (black_box(numbers::<{ 24 * 8 }>()), black_box(numbers::<24>()));
     let halves: [f16; 24 * 8 + 1] =
@@ -196,7 +196,7 @@ fn first(x: &mut [f32], n: usize) -> &mut [f32] {
     x.get_mut(..n).unwrap_or_default()
 }
 
-/// Whether two slices have the same bits; one NaN is as good as another.
+/// Whether two slices have the same bits; all NaN count as equal.
 fn same(a: &[f32], b: &[f32]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
 }
@@ -211,7 +211,7 @@ fn run() -> Result<(), &'static [u8]> {
     layer::<_, 0>([b"forward_0", b"adjoint_0"], &dense);
     layer::<_, 1>([b"forward_1", b"adjoint_1"], &dense);
     layer::<_, 2>([b"forward_2", b"adjoint_2"], &dense);
-    /// At a multiple of four bytes, as the first layer of a model file lies: others are copied a few rows at a time.
+    /// Weights at a multiple of four bytes, like the first layer of a model file: others are copied a few rows at a time.
     #[repr(align(4))]
     struct Aligned([f16; UNITS * (UNITS + 1)]);
     static HALVES: Aligned = Aligned([f16::from_bits(0x3000); UNITS * (UNITS + 1)]);

@@ -1,5 +1,5 @@
-//! Damaged model files: what the loader makes of every changed bit and every truncation of two small ones in RAM, or of a
-//! cart-pole that the emulator has left in flash.
+//! Damaged model files: the loader's answers to every changed bit and every truncation of two small files in RAM, or of a cart-pole that
+//! the emulator has left in flash.
 #![no_std]
 #![no_main]
 
@@ -13,7 +13,7 @@ static DOUBLE: &Aligned<{ include_bytes!("../../models/double.postcard").len() }
 static PENDULUMS: &Aligned<{ include_bytes!("../../models/pendulums.postcard").len() }> =
     &Aligned(*include_bytes!("../../models/pendulums.postcard"));
 
-/// Prints the counts of every damage to a copy of a file in RAM, of which no plain one may be accepted.
+/// Prints the counts for every kind of damage to a copy of a file in RAM; no file with plain damage may be accepted.
 fn damaged<const N: usize>(
     name: &[u8],
     mut copy: Aligned<N>,

@@ -6,13 +6,13 @@ use leastaction_chip::{image, models};
 use leastaction_core::discrete::Newton;
 use leastaction_firmware_sim::trajectory::reference;
 
-/// The source that the environment variable LEASTACTION_SHAPE names.
+/// Source that the environment variable LEASTACTION_SHAPE names.
 #[allow(dead_code, reason = "an image uses a part of it")]
 mod model {
     include!(concat!(env!("OUT_DIR"), "/shape.rs"));
 }
 
-/// As the other images', but whatever is left of the residual will do: random weights need not be a mechanism.
+/// Newton's method as in the other images, but with any remaining residual accepted: random weights need not be a mechanism.
 fn newton() -> Newton<f32> {
     Newton { accept: f32::INFINITY, ..reference::newton() }
 }

@@ -3,7 +3,7 @@ use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
-/// SysTick runs at 25 MHz, the emulated processor at 1 GHz.
+/// Instructions per tick: SysTick runs at 25 MHz, the emulated processor at 1 GHz.
 pub const INSTRUCTIONS_PER_TICK: u32 = 40;
 /// SysTick counts 24 bits.
 const MASK: u32 = 0x00ff_ffff;
@@ -18,7 +18,7 @@ pub fn start() {
     peripherals.SYST.enable_counter();
 }
 
-/// Ticks between two readings, of which the first is `since`; at most 2²⁴.
+/// Ticks between two readings, the first of which is `since`; at most 2²⁴.
 #[inline(always)]
 pub fn ticks(since: u32) -> u32 {
     (MASK - SYST::get_current()).wrapping_sub(since) & MASK
@@ -33,7 +33,7 @@ pub fn stack_pointer() -> usize {
     pointer
 }
 
-/// Of the processor: M7 where it is told so by its identification register.
+/// Name of the processor: M7 if its identification register says so.
 pub fn name() -> &'static [u8] {
     const CPUID: *const u32 = 0xe000_ed00 as *const u32;
     // SAFETY: the identification register of every Cortex-M.
@@ -59,7 +59,7 @@ const ENABLE_BOTH: u32 = 3;
 const FASTEST: u32 = 16;
 
 impl Uart {
-    /// The line, enabled.
+    /// Enables the line.
     pub fn start() -> Self {
         // SAFETY: registers of a device that only this type touches.
         unsafe {
@@ -69,7 +69,7 @@ impl Uart {
         Self(())
     }
 
-    /// A byte that has arrived.
+    /// Receives a byte, if one has arrived.
     pub fn receive(&mut self) -> Option<u8> {
         // SAFETY: as above; reading the data takes the byte.
         unsafe {
@@ -78,7 +78,7 @@ impl Uart {
         }
     }
 
-    /// Sends a byte; `false` where the one before is still on its way.
+    /// Sends a byte; `false` if the previous one is still on its way.
     pub fn send(&mut self, byte: u8) -> bool {
         // SAFETY: as above.
         unsafe {

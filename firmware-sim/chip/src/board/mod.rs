@@ -1,5 +1,5 @@
-//! The boards: a counter of instructions, the stack pointer, the serial line, what the emulator leaves in flash, and the
-//! end.
+//! The boards: a counter of instructions, the stack pointer, the serial line, the data that the emulator leaves in flash, and the end of an
+//! emulation.
 
 #[cfg(target_arch = "arm")]
 mod arm;
@@ -16,21 +16,21 @@ pub use this::{INSTRUCTIONS_PER_TICK, Uart, name, stack_pointer, start, ticks};
 use crate::print;
 
 unsafe extern "C" {
-    /// The last 64 KB of flash, by the linker script: a number, and a model file behind its length.
+    /// The last 64 KB of flash, by the linker script: a number, then the length of a model file and the file.
     static _slot: [u32; 2];
 }
 
-/// The number that the emulator was told to put into flash; `None` where it is 0.
+/// The number that the emulator was told to put into flash; `None` if it is 0.
 pub fn argument() -> Option<u32> {
     // SAFETY: flash that the linker leaves free; the emulator writes before the program starts.
     let number = unsafe { (&raw const _slot).cast::<u32>().read_volatile() };
     (number != 0).then_some(number)
 }
 
-/// Bytes of the slot behind its two words.
+/// Length of the slot behind its two words, bytes.
 const WORKSPACE: usize = (64 << 10) - 2 * size_of::<u32>();
 
-/// The model file that the emulator was told to put into flash, where it lies; `None` where there is none.
+/// The model file that the emulator was told to put into flash, in place; `None` if there is none.
 pub fn model() -> Option<&'static [u8]> {
     let slot = (&raw const _slot).cast::<u32>();
     // SAFETY: as above, within the slot's 64 KB, which nobody writes while the program runs.

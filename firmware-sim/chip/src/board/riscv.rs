@@ -7,7 +7,7 @@ pub const INSTRUCTIONS_PER_TICK: u32 = 1;
 /// The counter runs from the beginning.
 pub fn start() {}
 
-/// Ticks between two readings, of which the first is `since`; less than 2³².
+/// Ticks between two readings, the first of which is `since`; less than 2³².
 #[inline(always)]
 pub fn ticks(since: u32) -> u32 {
     (minstret::read() as u32).wrapping_sub(since)
@@ -22,7 +22,7 @@ pub fn stack_pointer() -> usize {
     pointer
 }
 
-/// Of the processor.
+/// Name of the processor.
 pub fn name() -> &'static [u8] {
     b"riscv32imac"
 }
@@ -39,13 +39,13 @@ const HAS_RECEIVED: u8 = 1;
 const CAN_SEND: u8 = 1 << 5;
 
 impl Uart {
-    /// The line, as the reset left it: the emulator needs no divisor, and enabling the queues would empty them of what
-    /// has already come.
+    /// Takes the line as the reset left it: the emulator needs no divisor, and enabling the queues would empty them of the bytes that have
+    /// already arrived.
     pub fn start() -> Self {
         Self(())
     }
 
-    /// A byte that has arrived.
+    /// Receives a byte, if one has arrived.
     pub fn receive(&mut self) -> Option<u8> {
         // SAFETY: as above; reading the data takes the byte.
         unsafe {
@@ -54,7 +54,7 @@ impl Uart {
         }
     }
 
-    /// Sends a byte; `false` where there is no room for it yet.
+    /// Sends a byte; `false` if there is no room for it yet.
     pub fn send(&mut self, byte: u8) -> bool {
         // SAFETY: as above.
         unsafe {

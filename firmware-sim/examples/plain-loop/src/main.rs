@@ -14,9 +14,9 @@ use panic_halt as _;
 #[allow(dead_code, reason = "it also has sizes, and the step as a constant")]
 mod model;
 
-/// Of the processor, Hz.
+/// Clock frequency of the processor, Hz.
 const CLOCK: f32 = 25e6;
-/// After which the example ends.
+/// Number of ticks after which the example ends.
 const TICKS: u32 = 100;
 
 /// Ticks of SysTick since the start.
@@ -31,7 +31,7 @@ fn SysTick() {
 fn main() -> ! {
     match model::stepper() {
         Ok(stepper) => debug::exit(run(stepper)),
-        // On a board: a light, a safe state.
+        // Replace this on a board by a light, a safe state.
         Err(error) => fail("the model was refused", &error),
     }
     loop {
@@ -39,7 +39,7 @@ fn main() -> ! {
     }
 }
 
-/// The control force of a tick: yours. Here a push to and fro, N, on the cart alone.
+/// The control force of a tick: put yours here. This one pushes the cart alone to and fro, N.
 fn control(tick: u32) -> [f32; 2] {
     [if tick / 10 % 2 == 0 { 0.25 } else { -0.25 }, 0.0]
 }
@@ -52,7 +52,7 @@ fn run(mut stepper: model::Stepper) -> Result<(), ()> {
     for tick in 0..TICKS {
         late += u32::from(NOW.load(Ordering::Relaxed) > tick);
         wait_for(tick + 1);
-        // On error the state is what it was: hold it, count, and command no force.
+        // An error leaves the state unchanged: hold it, count, and command no force.
         refused += u32::from(stepper.step(control(tick)).is_err());
         if (tick + 1) % 20 == 0 {
             let [x, angle] = stepper.q().map(thousandths);
@@ -63,7 +63,7 @@ fn run(mut stepper: model::Stepper) -> Result<(), ()> {
     if late + refused == 0 { Ok(()) } else { Err(()) }
 }
 
-/// SysTick every h seconds.
+/// Starts SysTick with a period of h seconds.
 fn start(systick: &mut SYST, h: f32) {
     systick.set_clock_source(SystClkSource::Core);
     // 24 bits: 0.67 s at most at 25 MHz.
@@ -73,14 +73,14 @@ fn start(systick: &mut SYST, h: f32) {
     systick.enable_interrupt();
 }
 
-/// Sleeps until this tick.
+/// Sleeps until the given tick.
 fn wait_for(tick: u32) {
     while NOW.load(Ordering::Relaxed) < tick {
         wfi();
     }
 }
 
-/// Printed as whole numbers, for the code that prints decimals is larger than the model's.
+/// Thousandths as a whole number for printing: the code that prints decimals is larger than the model's.
 fn thousandths(x: f32) -> i32 {
     (x * 1e3) as i32
 }

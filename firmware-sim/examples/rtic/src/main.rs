@@ -9,36 +9,36 @@ use panic_halt as _;
 #[allow(dead_code, reason = "it also has sizes, and the step as a constant")]
 mod model;
 
-/// Of the processor after a reset, Hz.
+/// Clock frequency of the processor after a reset, Hz.
 const CLOCK: u32 = 16_000_000;
 
-/// The mechanism and where it is.
+/// The mechanism and its state.
 pub struct Mechanism {
     stepper: model::Stepper,
-    /// Steps that were refused.
+    /// Number of refused steps.
     refused: u32,
 }
 
 impl Mechanism {
-    /// None where the model is refused.
+    /// Loads the mechanism; `None` if the model is refused.
     fn load() -> Option<Self> {
         let mut stepper = model::stepper().ok()?;
         stepper.start([0.0, 0.1], [0.0, 0.0]).ok()?;
         Some(Self { stepper, refused: 0 })
     }
 
-    /// On error the state is what it was: hold it, count, and command no force.
+    /// Takes a step. An error leaves the state unchanged: hold it, count, and command no force.
     fn step(&mut self, u: [f32; 2]) {
         self.refused += u32::from(self.stepper.step(u).is_err());
     }
 }
 
-/// The control force of a tick: yours. Here a push to and fro, N, on the cart alone.
+/// The control force of a tick: put yours here. This one pushes the cart alone to and fro, N.
 fn control(tick: u32) -> [f32; 2] {
     [if tick / 10 % 2 == 0 { 0.25 } else { -0.25 }, 0.0]
 }
 
-/// Ends the example. On a board: a light, a safe state.
+/// Ends the example. Replace this on a board by a light, a safe state.
 fn stop(status: Result<(), ()>) -> ! {
     debug::exit(status);
     loop {
@@ -54,11 +54,11 @@ mod app {
 
     systick_monotonic!(Mono, 1_000);
 
-    /// What the printing task sees.
+    /// Data for the printing task.
     #[shared]
     struct Shared {
         q: [f32; 2],
-        /// Of the steps, how many were refused, how many began late.
+        /// Numbers of steps that were refused and of steps that began late.
         faults: [u32; 2],
     }
 
