@@ -1,5 +1,5 @@
-//! What the commands of leastaction share, and what a program in another language calls: where words go, options, models that are read,
-//! training, evaluation, the look at logs, and a controller on another processor.
+//! The common library of leastaction's commands, also called by programs in other languages: output, options, reading of models, training,
+//! evaluation, surveys of logs, and controllers on other processors.
 
 pub mod cli;
 pub mod evaluation;

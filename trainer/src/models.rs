@@ -1,4 +1,4 @@
-//! Models that are read: from files, from the folders of runs, and in the chip's arithmetic.
+//! Reading of models: from files, from run folders, and in the chip's arithmetic.
 
 use crate::cli::Failure;
 use leastaction_core::model::ModelError;
@@ -8,51 +8,51 @@ use leastaction_models::file::{Precision, decode, encode_in};
 use leastaction_replica::{ModelFile, Replica};
 use std::path::Path;
 
-/// A model file in memory.
+/// A model, and its file in memory.
 pub struct Loaded {
-    /// What it is.
+    /// The model.
     pub model: Model,
-    /// As it was read.
+    /// Bytes of the file as read.
     pub bytes: Vec<u8>,
 }
 
 /// Reads a model file.
 ///
 /// # Errors
-/// [`Failure::Input`] where it cannot be read, or is none.
+/// [`Failure::Input`] if the file cannot be read, or is not a model file.
 pub fn read(file: &Path) -> Result<Loaded, Failure> {
     let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
     let model = decode(&bytes).map_err(|error| Failure::input(file, refused(error)))?;
     Ok(Loaded { model, bytes })
 }
 
-/// Why bytes are no model, and what makes one.
+/// The message why bytes are not a model, with a remedy.
 pub fn refused(error: ModelError) -> String {
     format!("{error}; `leastaction export` makes a model file of a training run")
 }
 
-/// Reads a model file; also its size.
+/// Reads a model file; also returns its size.
 ///
 /// # Errors
-/// As [`read`].
+/// See [`read`].
 pub fn load(file: &Path) -> Result<(Model, usize), Failure> {
     let Loaded { model, bytes } = read(file)?;
     Ok((model, bytes.len()))
 }
 
-/// The same with the tree or graph of that name in mind, where one is named.
+/// Reads a model file, selects the tree or graph called `name` if given, and returns the file's size, too.
 ///
 /// # Errors
-/// As [`read`] and [`of_part`].
+/// See [`read`] and [`of_part`].
 pub fn load_part(file: &Path, name: Option<&str>) -> Result<(Model, usize), Failure> {
     let (model, bytes) = load(file)?;
     Ok((of_part(file, model, name)?, bytes))
 }
 
-/// A model with the tree or graph of that name in mind, where one is named.
+/// Selects the tree or graph of a model called `name`, if given.
 ///
 /// # Errors
-/// [`Failure::Input`] where there is none of that name.
+/// [`Failure::Input`] if there is none of that name.
 pub fn of_part(file: &Path, model: Model, name: Option<&str>) -> Result<Model, Failure> {
     let Some(name) = name else { return Ok(model) };
     let Some((what, _)) = model.architecture.part() else {
@@ -65,10 +65,10 @@ pub fn of_part(file: &Path, model: Model, name: Option<&str>) -> Result<Model, F
     Ok(Model { architecture, ..model })
 }
 
-/// The model of a file, or as `leastaction export` makes it of a run's folder.
+/// The model of a file, or of a run folder as `leastaction export` makes it.
 ///
 /// # Errors
-/// [`Failure::Input`] where there is none.
+/// [`Failure::Input`] if there is none.
 pub fn of_file_or_run(path: &Path, part: Option<&str>) -> Result<Model, Failure> {
     if !path.is_dir() {
         return Ok(load_part(path, part)?.0);
@@ -81,10 +81,10 @@ pub fn of_file_or_run(path: &Path, part: Option<&str>) -> Result<Model, Failure>
     of_part(path, model, part)
 }
 
-/// The model of a run, and its file.
+/// The model of a run, with its file.
 ///
 /// # Errors
-/// [`Failure::Input`] where there is no run; [`Failure::Work`] where it learned nothing.
+/// [`Failure::Input`] if there is no run; [`Failure::Work`] if it learned nothing.
 pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), Failure> {
     let trained = Trained::read(run).map_err(|error| Failure::Input(error.to_string()))?;
     let Trained { architecture, best, .. } = &trained;
@@ -96,7 +96,7 @@ pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), F
     Ok((trained, bytes))
 }
 
-/// Why weights are no model.
+/// The reason why weights are not a model.
 fn nothing(best: &Best) -> String {
     let found = if best.solves_nothing {
         "no training sample could be solved".to_owned()
@@ -110,19 +110,19 @@ fn nothing(best: &Best) -> String {
     )
 }
 
-/// The file of a model as the chip has it.
+/// The file of a model, as loaded on a chip.
 ///
 /// # Errors
-/// In words, where it cannot be.
+/// A message, if it cannot be encoded or loaded.
 pub fn chip_file(model: &Model) -> Result<ModelFile, String> {
     let bytes = model.to_bytes().map_err(|error| error.to_string())?;
     ModelFile::new(&bytes).map_err(|error| error.to_string())
 }
 
-/// The tree or graph of it that is meant.
+/// The selected tree or graph of a model, in the chip's arithmetic.
 ///
 /// # Errors
-/// In words, where core is not compiled for its size.
+/// A message, if core is not compiled for its size.
 pub fn meant<'f>(file: &'f ModelFile, model: &Model) -> Result<Replica<'f>, String> {
     file.replica(model.architecture.part().map(|(_, name)| name)).map_err(|error| error.to_string())
 }

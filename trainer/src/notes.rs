@@ -1,9 +1,9 @@
-//! What was decided about a log while it was read.
+//! Notes on decisions made while a log was read.
 
 use leastaction_learning::data::{Note, Resampled};
 use std::path::PathBuf;
 
-/// Every note as a sentence, with its file where there are several; that many files were resampled is one note.
+/// All notes as sentences, with their file if there are several; notes that files were resampled are merged into one.
 pub fn sentences(notes: &[(PathBuf, Note)]) -> Vec<String> {
     let mut said = Vec::new();
     let several = notes.iter().any(|(file, _)| *file != notes[0].0);
@@ -22,7 +22,7 @@ pub fn sentences(notes: &[(PathBuf, Note)]) -> Vec<String> {
     said
 }
 
-/// Whether it says nothing without its file.
+/// Whether a note is meaningless without its file.
 fn of_one_file(note: &Note) -> bool {
     matches!(note, Note::LeftOut { .. } | Note::Uncovered { .. } | Note::Unstamped { .. })
 }

@@ -1,4 +1,4 @@
-//! Training as a command or a program in another language has it: from a configuration to a run that has ended.
+//! Training for commands and for programs in other languages: from a configuration to a finished run.
 
 use crate::cli::Failure;
 use crate::notes;
@@ -10,40 +10,40 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// What came out of training.
+/// Result of training.
 #[derive(Serialize)]
 pub struct Report {
-    /// The folder.
+    /// Run folder.
     pub run: PathBuf,
-    /// Why training ended.
+    /// Reason why training ended.
     pub ending: &'static str,
-    /// Done, over all stages.
+    /// Number of iterations done, over all stages.
     pub iterations: u64,
-    /// Numbers in the weight block.
+    /// Size of the weight block.
     pub parameters: usize,
-    /// Those that are not known numbers.
+    /// Number of learned parameters.
     pub learned_parameters: usize,
-    /// Samples of the last stage.
+    /// Number of training samples in the last stage.
     pub training_samples: usize,
-    /// Samples held back.
+    /// Number of held-back samples.
     pub validation_samples: usize,
-    /// The iteration that gave the best weights.
+    /// Iteration that gave the best weights.
     pub best_iteration: u64,
-    /// Of the best weights.
+    /// Training loss of the best weights.
     pub train_loss: f64,
-    /// Of the best weights.
+    /// Validation loss of the best weights.
     pub validation_loss: Option<f64>,
-    /// Of the best weights, where torques are the loss: how far off they are.
+    /// Torque errors of the best weights, if torques are the loss.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torques: Option<SplitErrors>,
-    /// Of training.
+    /// Training time, s.
     pub seconds: f64,
-    /// The picture.
+    /// Path of the loss curve.
     pub loss_curve: PathBuf,
-    /// The page on what was learned over windows.
+    /// Path of the report, if windows were learned from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub report: Option<PathBuf>,
-    /// The iteration of the checkpoint.
+    /// Iteration of the last checkpoint.
     #[serde(skip)]
     pub saved: Option<u64>,
 }
@@ -71,10 +71,10 @@ impl fmt::Display for Report {
     }
 }
 
-/// Reads the data that a configuration file names and prepares the losses, telling what should be known, a sentence each.
+/// Reads the data that a configuration file names and prepares the losses; reports what the user should know, each a sentence.
 ///
 /// # Errors
-/// [`Failure::Input`]: a log cannot be read, or a run with it cannot begin.
+/// [`Failure::Input`] if a log cannot be read, or if a run with it cannot begin.
 pub fn plan(file: &Path, config: Config, tell: &mut dyn FnMut(String)) -> Result<Plan, Failure> {
     let log = PathBuf::from(config.data.file.to_string());
     let refused = |error: PlanError| match error {
@@ -91,10 +91,10 @@ pub fn plan(file: &Path, config: Config, tell: &mut dyn FnMut(String)) -> Result
     Ok(plan)
 }
 
-/// Trains, and says what came out and how it ended.
+/// Trains; returns the result, and the reason for the end.
 ///
 /// # Errors
-/// [`Failure::Work`] where training cannot go on.
+/// [`Failure::Work`] if training cannot go on.
 pub fn train(
     run: &mut Run,
     folder: &Path,

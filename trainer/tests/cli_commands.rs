@@ -53,7 +53,7 @@ mod trees;
 #[path = "cli_commands/unsolved.rs"]
 mod unsolved;
 
-/// What is run.
+/// Program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_leastaction");
 
 #[test]

@@ -1,5 +1,5 @@
-//! A processor in a thread of its own, at the other end of a line of bytes, runs the loop as it runs in place; whatever
-//! goes wrong on the line ends the run.
+//! A processor in a thread of its own, at the other end of a byte line, runs the loop exactly as it runs in place; any fault of the line
+//! ends the run.
 
 use leastaction::processor::{Line, LinkError, Remote};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
@@ -20,23 +20,23 @@ struct Aligned<const N: usize>([u8; N]);
 static MODEL: Aligned<{ include_bytes!("../../firmware-sim/chip/models/cartpole.postcard").len() }> =
     Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole.postcard"));
 
-/// What happens to the bytes on their way to the world.
+/// Fault that bytes suffer on their way to the simulator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// The byte of this number has a bit changed.
+    /// A bit of the byte with this index is changed.
     Flip(usize),
-    /// The byte of this number is lost.
+    /// The byte with this index is lost.
     Lose(usize),
-    /// From this number on nothing comes.
+    /// No byte from this index on arrives.
     Silence(usize),
-    /// From this number on the other end is gone.
+    /// The other end disappears at this index.
     Gone(usize),
-    /// The bytes from this number to the second come once more behind it.
+    /// The bytes from the first index to the second are sent twice.
     Repeat(usize, usize),
 }
 
-/// The world's end, in memory.
+/// The simulator's end, in memory.
 struct Wire {
     to: Sender<u8>,
     from: Receiver<u8>,
@@ -110,7 +110,7 @@ fn processor(model: Option<&'static [u8]>, fault: Fault) -> (Wire, JoinHandle<Re
 }
 
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Where the pole is brought and held.
+/// State at which the pole is held.
 const REST: [f32; 2] = [0.0; 2];
 const SHORT: Duration = Duration::from_millis(200);
 
@@ -123,7 +123,7 @@ fn config() -> SwingUpConfig<2> {
     config
 }
 
-/// The same run in place.
+/// The run in place.
 fn in_place(config: &SwingUpConfig<2>) -> Summary<2> {
     let model = Cartpole::load(&MODEL.0).unwrap();
     let plant = System::conservative(CARTPOLE);
@@ -159,10 +159,10 @@ fn tracking_is_the_same_over_a_line() {
     assert_eq!(run_on(&plant, &mut remote, &config.setup, config.reference, |_| {}).unwrap(), expected);
 }
 
-/// A whole run, or the tick that was not run (none where the program was not begun) and why.
+/// A whole run; or the tick that was not run (`None` if the program did not begin), and the reason.
 type End = Result<Summary<2>, (Option<u32>, LinkError)>;
 
-/// The end of a run over a line with a fault, and the ticks before it.
+/// The end of a run over a line with a fault, with the ticks before it.
 fn faulty(fault: Fault, patience: Duration) -> (Vec<Tick<2>>, End) {
     let config = config();
     let (wire, _thread) = processor(Some(&MODEL.0), fault);
@@ -182,7 +182,7 @@ fn faulty(fault: Fault, patience: Duration) -> (Vec<Tick<2>>, End) {
 
 #[test]
 fn a_damaged_answer_ends_the_run_at_its_tick() {
-    // The first is of the answer to the program, the others of ticks.
+    // The first fault hits the answer to the program, the others hit ticks.
     for (at, first) in [(3, true), (40, false), (2000, false)] {
         let (ticks, end) = faulty(Fault::Flip(at), PATIENCE);
         let (tick, error) = end.unwrap_err();

@@ -1,4 +1,4 @@
-//! Values of options, refused in words that say what they must be.
+//! Parsers for option values; their errors say what a value must be.
 
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::data::control_of_name;
@@ -28,12 +28,12 @@ pub fn order(text: &str) -> Result<u8, String> {
     text.parse().ok().filter(|order| matches!(order, 2 | 4)).ok_or_else(|| "it must be 2 or 4".to_owned())
 }
 
-/// What a control does between samples.
+/// The kind of a control between samples.
 pub fn control(text: &str) -> Result<ControlKind, String> {
     control_of_name(text).ok_or_else(|| "it must be held or linear".to_owned())
 }
 
-/// Seed of random numbers.
+/// Seed of the random numbers.
 pub fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("it must be a whole number from 0 to {}", u64::MAX))
 }

@@ -1,5 +1,4 @@
-//! What the commands of this project share: where words go, exit codes, and values of options. It knows of no parser of command
-//! lines.
+//! Common parts of the project's commands: output, exit codes, and option values. This module is independent of any command-line parser.
 
 pub mod arguments;
 mod output;
@@ -8,5 +7,5 @@ mod replaced;
 pub use output::{Failure, Output, folder, object, print, refuse, written};
 pub use replaced::{CONFIGURATION_HEAD, FileKind, MOTION_HEAD, replaceable};
 
-/// What every command gives back.
+/// The result of a command.
 pub type Done = Result<(), Failure>;

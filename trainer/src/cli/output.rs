@@ -1,4 +1,4 @@
-//! What goes to stdout and stderr, and the exit code.
+//! Output on stdout and stderr, and exit codes.
 
 use leastaction_learning::config::ConfigError;
 use leastaction_learning::data::{DataError, Problem};
@@ -9,55 +9,55 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Where a command's words go.
+/// Output of a command.
 #[derive(Clone, Copy)]
 pub struct Output {
-    /// One JSON object instead of text.
+    /// Whether to print one JSON object instead of text.
     pub json: bool,
 }
 
-/// Why a command did not succeed.
+/// The reason why a command did not succeed.
 pub enum Failure {
     /// The work failed: exit code 1.
     Work(String),
     /// Wrong usage or unreadable input: exit code 2.
     Input(String),
-    /// Interrupted, all saved: exit code 130, as shells have it for Ctrl-C.
+    /// Interrupted with everything saved: exit code 130, as shells use it for Ctrl-C.
     Interrupted(String),
-    /// Nobody reads stdout any more: no message, exit code 0.
+    /// stdout is closed: no message, exit code 0.
     ClosedPipe,
 }
 
 impl Failure {
-    /// The work failed on a file.
+    /// A failure of the work on a file.
     pub fn file(path: &Path, error: impl Display) -> Self {
         Self::Work(format!("{}: {error}", path.display()))
     }
 
-    /// A file cannot be used.
+    /// A failure due to an unusable file.
     pub fn input(path: &Path, error: impl Display) -> Self {
         Self::Input(format!("{}: {error}", path.display()))
     }
 }
 
 impl Output {
-    /// The result: a JSON object or text.
+    /// Prints the result, as a JSON object or as text.
     pub fn report(self, report: &(impl Serialize + Display)) -> Result<(), Failure> {
         if self.json { object(report) } else { print(&report.to_string()) }
     }
 
-    /// A message for people.
+    /// Prints a message for people on stderr.
     pub fn note(self, message: &str) {
-        // Nothing is left to tell where stderr is closed.
+        // If stderr is closed, nobody can be told.
         let _closed = writeln!(io::stderr(), "{message}");
     }
 
-    /// Notes, each a sentence.
+    /// Prints notes, each a sentence.
     pub fn notes(self, sentences: &[String]) {
         sentences.iter().for_each(|sentence| self.note(&format!("note: {sentence}")));
     }
 
-    /// Tells why and gives the exit code.
+    /// Prints the reason for a failure and returns the exit code.
     pub fn fail(self, failure: &Failure) -> ExitCode {
         let (message, code) = match failure {
             Failure::Work(message) => (message, 1),
@@ -70,7 +70,7 @@ impl Output {
     }
 }
 
-/// Makes sure that there is a folder to write to.
+/// Creates a folder to write to, unless it exists.
 pub fn folder(path: &Path) -> Result<(), Failure> {
     if path.exists() && !path.is_dir() {
         return Err(Failure::input(path, "there is a file of this name; name a folder"));
@@ -78,13 +78,13 @@ pub fn folder(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path).map_err(|error| Failure::file(path, error))
 }
 
-/// A JSON object to stdout.
+/// Prints a JSON object on stdout.
 pub fn object(report: &impl Serialize) -> Result<(), Failure> {
     let object = serde_json::to_string(report).map_err(|error| Failure::Work(error.to_string()))?;
     print(&format!("{object}\n"))
 }
 
-/// Text as it is to stdout.
+/// Prints text unchanged on stdout.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -100,14 +100,14 @@ impl From<ConfigError> for Failure {
     }
 }
 
-/// Of a log that is read.
+/// The failure to read a log.
 impl From<DataError> for Failure {
     fn from(error: DataError) -> Self {
         Self::Input(error.to_string())
     }
 }
 
-/// Of a log that is written.
+/// The failure to write a log.
 pub fn written(error: DataError) -> Failure {
     let message = error.to_string();
     match error.problem {
@@ -126,7 +126,7 @@ impl From<RunError> for Failure {
     }
 }
 
-/// Refuses options that are given but mean nothing for the system.
+/// Refuses options that are given but have no meaning for the system.
 pub fn refuse(system: &str, options: &[(bool, &str)]) -> Result<(), Failure> {
     match options.iter().find(|(given, _)| *given) {
         Some((_, option)) => {

@@ -1,5 +1,5 @@
-//! Files that a command may replace: those of the kind that it writes. A slip of a name must not cost a log, a configuration or a
-//! run.
+//! Protection of existing files: a command only replaces files of the kind that it writes. A mistyped name must not cost a log, a
+//! configuration or a run.
 
 use super::Failure;
 use leastaction_core::model::MAGIC;
@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// What a command writes.
+/// Kind of a file that a command writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     /// A model file.
@@ -18,13 +18,13 @@ pub enum FileKind {
     RustModule,
     /// A C header with a model.
     CHeader,
-    /// A log of motion, by its name.
+    /// A log of motion, recognised by its name.
     Log,
     /// A configuration that `leastaction look` wrote.
     Configuration,
     /// A motion that `leastaction excite` wrote.
     Motion,
-    /// A table that begins with these names.
+    /// A table whose header begins with these names.
     Table(&'static str),
     /// A picture.
     Picture,
@@ -32,10 +32,10 @@ pub enum FileKind {
     Page,
 }
 
-/// How a configuration of `leastaction look` begins.
+/// First words of a configuration from `leastaction look`.
 pub const CONFIGURATION_HEAD: &str = "# Guessed by names";
 
-/// How a motion of `leastaction excite` begins.
+/// First words of a motion from `leastaction excite`.
 pub const MOTION_HEAD: &str = "# A motion of `leastaction excite`";
 
 impl FileKind {
@@ -53,7 +53,7 @@ impl FileKind {
         }
     }
 
-    /// How a file of this kind begins; `None`: the whole file says it.
+    /// First bytes of a file of this kind; `None` if the whole file must be read to recognise it.
     fn head(self, path: &Path) -> Option<&'static [u8]> {
         match self {
             Self::Model => Some(&MAGIC),
@@ -80,7 +80,7 @@ impl FileKind {
     }
 }
 
-/// Refuses a file that is there and of another kind; where there is none, or a device, anything may be written.
+/// Refuses an existing file of another kind; any other path (no file, or a device) may be written.
 ///
 /// # Errors
 /// [`Failure::Input`] for a file of another kind, or one that cannot be read.

@@ -8,10 +8,10 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Write a model file of an older format version anew, in the present one.
+/// Rewrite a model file of an older format version in the current one.
 ///
-/// Shape, weights (to the last bit), step and text stay. What version 1 did not say is not there afterwards either: the range of
-/// the training data, and an actuator. Its control counts as linear between samples, as training then took it.
+/// Shape, weights (to the last bit), step and text are kept. Facts that version 1 does not hold remain absent: the range of the training
+/// data, and the actuator. A version-1 control counts as linear between samples, as training took it then.
 ///
 /// Example: leastaction convert old.postcard -o new.postcard
 #[derive(Args)]
@@ -23,11 +23,11 @@ pub struct Convert {
     output: PathBuf,
 }
 
-/// What was written.
+/// Report on the written file.
 #[derive(Serialize)]
 struct Report {
     model: PathBuf,
-    /// Of the file that was read.
+    /// Format version of the file that was read.
     from_version: u8,
     format_version: u8,
     parameters: usize,
@@ -46,7 +46,7 @@ impl fmt::Display for Report {
 }
 
 impl Convert {
-    /// Reads and writes.
+    /// Reads the file and writes it anew.
     pub fn run(self, output: Output) -> Done {
         replaceable(&self.output, FileKind::Model)?;
         let bytes = std::fs::read(&self.model).map_err(|error| Failure::input(&self.model, error))?;

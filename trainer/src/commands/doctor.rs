@@ -11,35 +11,35 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::available_parallelism;
 
-/// Say what this machine has, and what is missing for chips.
+/// Report what this machine has, and what is missing for work on chips.
 ///
-/// Versions, threads and instruction sets; compilers, emulators and the images of emulated boards, each with what it is for and
-/// how it is had. Learning needs none of these. Nothing is changed.
+/// Lists versions, threads and instruction sets; compilers, emulators and the images of emulated boards, each with its purpose and how to
+/// get it. Learning needs none of these. Nothing is changed.
 ///
 /// Example: leastaction doctor
 #[derive(Args)]
 pub struct Doctor {}
 
-/// Something that is found or not.
+/// A tool or file that may be present.
 #[derive(Serialize)]
 struct Part {
     name: String,
-    /// Its version, or where it is; none where it is missing.
+    /// Version or path; `None` if it is missing.
     found: Option<String>,
     needed_for: &'static str,
-    /// How it is had.
+    /// How to get it.
     remedy: String,
 }
 
-/// What the machine has.
+/// Report on the machine.
 #[derive(Serialize)]
 struct Report {
     version: &'static str,
-    /// Of the model files that it writes.
+    /// Format version of the model files that this program writes.
     format_version: u8,
     machine: String,
     threads: usize,
-    /// Beyond those that the program was compiled for.
+    /// Instruction sets beyond those that the program was compiled for.
     instruction_sets: Vec<&'static str>,
     parts: Vec<Part>,
 }
@@ -68,7 +68,7 @@ fn join_or(words: &[&str], none: &str) -> String {
 }
 
 impl Doctor {
-    /// Looks, and says what there is.
+    /// Examines the machine and reports.
     pub fn run(self, output: Output) -> Done {
         output.report(&Report {
             version: env!("CARGO_PKG_VERSION"),
@@ -81,7 +81,7 @@ impl Doctor {
     }
 }
 
-/// Those of which programs here make use.
+/// Available instruction sets that programs here make use of.
 #[cfg(target_arch = "x86_64")]
 fn instruction_sets() -> Vec<&'static str> {
     let sets = [
@@ -92,7 +92,7 @@ fn instruction_sets() -> Vec<&'static str> {
     sets.into_iter().filter_map(|(name, there)| there.then_some(name)).collect()
 }
 
-/// Those of which programs here make use.
+/// Available instruction sets that programs here make use of.
 #[cfg(not(target_arch = "x86_64"))]
 fn instruction_sets() -> Vec<&'static str> {
     if cfg!(target_feature = "neon") { vec!["neon"] } else { Vec::new() }
@@ -126,7 +126,7 @@ fn parts() -> Vec<Part> {
     parts
 }
 
-/// The standard library of a chip.
+/// Standard library for a chip.
 fn target(board: Board) -> Part {
     let name = board.target();
     let folder = printed("rustc", &["--print", "target-libdir", "--target", name]);
@@ -138,7 +138,7 @@ fn target(board: Board) -> Part {
     }
 }
 
-/// The controller's image for an emulated board.
+/// Controller image for an emulated board.
 fn image(board: Board) -> Part {
     Part {
         name: format!("image for {}", board.name()),
@@ -148,12 +148,12 @@ fn image(board: Board) -> Part {
     }
 }
 
-/// What a program says of itself.
+/// Version that a program reports.
 fn version(program: &str) -> Option<String> {
     printed(program, &["--version"])
 }
 
-/// The first line that a program prints; none where there is no such program, or it fails.
+/// First line that a program prints; `None` if there is no such program, or if it fails.
 fn printed(program: &str, arguments: &[&str]) -> Option<String> {
     let done =
         Command::new(program).args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;

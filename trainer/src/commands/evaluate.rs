@@ -14,18 +14,18 @@ use std::path::{Path, PathBuf};
 
 /// Measure a model on logged motion.
 ///
-/// Accelerations, where the log has v and a; positions one step ahead, from the two before; and over whole trajectories from the
-/// second sample on, with its velocity where the log has v, else that of the first two positions, under the logged control, held or
-/// linear between samples. What cannot be computed is counted, and left out of the errors. Angles of the log may be wrapped into one
-/// turn.
+/// Errors are those of accelerations, if the log has v and a; of positions one step ahead, from the two before; and of positions over whole
+/// trajectories, from the second sample on, with its velocity if the log has v, else that of the first two positions, under the logged
+/// control, held or linear between samples. Samples that cannot be computed are counted and left out of the errors. Angles in the log may
+/// be wrapped into one turn.
 ///
-/// The same steps on the chip: in single precision, by the code that runs there, to the last bit. A graph is stepped by RATTLE, and
-/// keeps its rods.
+/// The steps are also done as on the chip: in single precision, by the code that runs there, to the last bit. A graph is stepped by RATTLE,
+/// on its rods.
 ///
-/// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
-/// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
-/// those of the exact accelerations in single precision: A_q = |q' - q| / samples, angles not wrapped; A_E likewise, of the exact
-/// energy of the predicted state; and the time until the position is 0.1 m or rad off.
+/// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid, the model also predicts from random starts by its learned
+/// accelerations (with the weights as shipped, else in double precision; on the rods, if there are any). The errors are ModLaNet's, beside
+/// those of the exact accelerations in single precision: A_q = |q' - q| / samples, angles not wrapped; A_E likewise for the exact energy of
+/// the predicted state; and the time until the position is off by 0.1 m or rad.
 ///
 /// Example: leastaction evaluate m.postcard --data log.npz
 ///
@@ -34,46 +34,46 @@ use std::path::{Path, PathBuf};
 /// Example: leastaction evaluate m.postcard --data triple.npz --tree triple --system n-pendulum -o prediction
 #[derive(Args)]
 pub struct Evaluate {
-    /// The model file, or the folder of a run.
+    /// The model file, or the folder of a training run.
     model: PathBuf,
-    /// The log, .npz or .csv; *, ? and ** stand for several.
+    /// The log, .npz or .csv; *, ? and ** match several files.
     #[arg(long, value_name = "FILE", required_unless_present = "config")]
     data: Option<PathBuf>,
-    /// Take names and units of columns, step and control of the log from [data] of this configuration; without --data the log too.
+    /// A configuration whose [data] gives names and units of columns, step and control of the log, and without --data the log itself.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Order of the steps, 2 or 4 [default: that of the model, else 4].
+    /// Order of the steps, 2 or 4 [default: the model's, else 4].
     #[arg(long, value_parser = order)]
     order: Option<u8>,
-    /// What u does between samples, held or linear [default: what the log says, else that of the model, else held].
+    /// Behaviour of u between samples, held or linear [default: as the log says, else as for the model, else held].
     #[arg(long, value_name = "KIND", value_parser = control)]
     control: Option<ControlKind>,
-    /// Of a model of several trees or graphs the one that the log is of [default: the one that was trained].
+    /// The tree or graph that the log belongs to, for a model of several [default: the one that was trained].
     #[arg(long, visible_alias = "graph", value_name = "NAME")]
     tree: Option<String>,
-    /// Also compare with this exact mechanism: inertia and, over motion without force, energy; predictions of systems of any size.
+    /// Also compare with this exact mechanism: inertia and, for motion without force, energy; for systems of any size, predictions.
     #[arg(long)]
     system: Option<System>,
-    /// Predictions from so many random starts [default: 100].
+    /// Number of random starts for predictions [default: 100].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), requires = "system")]
     starts: Option<u32>,
-    /// Predictions over so many seconds [default: 30].
+    /// Length of the predictions, s [default: 30].
     #[arg(long, value_parser = positive, requires = "system")]
     seconds: Option<f64>,
-    /// Another model, a file or the folder of a run, to be shown beside this one on the page: a simpler one, to see what this is worth.
+    /// Another model, a file or the folder of a run, to compare with on the page: for instance a simpler one.
     #[arg(long, value_name = "MODEL", requires = "output")]
     beside: Option<PathBuf>,
-    /// Of the random starts [default: 0].
+    /// Seed of the random starts [default: 0].
     #[arg(long, value_parser = seed, requires = "system")]
     seed: Option<u64>,
-    /// A page, .html, on what the model is worth on the log; with --system a folder for the errors of predictions over time:
+    /// A page, .html, that reports how good the model is on the log; with --system a folder for the errors of predictions over time:
     /// prediction.csv and prediction.svg.
     #[arg(short, long, value_name = "PAGE.html|FOLDER")]
     output: Option<PathBuf>,
 }
 
 impl Evaluate {
-    /// Reads and measures.
+    /// Reads the model and the log, and measures.
     pub fn run(self, output: Output) -> Done {
         let page = self.page()?;
         let model = self.load(&self.model)?;
@@ -102,7 +102,7 @@ impl Evaluate {
         output.report(&report)
     }
 
-    /// The page that is asked for; a folder is of use with --system alone.
+    /// The requested page; a folder only makes sense with --system.
     fn page(&self) -> Result<Option<&Path>, Failure> {
         let Some(path) = self.output.as_deref() else { return Ok(None) };
         match is_page(path)? {
@@ -118,7 +118,7 @@ impl Evaluate {
         of_file_or_run(path, self.tree.as_deref())
     }
 
-    /// The model that is shown beside this one.
+    /// The model to compare with on the page.
     fn beside(&self, page: Option<&Path>, model: &Model) -> Result<Option<Model>, Failure> {
         let Some(path) = &self.beside else { return Ok(None) };
         if page.is_none() {
@@ -132,12 +132,12 @@ impl Evaluate {
         Err(Failure::input(path, format!("the model has {found} coordinates, the one beside it {own}")))
     }
 
-    /// The log and how it is read.
+    /// The log, and how to read it.
     fn log(&self) -> Result<DataConfig, Failure> {
         log_config(self.config.as_deref(), self.data.as_ref().map(DataConfig::new))
     }
 
-    /// The mechanism that a system names, of the model's size.
+    /// The exact mechanism of a system, in the model's size.
     fn exact(&self, system: System, model: &Model) -> Result<Exact, Failure> {
         let (n, letters) = (model.architecture.n(), model.architecture.coordinates());
         match system.kind() {
@@ -190,7 +190,7 @@ impl Evaluate {
     }
 }
 
-/// An exact mechanism of the model's size.
+/// An exact mechanism in the model's size.
 enum Exact {
     Symo(Mechanism),
     Scalable(Scalable),

@@ -13,14 +13,14 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Find a motion along which an arm shows its masses, inertias and friction.
+/// Find a motion that excites an arm enough to identify its masses, inertias and friction.
 ///
-/// A Fourier series of every joint, from rest and back to rest every period, within the limits of position, velocity and effort of the
-/// robot description (URDF). What is minimised is the condition number of the regressor of base parameters and friction, its columns scaled
-/// to norm 1. The same seed gives the same motion on any number of threads. What the arm may hit, itself included, is not known here: look at the
-/// motion before it runs.
+/// The motion is a Fourier series of every joint that starts and ends each period at rest, within the limits of position, velocity and
+/// effort in the robot description (URDF). The search minimises the condition number of the regressor of base parameters and friction, with
+/// columns scaled to norm 1. The same seed gives the same motion on any number of threads. Obstacles, the arm itself included, are not
+/// considered: check the motion before running it.
 ///
-/// Torques are held to their limits as far as the description has masses, without friction.
+/// Torques are kept within their limits as far as the description has masses; friction is not included.
 ///
 /// Example: leastaction excite panda.urdf -o excitation.csv --motion excitation.toml
 #[derive(Args)]
@@ -30,50 +30,50 @@ pub struct Excite {
     /// The motion to write, .csv or .npz: t, q and v of one period.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Also as a Fourier series, for `simulate --scenario track --trajectory`.
+    /// Also write the motion as a Fourier series, for `simulate --scenario track --trajectory`.
     #[arg(long, value_name = "FILE.toml")]
     motion: Option<PathBuf>,
-    /// Of the motion, s.
+    /// Period of the motion, s.
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = positive)]
     period: f64,
-    /// Harmonics of every joint.
+    /// Number of harmonics per joint.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u8).range(3..=5))]
     harmonics: u8,
     /// Time between rows, s.
     #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
     h: f64,
-    /// Of every limit the part that may be used, up to 1.
+    /// Fraction of every limit that may be used, up to 1.
     #[arg(long, value_name = "PART", default_value_t = 0.9, value_parser = positive)]
     share: f64,
-    /// Positions of joints without limits go from minus to plus this, rad or m.
+    /// Position limit, ±, for joints without one, rad or m.
     #[arg(long, value_name = "RAD", value_parser = positive)]
     position: Option<f64>,
-    /// Of joints without a limit of velocity, rad/s or m/s.
+    /// Velocity limit for joints without one, rad/s or m/s.
     #[arg(long, value_name = "RAD/S", value_parser = positive)]
     velocity: Option<f64>,
-    /// Of joints without a limit of effort, N m or N; without it theirs is not limited.
+    /// Effort limit for joints without one, N m or N; by default they are unlimited.
     #[arg(long, value_name = "NM", value_parser = positive)]
     effort: Option<f64>,
-    /// Of all links together that have no mass in the description, kg: their bodies are guessed from it.
+    /// Total mass of all links without mass in the description, kg: their bodies are guessed from it.
     #[arg(long, value_name = "KG", value_parser = positive)]
     mass: Option<f64>,
-    /// Searches from starts of their own.
+    /// Number of searches, each from its own start.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..))]
     starts: u16,
-    /// Motions that each of them tries.
+    /// Number of motions that each search tries.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
     trials: u32,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
 }
 
-/// Of guessed bodies about their lines, m.
+/// Radius of guessed bodies about their lines, m.
 const RADIUS: f64 = 0.1;
-/// Rows at most.
+/// Largest number of rows.
 const MOST_ROWS: f64 = 1e7;
 
-/// What was found and written.
+/// Report on the motion that was found and written.
 #[derive(Serialize)]
 struct Report {
     file: PathBuf,
@@ -83,13 +83,13 @@ struct Report {
     h: f64,
     period: f64,
     seed: u64,
-    /// Of the first motion that was tried.
+    /// Condition number of the first motion tried.
     condition_before: f64,
     condition: f64,
     joints: Vec<JointUse>,
 }
 
-/// How near to its limits a joint comes; limits that do not exist are null.
+/// Use that a joint makes of its limits; limits that do not exist are null.
 #[derive(Serialize)]
 struct JointUse {
     joint: String,
@@ -125,7 +125,7 @@ impl fmt::Display for Report {
 }
 
 impl Excite {
-    /// Searches and writes.
+    /// Searches for a motion and writes it.
     pub fn run(self, output: Output) -> Done {
         replaceable(&self.output, FileKind::Log)?;
         self.motion.iter().try_for_each(|path| replaceable(path, FileKind::Motion))?;
@@ -176,7 +176,7 @@ impl Excite {
         Ok(tree)
     }
 
-    /// Those of the description, and of the options where it has none.
+    /// The limits of the description, completed by those of the options.
     fn limits(&self, tree: &Tree, coordinate: usize) -> Limits {
         let Limits { position, velocity, effort } = tree.limits(coordinate);
         let or =
@@ -197,7 +197,7 @@ impl Excite {
         }
     }
 
-    /// Writes the log of one period, and gives its rows.
+    /// Writes the log of one period; returns its number of rows.
     fn write(&self, found: &Excitation) -> Result<usize, Failure> {
         let rows = (self.period / self.h + 1e-9) as usize + 1;
         let samples = found.series.samples(rows, self.h);
@@ -239,7 +239,7 @@ fn motion_text(found: &Excitation, limits: &[Limits]) -> Result<String, toml::se
     };
     toml::to_string(&MotionFile {
         frequency: series.frequency,
-        // It begins at rest by itself.
+        // The motion begins at rest by itself.
         ramp: 0.0,
         centre: series.centre.clone(),
         limit: limits.iter().map(|of| of.effort).collect(),

@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Make a model file of a network that was trained elsewhere.
+/// Make a model file from a network trained elsewhere.
 #[derive(Args)]
 pub struct Import {
     #[command(subcommand)]
@@ -30,22 +30,22 @@ enum Source {
     Lgnn(Lgnn),
 }
 
-/// A network of the SyMo authors' program (SyMo, E2E-SyMo or L-NODE): safetensors with their tensor names.
+/// A network of the SyMo authors' program (SyMo, E2E-SyMo or L-NODE), as safetensors with their tensor names.
 ///
-/// Weights are rounded to single precision, which is what that program trains in.
+/// Weights are rounded to single precision, in which that program trains.
 ///
 /// Example: leastaction import symo cartpole.safetensors --system cartpole -o m.postcard
 #[derive(Args)]
 struct Symo {
     /// The safetensors file.
     file: PathBuf,
-    /// Takes coordinates and step from this mechanism of the paper.
+    /// Take coordinates and step from this mechanism of the paper.
     #[arg(long, required_unless_present = "coordinates")]
     system: Option<SymoSystem>,
-    /// One letter a coordinate, in the order of q: t translation, a angle.
+    /// One letter per coordinate, in the order of q: t translation, a angle.
     #[arg(long, value_name = "LETTERS", conflicts_with = "system")]
     coordinates: Option<String>,
-    /// The step that the network was trained with, s [default: that of --system; none for L-NODE].
+    /// Step that the network was trained with, s [default: that of --system; none for L-NODE].
     #[arg(long, value_name = "SECONDS", value_parser = positive_f32, allow_negative_numbers = true)]
     h: Option<f32>,
     /// The model file to write.
@@ -53,23 +53,23 @@ struct Symo {
     output: PathBuf,
 }
 
-/// A network of the ModLaNet authors' program: safetensors with their tensor names.
+/// A network of the ModLaNet authors' program, as safetensors with their tensor names.
 ///
-/// The one set of element weights in the file serves a tree of any size. Weights are rounded to single precision, which is
-/// what that program trains in.
+/// The file has a single set of element weights, which serves a tree of any size. Weights are rounded to single precision, in which that
+/// program trains.
 ///
 /// Example: leastaction import modlanet 3_body.safetensors --system body --count 4 -o m.postcard
 #[derive(Args)]
 struct Modlanet {
     /// The safetensors file.
     file: PathBuf,
-    /// What the elements are.
+    /// Kind of the elements.
     #[arg(long, value_enum, default_value = "pendulum")]
     system: Element,
-    /// How many of them the tree has, at most 32 [default: 2 pendulums, 3 bodies].
+    /// Number of elements in the tree, at most 32 [default: 2 pendulums, 3 bodies].
     #[arg(long)]
     count: Option<u8>,
-    /// Takes this mass instead of the file's, kg; it multiplies all energies and changes no motion.
+    /// Mass to use instead of the file's, kg; it scales all energies and changes no motion.
     #[arg(long, value_name = "KG", value_parser = positive, allow_negative_numbers = true)]
     mass: Option<f64>,
     /// The model file to write.
@@ -77,9 +77,9 @@ struct Modlanet {
     output: PathBuf,
 }
 
-/// A network of the LGNN authors' program that was trained on pendulums: safetensors with their tensor names.
+/// A network of the LGNN authors' program, trained on pendulums, as safetensors with their tensor names.
 ///
-/// The one node type in the file serves a chain of any number of bobs in Cartesian coordinates, on known rods of 1 m. Weights are
+/// The file has a single node type, which serves a chain of any number of bobs in Cartesian coordinates, on known rods of 1 m. Weights are
 /// rounded to single precision.
 ///
 /// Example: leastaction import lgnn 3_pendulum.safetensors --count 5 -o m.postcard
@@ -87,10 +87,10 @@ struct Modlanet {
 struct Lgnn {
     /// The safetensors file.
     file: PathBuf,
-    /// How many bobs the chain has, at most 32.
+    /// Number of bobs in the chain, at most 32.
     #[arg(long, default_value_t = 3)]
     count: u8,
-    /// The drag in the file was trained (every file has one).
+    /// Use the drag network, which was trained (every file has one).
     #[arg(long)]
     drag: bool,
     /// The model file to write.
@@ -100,13 +100,13 @@ struct Lgnn {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Element {
-    /// Each hanging from the one before: angles, learned transforms, potentials without activation.
+    /// Pendulums, each hanging from the one before: angles, learned transforms, potentials without activation.
     Pendulum,
     /// Free points in the plane: tanh potentials.
     Body,
 }
 
-/// What was written.
+/// Report on the written file.
 #[derive(Serialize)]
 struct Report {
     model: PathBuf,
@@ -129,7 +129,7 @@ impl fmt::Display for Report {
 }
 
 impl Import {
-    /// Reads, converts and writes.
+    /// Reads the network, converts it and writes the model file.
     pub fn run(self, output: Output) -> Done {
         match self.source {
             Source::Symo(symo) => symo.run(output),
@@ -191,14 +191,14 @@ impl Lgnn {
     }
 }
 
-/// What is read and what is written.
+/// The files to read and to write.
 struct Files<'a> {
     from: &'a Path,
     to: PathBuf,
 }
 
 impl Files<'_> {
-    /// Writes the model file and tells about it.
+    /// Writes the model file and reports it.
     fn write(
         self,
         imported: &Imported,

@@ -1,4 +1,4 @@
-//! Ctrl-C: the first asks to stop, the second stops at once.
+//! Ctrl-C: the first requests a stop, the second stops at once.
 
 use leastaction::cli::Failure;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -6,14 +6,14 @@ use leastaction::look;
 use leastaction_learning::atomic;
 use std::path::PathBuf;
 
-/// Look at logs of which nothing is known yet: clocks, ranges, encoder grids, noise, and what the columns may be.
+/// Survey unknown logs: clocks, ranges, encoder grids, noise, and a guess of what the columns are.
 ///
-/// With -o it writes a first configuration, whose columns are guessed by their names: check it, then train with it.
+/// With -o it writes a first configuration with columns guessed from their names: check it, then train with it.
 ///
 /// Example: leastaction look "logs/*.csv" -o robot.toml
 #[derive(Args)]
 pub struct Look {
-    /// Logs of one machine, .csv, .npz or .mcap; *, ? and ** stand for several.
+    /// Logs of one machine, .csv, .npz or .mcap; *, ? and ** match several files.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// A first configuration to write.
@@ -22,7 +22,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// Reads and tells.
+    /// Reads the logs and reports.
     pub fn run(self, output: Output) -> Done {
         if let Some(file) = &self.output {
             replaceable(file, FileKind::Configuration)?;

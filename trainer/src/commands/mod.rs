@@ -1,4 +1,4 @@
-//! The command line: one file and one variant of [`Command`] each.
+//! The command line: one file and one variant of [`Command`] per command.
 
 mod convert;
 mod demo;
@@ -59,7 +59,7 @@ enum Command {
     Reproduce(reproduce::Reproduce),
 }
 
-/// Reads the command line and does what it says.
+/// Reads the command line and runs the command.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let output = Output { json: cli.json };

@@ -1,23 +1,23 @@
-//! The file of a motion: a Fourier series of every coordinate, which `excite` writes and `simulate` follows.
+//! The file format of a motion: a Fourier series of every coordinate, written by `excite` and followed by `simulate`.
 
 use serde::{Deserialize, Serialize};
 
-/// Its keys.
+/// Keys of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionFile {
-    /// Of the first harmonic, Hz.
+    /// Frequency of the first harmonic, Hz.
     pub frequency: f64,
-    /// Seconds in which it is entered from rest.
+    /// Time in which the motion is entered from rest, s.
     #[serde(default = "ramp")]
     pub ramp: f64,
-    /// The centre of every coordinate, rad or m.
+    /// Centre of every coordinate, rad or m.
     pub centre: Vec<f64>,
-    /// Largest forces, N m or N.
+    /// Largest force on every coordinate, N m or N.
     pub limit: Vec<f64>,
-    /// Of every coordinate a row of harmonics, rad or m.
+    /// Cosine coefficients: a row of harmonics per coordinate, rad or m.
     pub cosine: Vec<Vec<f64>>,
-    /// The same.
+    /// Sine coefficients: a row of harmonics per coordinate, rad or m.
     pub sine: Vec<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! How training goes, on stderr: a bar on a terminal, lines elsewhere.
+//! Progress of training on stderr: a bar on a terminal, lines elsewhere.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leastaction::cli::Output;
@@ -9,23 +9,23 @@ use std::time::{Duration, Instant};
 /// Time between lines.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// Shows rows as they come.
+/// Shows the rows of a run.
 pub enum Progress {
-    /// Nothing but warnings.
+    /// Only warnings.
     Quiet,
     /// A bar that is redrawn in place.
     Bar(ProgressBar),
     /// A line now and then.
     Lines {
-        /// When the last was printed.
+        /// Time of the last line.
         last: Option<Instant>,
-        /// Of all iterations.
+        /// Number of all iterations.
         iterations: u64,
     },
 }
 
 impl Progress {
-    /// What fits stderr.
+    /// The display that suits stderr.
     pub fn new(quiet: bool, run: &Run) -> Self {
         let iterations = run.plan().iterations();
         if quiet {

@@ -1,12 +1,12 @@
-//! `leastaction reproduce`: where the papers' experiments went.
+//! `leastaction reproduce`: a pointer to the command with the papers' experiments.
 
 use clap::Args;
 use leastaction::cli::{Done, Failure};
 
-/// The papers' experiments, which have a command of their own.
+/// The papers' experiments; they have a command of their own.
 #[derive(Args)]
 pub struct Reproduce {
-    /// What is passed on.
+    /// Arguments for the other command.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     words: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! `leastaction completions` and `leastaction man`: what a shell knows of the command.
+//! `leastaction completions` and `leastaction man`: completions and manual pages.
 
 use super::Cli;
 use clap::{Args, Command, CommandFactory};
@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Print what a shell needs to complete this command's options and their values.
+/// Print the script with which a shell completes this command's options and their values.
 ///
 /// bash: leastaction completions bash > ~/.local/share/bash-completion/completions/leastaction
 ///
@@ -25,7 +25,7 @@ pub struct Completions {
     shell: Shell,
 }
 
-/// The script of a shell.
+/// The completion script of a shell.
 #[derive(Serialize)]
 struct Script {
     shell: String,
@@ -82,7 +82,7 @@ impl Manual {
         output.report(&Pages { pages, folder: self.folder })
     }
 
-    /// Writes one page and gives its name.
+    /// Writes a page and returns its name.
     fn page(&self, command: &Command) -> Result<String, Failure> {
         let (man, mut text) = (Man::new(command.clone()), Vec::new());
         let path = self.folder.join(man.get_filename());

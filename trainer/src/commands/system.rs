@@ -3,28 +3,28 @@
 use clap::ValueEnum;
 use leastaction_ground_truth::{LgnnSystem, ManyBody, Mechanism};
 
-/// What can be simulated, and what models can be compared with.
+/// Systems that can be simulated, and that models can be compared with.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum System {
-    /// A rod on a pivot, torque at it.
+    /// A rod on a pivot, with a torque there.
     Pendulum,
-    /// A pole on a cart, force on the cart.
+    /// A pole on a cart, with a force on the cart.
     Cartpole,
-    /// Two links, torque at the second joint.
+    /// Two links, with a torque at the second joint.
     Acrobot,
-    /// A chain of pendulums, masses and lengths 1.
+    /// A chain of pendulums; masses and lengths are 1.
     NPendulum,
-    /// Bodies in the plane that attract each other, masses and k 1.
+    /// Bodies in the plane that attract each other; masses and k are 1.
     NBody,
-    /// Bobs in Cartesian coordinates on rods, masses and lengths 1.
+    /// Bobs in Cartesian coordinates on rods; masses and lengths are 1.
     RodPendulum,
-    /// A ring of nodes joined by springs, masses and lengths 1.
+    /// A ring of nodes joined by springs; masses and lengths are 1.
     NSpring,
-    /// Two bobs on rods and two nodes that each hang by a spring from either bob.
+    /// Two bobs on rods, and two nodes that each hang by a spring from both bobs.
     Hybrid,
 }
 
-/// SyMo's alone.
+/// SyMo's systems.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum SymoSystem {
     /// A rod on a pivot, θ = 0 upright, torque u: θ̈ = 1.5 g sin θ + 3u.
@@ -45,18 +45,18 @@ impl From<SymoSystem> for Mechanism {
     }
 }
 
-/// Whose systems.
+/// Origin of a system.
 pub enum Kind {
-    /// Of SyMo's.
+    /// One of SyMo's systems.
     Symo(Mechanism),
-    /// Of ModLaNet's, of any number of elements.
+    /// One of ModLaNet's systems, with any number of elements.
     Modlanet(fn(usize) -> ManyBody),
-    /// Of LGNN's, of any number of nodes but for the hybrid.
+    /// One of LGNN's systems, with any number of nodes except for the hybrid.
     Lgnn(fn(usize) -> LgnnSystem),
 }
 
 impl System {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self.kind() {
             Kind::Symo(mechanism) => mechanism.name(),
@@ -65,7 +65,7 @@ impl System {
         }
     }
 
-    /// Which one.
+    /// Origin of the system.
     pub fn kind(self) -> Kind {
         match self {
             Self::Pendulum => Kind::Symo(Mechanism::Pendulum),

@@ -13,12 +13,12 @@ use leastaction_models::config::ModelConfig;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// Learn a model from a log, as a TOML file says.
+/// Learn a model from a log, as configured in a TOML file.
 ///
-/// The run folder receives checkpoint.postcard, history.csv, config.toml and, at the end, loss.svg, and of a loss over
-/// windows report.html, a page on what the fit is worth; `leastaction export` makes a model file of it. Ctrl-C finishes the iteration, saves and exits with 130; a second Ctrl-C stops at once.
-/// A resumed run gives the same bits as one that was never interrupted; iterations, target, patience, max_seconds,
-/// threads and the checkpoint intervals may be changed before resuming.
+/// The run folder receives checkpoint.postcard, history.csv, config.toml and, at the end, loss.svg; for a loss over windows also
+/// report.html, a page that reports how good the fit is. `leastaction export` makes a model file of the run. Ctrl-C finishes the iteration,
+/// saves, and exits with 130; a second Ctrl-C stops at once. A resumed run gives the same bits as an uninterrupted one; iterations, target,
+/// patience, max_seconds, threads and the checkpoint intervals may be changed before resuming.
 ///
 /// Example: leastaction train cartpole.toml -o run
 #[derive(Args)]
@@ -26,19 +26,19 @@ pub struct Train {
     /// The configuration.
     #[arg(value_name = "CONFIG.toml", required_unless_present = "print_defaults")]
     config: Option<PathBuf>,
-    /// The folder of the run.
+    /// The run folder.
     #[arg(short, long, value_name = "RUN", required_unless_present = "print_defaults")]
     output: Option<PathBuf>,
-    /// Go on with the run in the folder, bit for bit.
+    /// Resume the run in the folder, bit for bit.
     #[arg(long, conflicts_with = "force")]
     resume: bool,
-    /// Replace the run in the folder, as soon as the new one has a finite loss.
+    /// Replace the run in the folder as soon as the new one has a finite loss.
     #[arg(long)]
     force: bool,
     /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
-    /// Print a configuration of a family with every key explained, and do nothing else.
+    /// Only print a configuration of a family, with every key explained.
     #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "inertia-network", value_parser = PossibleValuesParser::new(ModelConfig::FAMILIES))]
     print_defaults: Option<String>,
 }
@@ -62,7 +62,7 @@ impl Train {
     }
 }
 
-/// What there is after Ctrl-C, the last iteration that was `saved`, and how to go on.
+/// The message after Ctrl-C: the last saved iteration, and how to resume.
 fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
     let (file, folder) = (file.display(), folder.display());
     match saved {
@@ -75,7 +75,7 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
     }
 }
 
-/// Prepares the run of a configuration file, with notes on stderr.
+/// Prepares the run of a configuration file; prints notes on stderr.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
     training::plan(file, config, &mut |sentence| output.note(&format!("note: {sentence}")))
 }

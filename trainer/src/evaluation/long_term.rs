@@ -1,4 +1,4 @@
-//! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
+//! Predictions over many seconds from accelerations, in ModLaNet's measures, beside the floor of single precision.
 
 use crate::cli::{Failure, FileKind, folder, replaceable};
 use leastaction_ground_truth::{
@@ -16,9 +16,9 @@ use std::path::{Path, PathBuf};
 /// An exact system of any size.
 #[derive(Clone, Copy)]
 pub enum Scalable {
-    /// Of ModLaNet's.
+    /// One of ModLaNet's systems.
     Modlanet(ManyBody),
-    /// Of LGNN's.
+    /// One of LGNN's systems.
     Lgnn(LgnnSystem),
 }
 
@@ -44,7 +44,7 @@ impl Scalable {
         }
     }
 
-    /// Starts of the authors' distribution.
+    /// Random starts from the authors' distribution.
     fn starts(self, trajectories: usize, seed: u64) -> Vec<Start> {
         match self {
             Self::Modlanet(system) => {
@@ -57,21 +57,21 @@ impl Scalable {
     }
 }
 
-/// From how many random starts of the system, and how far.
+/// Settings of the predictions.
 pub struct Request<'a> {
     /// The model.
     pub model: &'a Model,
     /// The exact system.
     pub system: Scalable,
-    /// How many starts.
+    /// Number of random starts.
     pub starts: usize,
-    /// How far, s.
+    /// Length of the predictions, s.
     pub seconds: f64,
-    /// Of the starts.
+    /// Seed of the starts.
     pub seed: u64,
 }
 
-/// What came out.
+/// Results of the predictions.
 #[derive(Serialize)]
 pub struct LongTerm {
     system: &'static str,
@@ -80,7 +80,7 @@ pub struct LongTerm {
     seconds: f64,
     seed: u64,
     learned: Measures,
-    /// The exact accelerations, rounded to single precision.
+    /// Errors with the exact accelerations rounded to single precision.
     single_precision: Measures,
     #[serde(skip_serializing_if = "Option::is_none")]
     curves: Option<PathBuf>,
@@ -88,10 +88,10 @@ pub struct LongTerm {
     picture: Option<PathBuf>,
 }
 
-/// Of one prediction, over its starts.
+/// Errors of predictions over all starts.
 #[derive(Serialize)]
 struct Measures {
-    /// Of those predictions that did not break off, here and below.
+    /// Mean position error of the predictions that did not break off; the following errors likewise.
     position: Option<f64>,
     position_deviation: Option<f64>,
     energy: Option<f64>,
@@ -117,7 +117,7 @@ impl From<&Prediction> for Measures {
 }
 
 impl Request<'_> {
-    /// Predicts, and writes the curves into a folder where one is named.
+    /// Predicts, and writes the curves into a folder if one is given.
     pub fn run(&self, output: Option<&Path>) -> Result<LongTerm, Failure> {
         let failed = |error: &dyn fmt::Display| Failure::Work(error.to_string());
         let files = output.map(files).transpose()?;
@@ -151,7 +151,7 @@ impl Request<'_> {
     }
 }
 
-/// The names of the table and the picture in a folder, where they may be written.
+/// Paths of the table and the plot in a folder; refuses to replace other files.
 fn files(path: &Path) -> Result<[PathBuf; 2], Failure> {
     let files = [path.join("prediction.csv"), path.join("prediction.svg")];
     folder(path)?;
@@ -163,7 +163,7 @@ fn files(path: &Path) -> Result<[PathBuf; 2], Failure> {
 /// The first line of the table.
 const HEAD: &str = "t,mse_q,mse_energy,single_precision_mse_q,single_precision_mse_energy\n";
 
-/// Errors over time.
+/// Error curves over time.
 struct Curves<'a> {
     h: f64,
     learned: &'a Prediction,

@@ -1,4 +1,4 @@
-//! What a model is worth on logged motion.
+//! Evaluation of a model on logged motion.
 
 mod long_term;
 mod on_chip;
@@ -24,33 +24,34 @@ use leastaction_learning::torques::{TorqueErrors, torque_errors};
 use leastaction_models::{Beginning, Model};
 use std::path::{Path, PathBuf};
 
-/// Takes messages, a sentence each.
+/// Receives messages, each a sentence.
 pub type Tell<'t> = &'t mut dyn FnMut(String);
 
 /// A model to evaluate.
 pub struct Evaluation<'a> {
-    /// Where it comes from.
+    /// File of the model.
     pub file: &'a Path,
     /// The model.
     pub model: &'a Model,
-    /// Of the steps; else that of the model, or 4.
+    /// Order of the steps; by default the model's, or 4.
     pub order: Option<u8>,
-    /// What u does between samples; else what the log says, or what it did in training.
+    /// Control kind; by default as the log says, or as in training.
     pub control: Option<ControlKind>,
 }
 
 /// A log that a model is evaluated on.
 pub struct Log {
-    /// Where it comes from.
+    /// File of the log.
     pub file: PathBuf,
-    /// What is in it.
+    /// Contents of the log.
     pub data: Dataset,
 }
 
-/// Which log, and how it is read: the one that is named, as the `[data]` of a configuration says, or that of the configuration.
+/// The log to evaluate on, and how to read it: the named log, read by the `[data]` of the configuration, or else the configuration's own
+/// log.
 ///
 /// # Errors
-/// [`Failure::Input`] where neither is named, or the configuration cannot be read.
+/// [`Failure::Input`] if neither is given, or if the configuration cannot be read.
 pub fn log_config(config: Option<&Path>, named: Option<DataConfig>) -> Result<DataConfig, Failure> {
     let configured = config.map(Config::read).transpose()?.map(|config| config.data);
     match (configured, named) {
@@ -61,10 +62,10 @@ pub fn log_config(config: Option<&Path>, named: Option<DataConfig>) -> Result<Da
 }
 
 impl Evaluation<'_> {
-    /// Reads a log, and tells what should be known of it.
+    /// Reads a log; reports what the user should know about it.
     ///
     /// # Errors
-    /// [`Failure::Input`] where it cannot be read, or is of another mechanism.
+    /// [`Failure::Input`] if the log cannot be read, or belongs to another mechanism.
     pub fn read(&self, config: DataConfig, tell: Tell) -> Result<Log, Failure> {
         let trained = self.model.facts.trained_step.map(|step| step.control);
         let control = self.control.or(config.control).or(trained);
@@ -78,10 +79,10 @@ impl Evaluation<'_> {
         Ok(Log { file, data })
     }
 
-    /// Measures the model on a log, and beside an exact mechanism where one is named; tells what could not be measured.
+    /// Measures the model on a log, and compares it with an exact mechanism if one is given; reports what could not be measured.
     ///
     /// # Errors
-    /// [`Failure::Input`] where the shape of the model does not fit in itself.
+    /// [`Failure::Input`] if the shape of the model is inconsistent.
     pub fn measure(&self, log: &Log, mechanism: Option<Mechanism>, tell: Tell) -> Result<Report, Failure> {
         if mechanism.is_some() && log.data.is_forced() {
             tell("the log is forced, so that its energy changes: energy is not compared".to_owned());
@@ -123,7 +124,7 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Decides what u does between samples, and tells where the model was trained for another thing.
+    /// Decides the control kind, and reports if the model was trained for another one.
     fn take_control(&self, (file, log): (&Path, &mut Dataset), tell: Tell) -> Result<(), Failure> {
         let trained = self.model.facts.trained_step.map(|step| step.control);
         if let Some(asked) = self.control {
@@ -153,7 +154,7 @@ impl Evaluation<'_> {
         let model = self.model;
         let architecture = &model.architecture;
         let order = self.order.or(model.facts.trained_step.map(|step| step.order.number())).unwrap_or(4);
-        // Under a force even the true energy does not keep its first value, which the measure compares with.
+        // Under a force even the true energy changes, but the measure compares with its first value.
         let free = system.filter(|_| !log.is_forced());
         let steps = || steps(model, order, log, free);
         let inertia = |system| inertia_mse(model, system, log);
@@ -186,7 +187,7 @@ impl Evaluation<'_> {
     }
 }
 
-/// Steps in the chip's arithmetic; an error in words where it has not the size of the model.
+/// Errors of steps in the chip's arithmetic; an error message if it is not compiled for the model's size.
 fn on_chip(model: &Model, order: u8, log: &Dataset) -> Result<Steps, String> {
     let order = Order::from_number(order).ok_or("there is no such order")?;
     let file = chip_file(model)?;
@@ -194,7 +195,7 @@ fn on_chip(model: &Model, order: u8, log: &Dataset) -> Result<Steps, String> {
     measured.map_err(|error| error.to_string())
 }
 
-/// Measures steps, and energies where they are to be compared with those of a mechanism.
+/// Measures steps, and energies if a mechanism is given to compare with.
 fn steps(model: &Model, order: u8, log: &Dataset, mechanism: Option<Mechanism>) -> Result<Steps, ModelError> {
     let one_step = one_step_mse(model, order, log)?;
     let (runs, motions) = finished(&model.rollout(order, (log, Beginning::Velocity))?, log);
@@ -203,13 +204,13 @@ fn steps(model: &Model, order: u8, log: &Dataset, mechanism: Option<Mechanism>) 
     Ok(Steps { energy_mse: energy, ..steps })
 }
 
-/// Has angles go on across their seams, and tells of what is doubtful.
+/// Unwraps angles, and reports doubts about the log.
 fn prepare(log: &mut Dataset, letters: &str, tell: Tell) {
     log.unwrap_angles(letters).iter().for_each(|seams| tell(seams.to_string()));
     log.doubts(letters).iter().for_each(|doubt| tell(doubt.to_string()));
 }
 
-/// Errors of torques and what a log says of an arm by them, motion and torques filtered as training does by default.
+/// Torque errors, and estimates for an arm from the torques alone; motion and torques are filtered as training does by default.
 pub fn torques(model: &Model, log: &Dataset) -> Option<Torques> {
     let cut_off = TrainingConfig::default().cut_off;
     let TorqueErrors { nmse, rmse, .. } = torque_errors(model, log, cut_off)?;

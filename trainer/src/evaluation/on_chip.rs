@@ -1,4 +1,4 @@
-//! Steps along a log in the chip's arithmetic: what single precision costs, for a model of any size.
+//! Steps along a log in the chip's arithmetic: the effect of single precision, for a model of any size.
 
 use super::report::Steps;
 use leastaction_core::discrete::Order;
@@ -9,7 +9,7 @@ use leastaction_learning::training::Solved;
 use leastaction_models::parallel;
 use leastaction_replica::{Control, Motion, Replica, ReplicaError, Step};
 
-/// Steps a model along a log: from every pair of positions, and over whole trajectories from the second sample.
+/// Steps a model along a log: single steps from every pair of positions, and whole trajectories from the second sample.
 pub fn steps(chip: &Replica, order: Order, log: &Dataset) -> Result<Steps, ReplicaError> {
     let step = Step { order, h: log.h as f32 };
     let tracks: Vec<_> =
@@ -32,7 +32,7 @@ struct Track<'l> {
     logged: &'l Trajectory,
     q: Vec<Vec<f32>>,
     v: Option<Vec<Vec<f32>>>,
-    /// The force over every step, at its start and at its end.
+    /// Forces over every step, at its start and at its end.
     tau: Vec<[Vec<f32>; 2]>,
 }
 
@@ -63,12 +63,12 @@ impl<'l> Track<'l> {
         Control { start, end }
     }
 
-    /// From positions k − 1 and k.
+    /// Begins a motion from positions k − 1 and k.
     fn after_positions(&self, k: usize) -> Result<Box<dyn Motion + '_>, ReplicaError> {
         self.chip.motion_between(self.step, [&self.q[k - 1], &self.q[k]], self.control(k - 1))
     }
 
-    /// Mean squared error of every position but the first two, from the two before it.
+    /// Mean squared errors of every position but the first two, predicted from the two before; `None` if a step cannot be solved.
     fn one_steps(&self) -> Vec<Option<f64>> {
         (1..self.logged.samples().saturating_sub(1)).map(|k| self.one_step(k).ok()).collect()
     }
@@ -83,7 +83,7 @@ impl<'l> Track<'l> {
         Ok(squares.sum::<f64>() / self.q[k].len() as f64)
     }
 
-    /// All positions, flat, the first two as logged; not a number from a step on that cannot be solved.
+    /// All positions, flat, the first two as logged; NaN from the first step that cannot be solved.
     fn run(&self) -> Vec<f64> {
         let mut positions: Vec<f64> = self.logged.q.iter().take(2).flatten().copied().collect();
         let _stopped_early = self.extend(&mut positions);
@@ -104,7 +104,7 @@ impl<'l> Track<'l> {
     }
 }
 
-/// The rows, rounded to single precision.
+/// Rows, rounded to single precision.
 fn singles(rows: &Rows) -> Vec<Vec<f32>> {
     rows.iter().map(|row| row.iter().map(|x| *x as f32).collect()).collect()
 }

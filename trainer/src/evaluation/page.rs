@@ -1,4 +1,4 @@
-//! What a model is worth on a log, as one HTML page.
+//! Report on a model along a log, as one HTML page.
 
 use crate::cli::{Failure, FileKind, replaceable};
 use leastaction_learning::atomic;
@@ -14,7 +14,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Whether a name is that of a page, and may be written.
+/// Whether a path names a page; refuses to replace other files.
 pub fn is_page(path: &Path) -> Result<bool, Failure> {
     let is_page =
         path.extension().and_then(OsStr::to_str).is_some_and(|end| end.eq_ignore_ascii_case("html"));
@@ -24,10 +24,10 @@ pub fn is_page(path: &Path) -> Result<bool, Failure> {
     Ok(is_page)
 }
 
-/// Seconds of a window that residuals are of, where the logs are so long.
+/// Length of the windows for residuals, s, if the logs are long enough.
 const WINDOW: f64 = 1.0;
 
-/// Writes the page of a model, from this file, on these logs, beside another model.
+/// Writes the page on a model from `file` along these logs, compared with another model if given.
 pub fn write(
     path: &Path,
     ((file, model), beside): ((&Path, &Model), Option<(&Path, &Model)>),
@@ -69,7 +69,7 @@ fn predictor<'a>(model: &'a Model, logs: &'a WindowLogs) -> Predictor<'a> {
     Predictor { model, zeros: &[], logs }
 }
 
-/// Residuals over windows; none where no log is as long as one of a few samples, or the model has rods.
+/// Residuals over windows; `None` if no log has room for a window, or if the model has rods.
 fn fit(model: &Model, logs: &Arc<WindowLogs>) -> Option<Fit> {
     let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
     let steps =

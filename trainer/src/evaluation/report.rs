@@ -1,4 +1,4 @@
-//! The measures, as JSON and in words.
+//! Results of an evaluation, as JSON and in words.
 
 use super::long_term::LongTerm;
 use leastaction_learning::data::Dataset;
@@ -9,46 +9,46 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::path::PathBuf;
 
-/// The measures.
+/// Results of an evaluation.
 #[derive(Serialize)]
 pub struct Report {
     /// The model.
     pub model: PathBuf,
     /// The log.
     pub data: PathBuf,
-    /// Which tree, of several.
+    /// Name of the tree, if the model has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tree: Option<String>,
-    /// Which graph, of several.
+    /// Name of the graph, if the model has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graph: Option<String>,
-    /// Of the steps.
+    /// Order of the steps.
     pub order: u8,
-    /// Of the steps, s.
+    /// Step, s.
     pub h: f64,
-    /// Between samples, where it changes.
+    /// Control kind, if the control changes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<&'static str>,
-    /// Of the log.
+    /// Number of trajectories in the log.
     pub trajectories: usize,
-    /// Of the log.
+    /// Number of samples in the log.
     pub samples: usize,
-    /// Where the log has velocities and accelerations.
+    /// Errors of accelerations, if the log has velocities and accelerations.
     #[serde(flatten)]
     pub acceleration: Option<Acceleration>,
-    /// Where every coordinate is driven.
+    /// Errors of torques, if every coordinate is driven.
     #[serde(flatten)]
     pub torques: Option<Torques>,
-    /// Of steps in double precision; none on rods.
+    /// Errors of steps in double precision; `None` on rods.
     #[serde(flatten)]
     pub steps: Option<Steps>,
-    /// None for a size that the chip's arithmetic is not compiled for here.
+    /// Errors of steps in the chip's arithmetic; `None` for a size that it is not compiled for here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chip: Option<Steps>,
-    /// Of the inertia matrix, beside an exact mechanism.
+    /// Error of the inertia matrix, compared with an exact mechanism.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia_mse: Option<f64>,
-    /// From random starts, beside an exact system.
+    /// Predictions from random starts, compared with an exact system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction: Option<LongTerm>,
 }
@@ -80,22 +80,22 @@ impl fmt::Display for Report {
 /// Errors of accelerations.
 #[derive(Serialize)]
 pub struct Acceleration {
-    /// Of the samples that have one, here and below; none: nothing could be computed.
+    /// Mean squared error over the samples that can be computed; `None` if there are none. The same applies below.
     pub acceleration_mse: Option<f64>,
-    /// As a part of the mean squared acceleration.
+    /// Ratio to the mean squared acceleration.
     pub acceleration_relative: Option<f64>,
-    /// Samples at which the model has none.
+    /// Number of samples for which the model has no acceleration.
     pub acceleration_unsolved: usize,
 }
 
-/// Errors of torques, of motion and torques filtered alike.
+/// Errors of torques; motion and torques are filtered alike.
 #[derive(Serialize)]
 pub struct Torques {
-    /// Mean over joints of mean squared error over variance.
+    /// Mean over joints of mean squared error divided by variance.
     pub torque_nmse: f64,
     /// Root mean squared error of every joint, N m or N.
     pub torque_rmse: Vec<f64>,
-    /// What the log says alone of base parameters and friction, of an arm.
+    /// Estimates of an arm's base parameters and friction from the log alone.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "rows_of")]
     pub torque_numbers: Option<TorqueNumbers>,
 }
@@ -116,19 +116,19 @@ impl fmt::Display for Torques {
 /// Errors of steps.
 #[derive(Serialize)]
 pub struct Steps {
-    /// Of the steps that can be solved; none: none could.
+    /// Mean squared error of the steps that can be solved; `None` if there are none.
     pub one_step_mse: Option<f64>,
-    /// Steps that cannot.
+    /// Number of steps that cannot be solved.
     pub one_step_unsolved: usize,
-    /// Of the rollouts that reach the end, here and below; none: none did.
+    /// Mean squared error of the rollouts that reach the end; `None` if there are none. The same applies below.
     pub rollout_mse: Option<f64>,
-    /// Their median.
+    /// Median over rollouts.
     pub rollout_median: Option<f64>,
-    /// Of their first 100 steps.
+    /// Error over the first 100 steps.
     pub rollout_mse_100: Option<f64>,
-    /// Rollouts that do not.
+    /// Number of rollouts that break off.
     pub rollouts_broken_off: usize,
-    /// Of the exact energy along them, J².
+    /// Mean squared error of the exact energy along the rollouts, J².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_mse: Option<f64>,
 }
@@ -142,7 +142,7 @@ impl fmt::Display for Acceleration {
 }
 
 impl Steps {
-    /// Of single steps, and of the rollouts that reach the end, of so many, with the motions that they should be.
+    /// Errors of single steps, and of the rollouts that reach the end (out of `rollouts`), compared with the true motions.
     pub fn new(one_step: Solved, (runs, motions): (&[Vec<f64>], &Dataset), rollouts: usize) -> Self {
         let errors = (!runs.is_empty()).then(|| integration_errors(runs, motions));
         Self {
@@ -173,7 +173,7 @@ fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
     writeln!(f, "{name:<30} {value}")
 }
 
-/// What the rows above do not count.
+/// Writes how many cases the rows above leave out.
 fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
     if count == 0 { Ok(()) } else { writeln!(f, "  without {count}: these {what}") }
 }

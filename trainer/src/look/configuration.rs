@@ -1,4 +1,4 @@
-//! A first configuration.
+//! Writing of a first configuration.
 
 use super::mechanism::Mechanism;
 use super::report::{File, Report};
@@ -8,10 +8,11 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Sampling intervals that differ by less than this part are those of one clock.
+/// Relative difference below which sampling intervals belong to one clock.
 const SAME: f64 = 0.01;
 
-/// The text, which trains as it stands; why there is none where the columns cannot be guessed. Without a mechanism the model is a network.
+/// The text of a configuration that trains as it stands, or the reason why the columns cannot be guessed. Without a mechanism the model is
+/// a network.
 pub fn of(
     (files, at): (&[PathBuf], &Path),
     report: &Report,
@@ -65,7 +66,7 @@ pub fn of(
     Ok(text)
 }
 
-/// Rigid bodies or a network, with friction; and sensors and actuators.
+/// Writes the tables for rigid bodies or a network, with friction, and for sensors and actuators.
 fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>) {
     let driven = !guess.u.is_empty();
     let [head, bodies] = mechanism.map_or_else(|| [network(guess.q.len()), String::new()], Mechanism::tables);
@@ -80,14 +81,14 @@ fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>) {
     line(text, format_args!("\n[training]\nloss = \"windows\""));
 }
 
-/// The table of a network of so many coordinates.
+/// The table of a network with n coordinates.
 fn network(n: usize) -> String {
     let angles = vec!["\"angle\""; n].join(", ");
     format!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\"\n")
 }
 
-/// The longest sampling interval of a file, to two digits, where others have shorter ones; none where samples of all files lie at one
-/// step, with jitter or not.
+/// The longest sampling interval of a file, to two digits, if other files have shorter ones; `None` if all files have the same step, with
+/// jitter or not.
 fn step(report: &Report, guess: &Guess) -> Option<f64> {
     let has_q = |file: &&File| guess.q.first().is_some_and(|q| file.may_have(q));
     let rates = || report.files.iter().filter(has_q).filter_map(|file| file.rate);
@@ -97,7 +98,7 @@ fn step(report: &Report, guess: &Guess) -> Option<f64> {
     format!("{longest:.1e}").parse().ok().filter(|_| differ)
 }
 
-/// Paths as seen from the configuration.
+/// Paths relative to the configuration.
 fn relative(files: &[PathBuf], at: &Path) -> Vec<String> {
     let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty());
     let full = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
@@ -113,7 +114,7 @@ fn list(names: &[String], one_alone: bool) -> String {
     if one_alone && all.len() == 1 { all.concat() } else { format!("[{}]", all.join(", ")) }
 }
 
-/// As a string of TOML, which strings of JSON are.
+/// A TOML string; JSON strings are valid TOML.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

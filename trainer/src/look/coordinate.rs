@@ -1,4 +1,4 @@
-//! How strongly logs excite a coordinate.
+//! Excitation of coordinates in logs.
 
 use super::Seen;
 use leastaction_learning::data::survey::{Clock, Guess, MotionSurvey, time_unit};
@@ -7,42 +7,42 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// A coordinate in all files, in the units of its column.
+/// Motion of a coordinate in all files, in the units of its column.
 #[derive(Serialize)]
 pub struct Coordinate {
-    /// Its column.
+    /// Column.
     pub column: String,
-    /// Root mean square of its velocity (1/s).
+    /// Root mean square of the velocity (1/s).
     pub speed: f64,
-    /// Part of the time in which it moves, 0 to 1.
+    /// Fraction of time in motion, 0 to 1.
     pub moving: f64,
-    /// How often it turned back, which is what tells friction from other forces.
+    /// Number of reversals, which separate friction from other forces.
     pub reversals: usize,
-    /// Jumps by 2π.
+    /// Number of jumps by 2π.
     pub turns: usize,
-    /// Jumps by 360.
+    /// Number of jumps by 360.
     pub turns_of_360: usize,
-    /// Single samples apart from their neighbours.
+    /// Number of outliers: single samples off the curve of their neighbours.
     pub outliers: usize,
-    /// The first of them.
+    /// First outlier.
     pub first_outlier: Option<FirstOutlier>,
 }
 
-/// Where a sample lies apart from its neighbours.
+/// Place of an outlier.
 #[derive(Serialize)]
 pub struct FirstOutlier {
     /// The file.
     pub file: PathBuf,
-    /// In the file, from 0.
+    /// Index of the sample in the file, from 0.
     pub sample: usize,
-    /// Its stamp (s).
+    /// Stamp (s).
     pub time: f64,
-    /// How far it is from where its neighbours would have it.
+    /// Deviation from the neighbours' curve.
     pub off: f64,
 }
 
 impl Coordinate {
-    /// Every coordinate that moved long enough in some file.
+    /// All coordinates that moved long enough in some file.
     pub(super) fn all(seen: &[Seen], guess: &Guess) -> Vec<Self> {
         let Some(t) = &guess.t else { return Vec::new() };
         guess.q.iter().filter_map(|column| Self::of(column, t, seen)).collect()

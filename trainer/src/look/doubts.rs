@@ -1,16 +1,16 @@
-//! What should be looked at before training.
+//! Doubts about logs, to be checked before training.
 
 use super::coordinate::{Coordinate, FirstOutlier};
 use super::report::{Column, File, Report};
 
-/// A joint hardly turns further, rad.
+/// Largest plausible angle of a joint, rad.
 const FAR: f64 = 60.0;
 
-/// Of logs in which a coordinate moves for less than this part of the time most samples say nothing of it.
+/// Fraction of time in motion below which most samples are uninformative about a coordinate.
 const SELDOM: f64 = 0.05;
 
 impl Report {
-    /// All of it, in words: one doubt of a kind.
+    /// All doubts in words, one of each kind.
     pub fn doubts(&self) -> Vec<String> {
         let columns =
             [far, still, missing].into_iter().filter_map(|doubt| self.columns.iter().find_map(doubt));

@@ -1,49 +1,49 @@
-//! Which mechanism of few joints moves as logs say.
+//! Choice of a mechanism of few joints that moves as logs show.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::{self, Write};
 
-/// Joints at most that are tried: arms of more are seldom in a plane.
+/// Largest number of joints that are tried: arms with more joints are seldom planar.
 pub const MOST_JOINTS: usize = 3;
 
-/// A chain of bodies in an upright plane, each on a link or a slide.
+/// A chain of bodies in a vertical plane, each on a link or a slide.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mechanism(Vec<Joint>);
 
-/// How a body moves on the one before.
+/// Joint of a body on the body before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Joint {
-    /// It turns; at q = 0 it hangs, or goes on straight.
+    /// A revolute joint; at q = 0 the body hangs down, or continues the line of the link before.
     Link,
-    /// It slides, on the ground along the level and then upright, on a link along it.
+    /// A prismatic joint: on the ground horizontal, then vertical; on a link along the link.
     Slide {
-        /// The other way along that line.
+        /// Whether it slides the opposite way.
         back: bool,
     },
 }
 
 const JOINTS: [Joint; 3] = [Joint::Link, Joint::Slide { back: false }, Joint::Slide { back: true }];
 
-/// A body with the place that it has in a mechanism.
+/// A body with its place in a mechanism.
 struct Body {
     joint: Joint,
-    /// From the hanging frame, or from that of the link before, rad.
+    /// Direction, relative to the hanging frame or to the link before, rad.
     direction: f64,
-    /// The same of the body before.
+    /// Direction of the body before, rad.
     before: f64,
-    /// Whether some body before turns.
+    /// Whether some earlier body turns.
     on_link: bool,
-    /// Whether the body before turns.
+    /// Whether the body directly before turns.
     next_to_link: bool,
 }
 
 impl Mechanism {
-    /// Links alone.
+    /// A chain of links.
     pub fn links(n: usize) -> Self {
         Self(vec![Joint::Link; n])
     }
 
-    /// Every mechanism of so many joints, links alone first. A single slide either way is the same.
+    /// All mechanisms with n joints, the chain of links first. For a single slide only one direction is listed, since both are equal.
     pub fn all(n: usize) -> Vec<Self> {
         let joints = (0..n).fold(vec![Vec::new()], |all: Vec<Vec<Joint>>, _| {
             let with = |before: Vec<Joint>| JOINTS.map(|joint| [before.clone(), vec![joint]].concat());
@@ -52,7 +52,7 @@ impl Mechanism {
         joints.into_iter().map(Self).filter(|own| own.bodies().is_some()).collect()
     }
 
-    /// Its bodies; `None` where slides lie along each other, or the same mechanism is another one of [`Mechanism::all`].
+    /// Bodies; `None` if slides are parallel, or if the mechanism equals another one in [`Mechanism::all`].
     fn bodies(&self) -> Option<Vec<Body>> {
         let (mut bodies, mut slides, mut on_link, mut before) = (Vec::new(), 0, false, 0.0);
         for (i, joint) in self.0.iter().copied().enumerate() {
@@ -83,7 +83,7 @@ impl Mechanism {
         Some(bodies)
     }
 
-    /// The tables of `[model]` that say so: those in front of friction, and those behind it.
+    /// The tables of `[model]` for this mechanism: the part before friction, and the part after it.
     pub fn tables(&self) -> [String; 2] {
         let n = self.0.len();
         let head = "family = \"bodies\" # others: leastaction train --print-defaults inertia-network, modular or graph\n";
@@ -101,7 +101,7 @@ impl Mechanism {
 }
 
 impl Body {
-    /// Its keys, as the i-th.
+    /// Keys of the i-th body.
     fn keys(&self, i: usize) -> String {
         let slides = self.joint != Joint::Link;
         let mut keys = match self.joint {
@@ -124,7 +124,7 @@ impl Body {
             add(format_args!("at = [\"learned\", 0.0]"));
         }
         match (slides, self.on_link) {
-            // A body that never turns shows its mass alone.
+            // A body that never turns shows only its mass.
             (true, false) => add(format_args!("centre = [0.0, 0.0]\ninertia = 1.0")),
             (false, true) => add(format_args!("rotor = \"learned\"\ngear = 10.0")),
             _ => (),
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn mechanisms_are_told_apart_once() {
         assert_eq!(Mechanism::all(1).len(), 2);
-        // Two links, a link and a slide out or in, a slide and a link or an upright slide, each either way.
+        // Two links; a link and a slide out or in; a slide and a link or a vertical slide, each in both directions.
         assert_eq!(Mechanism::all(2).len(), 9);
         assert_eq!(Mechanism::all(2)[0], Mechanism::links(2));
         let mut all: Vec<String> = Mechanism::all(3).iter().map(|own| own.tables().concat()).collect();

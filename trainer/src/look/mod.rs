@@ -1,4 +1,4 @@
-//! What is in logs of which nothing is known yet, and a first configuration.
+//! Survey of unknown logs, and a first configuration.
 
 mod configuration;
 mod coordinate;
@@ -16,24 +16,24 @@ use leastaction_learning::run::error_at_start;
 use mechanism::{MOST_JOINTS, Mechanism};
 use std::path::{Path, PathBuf};
 
-/// Logs of one machine, looked at.
+/// Surveyed logs of one machine.
 pub struct Look {
     patterns: Vec<PathBuf>,
     seen: Vec<Seen>,
     guess: Guess,
 }
 
-/// A file and what is in it, of one clock.
+/// The data of one clock in a file.
 struct Seen {
     file: PathBuf,
     log: RawLog,
 }
 
 impl Look {
-    /// Reads the files that patterns name; what their columns are is guessed by the first one.
+    /// Reads the files that match the patterns; the meaning of columns is guessed from the first file.
     ///
     /// # Errors
-    /// [`DataError`] where a pattern is none, or a file cannot be read.
+    /// [`DataError`] if a pattern is invalid, or if a file cannot be read.
     pub fn at(patterns: &[PathBuf]) -> Result<Self, DataError> {
         let mut seen: Vec<Seen> = Vec::new();
         let mut guess = None;
@@ -46,7 +46,7 @@ impl Look {
         Ok(Self { patterns: patterns.to_vec(), seen, guess })
     }
 
-    /// What was seen.
+    /// The report on the logs.
     pub fn report(&self) -> Report {
         Report::new(&self.seen, &self.guess)
     }
@@ -54,7 +54,7 @@ impl Look {
     /// A configuration for a file of this name, which trains as it stands.
     ///
     /// # Errors
-    /// Why there is none, in words, where the columns cannot be guessed.
+    /// The reason, in words, why the columns cannot be guessed.
     pub fn configuration(&self, at: &Path) -> Result<Proposal, String> {
         let report = self.report();
         let text = |at: &Path, mechanism: Option<&Mechanism>| {
@@ -76,25 +76,25 @@ impl Look {
 pub struct Proposal {
     /// The text of the file.
     pub text: String,
-    /// Why the mechanism is another one than links alone.
+    /// Reason for a mechanism other than a chain of links.
     pub note: Option<String>,
 }
 
-/// The mechanism that predicts logs best, before any training.
+/// The mechanism that predicts held-back logs best before any training.
 struct Found {
     mechanism: Mechanism,
-    /// How far off positions of held-back logs are, m or rad.
+    /// Position error on held-back logs, m or rad.
     error: f64,
-    /// Those of links alone; not a number where nothing was predicted.
+    /// Error of the chain of links; NaN if nothing was predicted.
     of_links: f64,
 }
 
-/// Another mechanism is proposed where its error is below this part of that of links.
+/// Ratio of errors, to the chain of links, below which another mechanism is proposed.
 const BETTER: f64 = 0.7;
 
 impl Found {
-    /// Of several mechanisms, links alone being the first, by the text of the configuration of each; `None` where no log can be held back or none
-    /// predicts anything.
+    /// Chooses among several mechanisms, the chain of links first, by the text of the configuration of each; `None` if no log can be held
+    /// back, or if none predicts anything.
     fn among(all: Vec<Mechanism>, text: impl Fn(&Mechanism) -> Option<String>) -> Option<Self> {
         let mut data: Option<Dataset> = None;
         let errors = all.iter().map(|mechanism| {
@@ -114,7 +114,7 @@ impl Found {
         error.is_finite().then_some(Self { mechanism, error, of_links })
     }
 
-    /// What there is to say where it is not links alone.
+    /// A note if the mechanism is not a chain of links.
     fn sentence(&self) -> Option<String> {
         let Self { mechanism, error, of_links } = self;
         (error != of_links).then(|| {
@@ -127,7 +127,7 @@ impl Found {
 }
 
 impl Report {
-    /// Of these logs.
+    /// The report on these logs.
     fn new(seen: &[Seen], guess: &Guess) -> Self {
         let files: Vec<File> = seen.iter().map(|seen| of_file(&seen.file, &seen.log, guess)).collect();
         let first = seen.iter().take_while(|seen| Some(&seen.file) == files.first().map(|first| &first.file));
@@ -149,7 +149,7 @@ fn of_file(file: &Path, log: &RawLog, guess: &Guess) -> File {
     File::new(file, log, clock)
 }
 
-/// A column over all files that have it.
+/// Statistics of a column over all files that have it.
 fn of_column(name: &str, seen: &[Seen], guess: &Guess) -> Option<Column> {
     let all: Vec<Signal> =
         seen.iter().filter_map(|seen| seen.log.column(name)).filter_map(Signal::of).collect();
@@ -163,7 +163,7 @@ fn of_column(name: &str, seen: &[Seen], guess: &Guess) -> Option<Column> {
     Some(Column::new(name, signal, role(name, guess)))
 }
 
-/// q0, v1 … where a column is taken for one.
+/// Assumed role of a column, such as q0 or v1.
 fn role(name: &str, guess: &Guess) -> Option<String> {
     let at = |letter: &str, names: &[String]| {
         names.iter().position(|known| known == name).map(|i| format!("{letter}{i}"))

@@ -1,4 +1,4 @@
-//! What was seen in logs.
+//! Report on surveyed logs.
 
 use super::coordinate::Coordinate;
 use leastaction_learning::data::survey::{Clock, RawLog, Signal, time_unit};
@@ -7,45 +7,45 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// All of it.
+/// The report.
 #[derive(Serialize)]
 pub struct Report {
     /// Every file.
     pub files: Vec<File>,
-    /// Every column of numbers.
+    /// Numeric columns.
     pub columns: Vec<Column>,
-    /// How every coordinate moved.
+    /// Motion of every coordinate.
     pub coordinates: Vec<Coordinate>,
-    /// Columns of something else.
+    /// Other columns.
     pub others: Vec<String>,
-    /// What was written.
+    /// Configuration that was written.
     pub configuration: Option<PathBuf>,
 }
 
-/// A file, or a topic of one, times in s.
+/// A file, or a topic in it; times in s.
 #[derive(Serialize)]
 pub struct File {
-    /// Its name.
+    /// Name of the file.
     pub file: PathBuf,
-    /// Of an MCAP file the topic.
+    /// Topic, for an MCAP file.
     pub topic: Option<String>,
-    /// Its rows.
+    /// Number of rows.
     pub samples: usize,
-    /// Unit of its stamps.
+    /// Unit of the stamps.
     pub time_unit: Option<&'static str>,
-    /// From first to last.
+    /// Time from the first to the last stamp.
     pub seconds: Option<f64>,
-    /// By the median interval, Hz.
+    /// Sampling rate by the median interval, Hz.
     pub rate: Option<f64>,
-    /// Root mean square of interval − median over the median.
+    /// Root mean square of (interval − median)/median.
     pub jitter: Option<f64>,
-    /// The longest interval that is no gap.
+    /// Longest interval that is not a gap.
     pub longest: Option<f64>,
-    /// Intervals of more than 2.5 medians.
+    /// Number of intervals of more than 2.5 medians.
     pub gaps: usize,
-    /// Stamps that stand twice.
+    /// Number of repeated stamps.
     pub repeated: usize,
-    /// Stamps that go back.
+    /// Number of stamps that go back in time.
     pub backwards: usize,
 }
 
@@ -71,22 +71,22 @@ impl File {
     }
 }
 
-/// A column, in its units.
+/// A column, in its own units.
 #[derive(Serialize)]
 pub struct Column {
-    /// Its name.
+    /// Name.
     pub column: String,
-    /// What it is taken for.
+    /// Assumed role.
     pub taken_for: Option<String>,
-    /// The least number.
+    /// Smallest value.
     pub least: f64,
-    /// The greatest.
+    /// Largest value.
     pub greatest: f64,
-    /// The step of an encoder.
+    /// Encoder step.
     pub grid: Option<f64>,
-    /// Standard deviation from sample to sample.
+    /// Standard deviation of the sample-to-sample noise.
     pub noise: f64,
-    /// Cells without a number.
+    /// Number of cells without a number.
     pub missing: usize,
 }
 
@@ -130,13 +130,13 @@ impl fmt::Display for Report {
 }
 
 impl File {
-    /// With its topic.
+    /// Name of the file, with its topic.
     fn name(&self) -> String {
         let topic = self.topic.as_ref().map_or(String::new(), |topic| format!(" {topic}"));
         format!("{}{topic}", self.file.display())
     }
 
-    /// Whether a column is in it.
+    /// Whether the file may have this column.
     pub(super) fn may_have(&self, column: &str) -> bool {
         self.topic.as_ref().is_none_or(|topic| column.starts_with(topic.as_str()))
     }

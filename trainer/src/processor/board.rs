@@ -14,51 +14,51 @@ pub enum Board {
     Riscv,
 }
 
-/// Why a board cannot be emulated.
+/// The reason why a board cannot be emulated.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum BoardError {
-    /// No image.
+    /// There is no image.
     #[error(
         "there is no image for {board}; `firmware-sim/chip/run.sh --build` in the repository makes {expected}, or name one with --image"
     )]
     NoImage {
         /// The board's name.
         board: &'static str,
-        /// Where it is built.
+        /// Path where it is built.
         expected: PathBuf,
     },
-    /// A file that was named is not there.
+    /// The named image does not exist.
     #[error("{0}: there is no such image; `firmware-sim/chip/run.sh --build` builds them")]
     NotAFile(PathBuf),
-    /// A path that the emulator cannot be told.
+    /// The path cannot be passed to the emulator.
     #[error("{0:?}: the emulator takes paths in UTF-8 only")]
     Path(PathBuf),
-    /// No image for so many coordinates.
+    /// There is no image for this number of coordinates.
     #[error(
         "the boards' images run models of 1 and 2 coordinates, and arms of 7 joints, but this one has {0} coordinates: leave out --on"
     )]
     Coordinates(usize),
-    /// More than fits.
+    /// The model does not fit into the slot.
     #[error("the model has {bytes} bytes, the image has room for {}", Board::ROOM)]
     TooLarge {
-        /// Of the file.
+        /// Size of the file, bytes.
         bytes: u64,
     },
-    /// No emulator.
+    /// The emulator is not installed.
     #[error("{emulator} is not installed (Debian, Ubuntu: apt-get install {package})")]
     NoEmulator {
-        /// The program.
+        /// Name of the program.
         emulator: &'static str,
-        /// What brings it.
+        /// Package that provides it.
         package: &'static str,
     },
 }
 
 impl Board {
-    /// Bytes of a model file at most: the slot in flash, but for its two words.
+    /// Largest size of a model file, bytes: the slot in flash without its two words.
     pub const ROOM: u64 = (64 << 10) - 8;
 
-    /// The processor's name, as it tells it itself.
+    /// Name of the processor, as it reports itself.
     pub const fn name(self) -> &'static str {
         match self {
             Self::CortexM4 => "cortex-m4f",
@@ -67,17 +67,17 @@ impl Board {
         }
     }
 
-    /// The program that emulates it.
+    /// Program that emulates the board.
     pub const fn emulator(self) -> &'static str {
         if matches!(self, Self::Riscv) { "qemu-system-riscv32" } else { "qemu-system-arm" }
     }
 
-    /// The package that brings the emulator.
+    /// Package that provides the emulator.
     pub const fn package(self) -> &'static str {
         if matches!(self, Self::Riscv) { "qemu-system-misc" } else { "qemu-system-arm" }
     }
 
-    /// What its programs are compiled for.
+    /// Target that its programs are compiled for.
     pub const fn target(self) -> &'static str {
         if matches!(self, Self::Riscv) { "riscv32imac-unknown-none-elf" } else { "thumbv7em-none-eabihf" }
     }
@@ -90,16 +90,16 @@ impl Board {
         }
     }
 
-    /// Address of the slot of a model: two words and the file (`_slot` in `firmware-sim/chip/memory`).
+    /// Address of the model slot: two words and the file (`_slot` in `firmware-sim/chip/memory`).
     const fn slot(self) -> u32 {
         if matches!(self, Self::Riscv) { 0x803f_0000 } else { 0x003f_0000 }
     }
 
-    /// The controller's image for so many coordinates: the one named, or the one built in the repository that holds this program
-    /// or in which it is called. `LEASTACTION_CHIP_TARGET` names another folder of builds.
+    /// The controller's image for this number of coordinates: the named one, or the one built in the repository that contains this program
+    /// or the working folder. `LEASTACTION_CHIP_TARGET` names another folder of builds.
     ///
     /// # Errors
-    /// Where there is none.
+    /// [`BoardError`] if there is none.
     pub fn image(self, named: Option<&Path>, coordinates: usize) -> Result<PathBuf, BoardError> {
         if let Some(image) = named {
             return if image.is_file() {
@@ -121,10 +121,10 @@ impl Board {
         found.ok_or(BoardError::NoImage { board: self.name(), expected })
     }
 
-    /// Arguments of the emulator: an image, a model in its slot, the serial line on stdin and stdout.
+    /// Arguments of the emulator: an image, a model in its slot, and the serial line on stdin and stdout.
     ///
     /// # Errors
-    /// A path that cannot be told.
+    /// [`BoardError`] for a model that does not fit, or a path that cannot be passed.
     pub(super) fn arguments(
         self,
         image: &Path,
@@ -151,8 +151,8 @@ impl Board {
     }
 }
 
-/// No window, no console; one instruction a virtual nanosecond, for counts that are the same at every run; semihosting to
-/// end.
+/// Fixed arguments: no window and no console; one instruction per virtual nanosecond, for counts that are equal in every run; semihosting,
+/// for the end.
 const OUTSIDE: [&str; 10] = [
     "-display",
     "none",
@@ -166,13 +166,13 @@ const OUTSIDE: [&str; 10] = [
     "shift=0",
 ];
 
-/// A path as the value of an option, in which a comma is written twice.
+/// A path as an option value, with commas doubled.
 fn option_value(path: &Path) -> Result<String, BoardError> {
     let text = path.to_str().ok_or_else(|| BoardError::Path(path.to_owned()))?;
     Ok(text.replace(',', ",,"))
 }
 
-/// Where images may have been built, most likely first.
+/// Folders in which images may have been built, most likely first.
 fn build_folders() -> Vec<PathBuf> {
     if let Some(folder) = env::var_os("LEASTACTION_CHIP_TARGET") {
         return vec![folder.into()];

@@ -8,12 +8,12 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How often a wait looks whether the run is to stop.
+/// Interval at which a wait checks whether the run is to stop.
 const GLANCE: Duration = Duration::from_millis(50);
-/// How long an emulator that was told to end, or closed its line, may take.
+/// Longest time to end for an emulator that was told to, or that closed its line.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// A board under QEMU, whose serial line are the stdin and stdout of a child process. The child ends with this value.
+/// A board under QEMU; its serial line is the stdin and stdout of a child process. The child ends when this value is dropped.
 #[derive(Debug)]
 pub struct Emulator {
     board: Board,
@@ -26,10 +26,10 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// A board that runs an image with a model file in its slot, until `stop` is set.
+    /// Starts a board with an image and a model file in its slot; it runs until `stop` is set.
     ///
     /// # Errors
-    /// Where there is no emulator, or a file cannot be read.
+    /// [`StartError`] if the emulator is not installed, or if a file cannot be read.
     pub fn start(
         board: Board,
         image: &Path,
@@ -48,12 +48,12 @@ impl Emulator {
         Ok(Self { board, child, stdin, arriving, arrived: VecDeque::new(), complaints, stop })
     }
 
-    /// Waits for the emulator's own end, which it was told of.
+    /// Waits for the emulator to end after it was told to.
     pub fn finish(mut self) {
         self.wait(FAREWELL);
     }
 
-    /// Whether it ended within a time.
+    /// Waits for the end for at most this time; `None` if it has not ended.
     fn wait(&mut self, at_most: Duration) -> Option<std::process::ExitStatus> {
         let deadline = Instant::now() + at_most;
         loop {
@@ -64,7 +64,7 @@ impl Emulator {
         }
     }
 
-    /// Why nothing comes any more.
+    /// The reason why no more bytes arrive.
     fn closed(&mut self) -> LinkError {
         let status = self.wait(FAREWELL);
         // Ctrl-C reaches the emulator too, perhaps first.
@@ -75,20 +75,20 @@ impl Emulator {
         let emulator = self.board.emulator();
         let Some(status) = status else { return LinkError::Closed(format!("{emulator} closed its line")) };
         let complaints = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        // A processor that locks up is followed by all its registers.
+        // QEMU prints all registers after the message if a processor locks up.
         let complaints = complaints.trim().lines().next().unwrap_or_default();
         let separator = if complaints.is_empty() { "" } else { ": " };
         LinkError::Closed(format!("{emulator} ended ({status}){separator}{complaints}"))
     }
 }
 
-/// Why an emulator does not start.
+/// The reason why an emulator does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// The board.
+    /// The board cannot be emulated.
     #[error(transparent)]
     Board(#[from] BoardError),
-    /// The operating system.
+    /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
@@ -100,7 +100,7 @@ fn not_started(board: Board, error: io::Error) -> StartError {
     StartError::Board(BoardError::NoEmulator { emulator: board.emulator(), package: board.package() })
 }
 
-/// Bytes as they come, from a thread that ends with the pipe.
+/// Receives bytes as they arrive, from a thread that ends with the pipe.
 fn listen(mut pipe: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
     let (to, arriving) = channel();
     thread::spawn(move || {
@@ -115,11 +115,11 @@ fn listen(mut pipe: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
     arriving
 }
 
-/// Everything that is written to a pipe.
+/// Collects everything that is written to a pipe.
 fn collect(mut pipe: impl Read + Send + 'static) -> JoinHandle<String> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
-        // What came before an error is what there is to tell.
+        // After an error the bytes before it are still reported.
         let _ended = pipe.read_to_end(&mut bytes);
         String::from_utf8_lossy(&bytes).into_owned()
     })
@@ -155,7 +155,7 @@ impl Line for Emulator {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // Where it has ended already there is nothing to kill.
+        // If the child has ended already, there is nothing to kill.
         let _ended = self.child.kill();
         let _reaped = self.child.wait();
     }

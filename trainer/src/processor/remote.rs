@@ -7,7 +7,7 @@ use leastaction_firmware_sim::{Outcome, Processor, Program};
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
-/// A processor that runs a program at the other end of a line.
+/// A processor at the other end of a line, running a program.
 #[derive(Debug)]
 pub struct Remote<L, const N: usize> {
     messenger: Messenger<L>,
@@ -18,10 +18,10 @@ pub struct Remote<L, const N: usize> {
 }
 
 impl<L: Line, const N: usize> Remote<L, N> {
-    /// A processor told to begin a program; it must answer everything within `patience`.
+    /// Begins a program on the processor, which must answer every request within `patience`.
     ///
     /// # Errors
-    /// Where it does not, or refuses the program or its model.
+    /// [`LinkError`] if it does not answer, or refuses the program or its model.
     pub fn begin(line: L, program: &Program<N>, patience: Duration) -> Result<Self, LinkError> {
         let mut messenger = Messenger { line, receiver: Receiver::default(), patience };
         let frame = messenger.ask(&Request::Begin(*program))?;
@@ -33,17 +33,17 @@ impl<L: Line, const N: usize> Remote<L, N> {
         Ok(Self { messenger, name, last, sequence: 0, instructions })
     }
 
-    /// The processor's own name.
+    /// The name that the processor reports.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Instructions of every tick that it ran; zeros where it does not count.
+    /// Instructions of every tick that it ran; zeros if it does not count them.
     pub fn instructions(&self) -> &[u32] {
         &self.instructions
     }
 
-    /// Asks for a tick under the number of now.
+    /// Requests a tick with the current sequence number.
     fn outcome(&mut self, request: &Request<N>) -> Result<Outcome<N>, LinkError> {
         let frame = self.messenger.ask(request)?;
         match answer::<N>(&frame)? {
@@ -56,10 +56,10 @@ impl<L: Line, const N: usize> Remote<L, N> {
         }
     }
 
-    /// Tells the processor that this is all, and gives back the line.
+    /// Tells the processor that the program has ended, and returns the line.
     ///
     /// # Errors
-    /// Where it cannot be told.
+    /// [`LinkError`] if the processor cannot be told.
     pub fn end(mut self) -> Result<L, LinkError> {
         self.messenger.send::<N>(&Request::End)?;
         Ok(self.messenger.line)
@@ -104,7 +104,7 @@ fn answer<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, LinkError> {
     }
 }
 
-/// A line with frames.
+/// A line that carries frames.
 #[derive(Debug)]
 struct Messenger<L> {
     line: L,

@@ -11,12 +11,12 @@ use leastaction_models::{Beginning, Model};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Exact in single precision, as the file has it.
+/// The step, exact in single precision, as the file has it.
 const H: f64 = 1.0 / 128.0;
 const SAMPLES: usize = 60;
 const FILES: [&str; 5] = ["cartpole", "cartpole-dry", "acrobot", "double", "arm"];
 
-/// Gains and offsets of coordinates, taken in turn, and delays of nothing, a part of a step, and whole steps with a part.
+/// Gains and offsets, assigned to coordinates in turn, and delays of zero, of a partial step, and of whole steps plus a part.
 const ACTUATORS: [(&[f64], &[f64], f64); 3] = [
     (&[1.0, 0.75], &[0.25, -0.5], 0.0),
     (&[1.5, -0.5, 1.0], &[0.0, 0.125, 0.5], 0.003),
@@ -39,7 +39,7 @@ fn save(bench: &Bench, name: &str, model: &Model) {
     std::fs::write(bench.at(name), file).unwrap();
 }
 
-/// Motion in double precision under smooth commands, which begin far from 0, as a table of text.
+/// Motion in double precision under smooth commands that begin far from 0, as CSV text.
 fn log(model: &Model) -> String {
     let n = model.architecture.n();
     let rows = |of: &dyn Fn(usize, usize) -> f64| {

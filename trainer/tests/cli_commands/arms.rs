@@ -18,7 +18,7 @@ const ROBOT: &str = r#"<robot name="r"><link name="base"/>
 const CONFIG: &str = "[data]\nfile = \"log.csv\"\ncontrol = \"linear\"\nvalidation = 0\n[model]\nfamily = \"arm\"\nurdf = \"robot.urdf\"\n\
                       friction = \"learned\"\n";
 
-/// A motion with everything in it, and the torques of a robot whose first link is heavier than it is described.
+/// A rich motion, and the torques of a robot whose first link is heavier than described.
 fn log() -> String {
     let tree = parse(&ROBOT.replace("MASS", "3.0"), Inertias::Required).unwrap();
     let mut text = "t,q0,q1,v0,v1,u0,u1\n".to_owned();
@@ -64,7 +64,7 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
     let bench = trained();
     let report = bench.run("evaluate m.postcard --config robot.toml --json").good().json();
     assert!(report["torque_nmse"].as_f64().unwrap() < 1e-3, "{report}");
-    // What the log says alone: friction as it is, and of every base parameter a number with its error.
+    // The log alone shows the true friction, and every base parameter with its error.
     let numbers = report["torque_numbers"].as_array().unwrap();
     let viscous = numbers.iter().find(|of| of["name"] == "coordinate 0: viscous friction").unwrap();
     let (value, error) = (viscous["by_log"].as_f64().unwrap(), viscous["standard_error"].as_f64().unwrap());
@@ -73,7 +73,7 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
     let page = fs::read_to_string(bench.at("run/report.html")).unwrap();
     assert!(page.contains("by this log alone") && page.contains("in the model"));
     assert!(bench.run("inspect m.postcard").good().stdout.contains("revolute on body 0"));
-    // It follows a motion that was found for its description.
+    // The model follows a motion that was found for its description.
     let excite =
         "excite robot.urdf -o found.csv --motion found.toml --starts 2 --trials 4 --period 5 --h 0.01";
     let found = bench.run(&format!("{excite} --json")).good().json();
@@ -84,7 +84,7 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
     assert_eq!(text, fs::read_to_string(bench.at("found.csv")).unwrap());
     let follow = "simulate m.postcard --scenario track --plant m.postcard --trajectory found.toml --seconds 1 --known-delay 1";
     bench.run(follow).good();
-    // The same as a log, whose one period is at rest where it begins and ends.
+    // The motion as a log; its single period begins and ends at rest.
     let from_log = format!("{} --limit 60 --json", follow.replace("found.toml --seconds 1", "found.csv"));
     let report = bench.run(&from_log).good().json();
     assert_eq!(report["ticks"], 5100, "{report}");
@@ -115,7 +115,7 @@ fn the_arm_of_the_demo_follows_its_motion_better_than_pd() {
     for (ours, pd) in errors("computed_torque").iter().zip(errors("pd_gravity")) {
         assert!(ours.as_f64().unwrap() < pd.as_f64().unwrap(), "{report}");
     }
-    // Torques depend on one of the base parameters by rounding alone.
+    // Torques depend on one base parameter only by rounding.
     let numbers = bench.run("evaluate demo/run --data demo/unseen.npz --json").good().json();
     let numbers = numbers["torque_numbers"].as_array().unwrap().clone();
     let shown: Vec<f64> = numbers.iter().filter_map(|number| number["by_log"].as_f64()).collect();
@@ -195,10 +195,10 @@ fn a_logged_motion_that_cannot_be_followed_is_said() {
     bench.run(&words.replace("m.csv", "nowhere.csv")).bad(2, &["nowhere.csv"]);
     bench.run(&format!("{words} --config nowhere.toml")).bad(2, &["nowhere.toml"]);
     bench.run(&words.replace("m.csv", "motion.toml --config robot.toml")).bad(2, &["--config"]);
-    // Uneven stamps are brought onto one step, which is said.
+    // Uneven stamps are resampled, and a note says so.
     fs::write(bench.at("m.csv"), name("t,q0,q1\n") + &rows(|k| format!("{},0.1,0.5\n", k + k % 2))).unwrap();
     assert!(bench.run(words).good().stderr.contains("resampled"));
-    // By names and units of its own.
+    // The log has names and units of its own.
     fs::write(bench.at("m.csv"), name("time,a,b\n") + &whole).unwrap();
     let columns = "[data]\nfile = 'm.csv'\n[data.columns]\nt = 'time'\nq = ['a', 'b']\n";
     fs::write(

@@ -1,4 +1,4 @@
-//! Bags of ROS 2 and recordings in several files, from the look to a model.
+//! Bags of ROS 2 and recordings in several files, from `look` to a model.
 
 use crate::support::Bench;
 use leastaction_learning::data::{self, Dataset};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::Cursor;
 
-/// One joint in CDR: a stamp, a frame, its name, its position and effort where there are some.
+/// A message of one joint in CDR: stamp, frame, name, and position and effort if given.
 fn message(stamp: u64, position: Option<f64>, effort: Option<f64>) -> Vec<u8> {
     let mut bytes = vec![0, 1, 0, 0];
     bytes.extend(((stamp / 1_000_000_000) as u32).to_le_bytes());
@@ -79,7 +79,7 @@ fn a_bag_is_looked_at_and_learned_from() {
     bench.run("train robot.toml -o other -q").bad(2, &["run-3.mcap, message ", "mcap recover"]);
 }
 
-/// Angles and torques of a recording in two files, the latter by another clock's rate; half a second of one run is left out.
+/// Angles and torques of a recording in two files, the latter at another rate; half a second of one run is left out.
 #[test]
 fn files_of_a_recording_are_joined_and_cut() {
     let bench = Bench::new();

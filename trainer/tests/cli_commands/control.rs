@@ -1,4 +1,4 @@
-//! What u does between samples, from the log to the model file.
+//! Control kinds, from the log to the model file.
 
 use crate::support::Bench;
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
@@ -7,7 +7,7 @@ use leastaction_models::file::decode;
 
 const KINDS: [ControlKind; 2] = [Held, Linear];
 
-/// A configuration that says what the control does.
+/// A configuration with this control kind.
 fn config(bench: &Bench, control: ControlKind) {
     bench.config("iterations = 3");
     let line = format!("validation = 0.25\ncontrol = \"{}\"", control_name(control));
@@ -44,7 +44,7 @@ fn the_model_file_says_what_the_control_did() {
         ("--control linear", None, Linear),
         ("--control held", None, Held),
         ("--control linear", Some(Linear), Linear),
-        // What is constant is both.
+        // A constant control is both held and linear.
         ("--control constant", None, Held),
         ("--control constant", Some(Linear), Linear),
     ]
@@ -96,7 +96,7 @@ fn evaluation_follows_the_log_and_tells_of_another_model() {
     };
     let own = evaluated("--data data.npz");
     assert_eq!((own.1.as_deref(), own.2.contains("was trained with a control")), (Some("held"), false));
-    // A log that does not say it: the model's kind, or what is asked for.
+    // A log without a control kind takes the model's, or the one asked for.
     let (mut log, _) = data::read(bench.at("data.npz")).unwrap();
     log.control = None;
     data::write(bench.at("silent.npz"), &log).unwrap();
@@ -105,7 +105,7 @@ fn evaluation_follows_the_log_and_tells_of_another_model() {
     assert!(said.contains("trained with a control that is held") && said.contains("one that is linear"));
     assert_eq!(control.as_deref(), Some("linear"));
     assert!(errors[0] > 2.0 * own.0[0] && errors[1] != own.0[1], "{errors:?} {:?}", own.0);
-    // A log that says otherwise than the model.
+    // The log contradicts the model.
     log.control = Some(Linear);
     data::write(bench.at("other.npz"), &log).unwrap();
     assert_eq!(evaluated("--data other.npz"), (errors, control, said));

@@ -1,4 +1,4 @@
-//! A network that dissipates, from a configuration to firmware: the page's own example.
+//! A dissipation network, from a configuration to firmware: the page's own example.
 
 use crate::support::Bench;
 use leastaction_core::continuous::{ContinuousState, rk4_step};
@@ -10,7 +10,7 @@ use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
 use serde_json::Value;
 
 const H: f64 = 0.01;
-/// Steps of the truth in one of the log.
+/// Steps of the truth per step of the log.
 const FINE: usize = 5;
 
 /// Friction that falls before it rises, and differs along a turn.
@@ -62,7 +62,7 @@ fn configuration() -> &'static str {
     PAGE.split("```toml\n").nth(2).and_then(|rest| rest.split("```").next()).unwrap()
 }
 
-/// Over whole logs, the median; of one step.
+/// The median error over whole logs, and the error of one step.
 fn errors(report: &Value) -> [f64; 2] {
     ["rollout_median", "one_step_mse"]
         .map(|key| report[key].as_f64().unwrap_or_else(|| panic!("{key} in {report}")))

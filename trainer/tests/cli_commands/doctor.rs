@@ -1,4 +1,4 @@
-//! What the machine has, and what shells know of the command.
+//! The commands `doctor`, `completions` and `man`.
 
 use crate::support::Bench;
 use std::collections::BTreeSet;

@@ -1,10 +1,10 @@
-//! What logs are like that need a second look.
+//! Logs that raise doubts.
 
 use crate::support::Bench;
 use leastaction_learning::data::{self, Dataset};
 use std::f64::consts::{PI, TAU};
 
-/// The pendulum about its upper rest, and the same with angles in [−π, π).
+/// The pendulum about its upper rest, and the same motion with angles in [−π, π).
 fn upright_and_wrapped(bench: &Bench) -> [Dataset; 2] {
     bench.run("generate pendulum -o data.npz --trajectories 8 --samples 30").good();
     let (mut data, _) = data::read(bench.at("data.npz")).unwrap();

@@ -163,7 +163,7 @@ fn shape() -> InertiaNetworkArchitecture {
     InertiaNetworkArchitecture { damped: true, ..InertiaNetworkArchitecture::new(&[Coordinate::Angle], 3) }
 }
 
-/// A model whose bytes depend on nothing but the format and the seeded initial weights.
+/// A model file whose bytes depend only on the format and the seeded initial weights.
 fn example() -> Vec<u8> {
     let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(1);
@@ -176,7 +176,7 @@ fn example() -> Vec<u8> {
     .unwrap()
 }
 
-/// Commands held, late by 2.3 steps.
+/// The model with held commands and a delay of 2.3 steps.
 fn example_of_delay() -> Vec<u8> {
     let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(2);
@@ -210,7 +210,7 @@ fn example_of_graphs() -> (Architecture, Vec<u8>) {
     (architecture, bytes)
 }
 
-/// Set UPDATE_GOLDEN to write the file anew after a deliberate change.
+/// Compares with a golden file; UPDATE_GOLDEN writes the file anew after a deliberate change.
 fn is_golden(source: &str, name: &str) {
     let file = format!("{}/tests/cli_golden/{name}", env!("CARGO_MANIFEST_DIR"));
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
@@ -255,7 +255,7 @@ fn constants_compile_and_are_the_same_model() {
     assert!(golden_arm_constants::stepper(0.0).is_err());
 }
 
-/// Of the file and of the constants, under commands that are late by 2.3 steps.
+/// The steppers of the file and of the constants agree, under commands delayed by 2.3 steps.
 #[test]
 fn steppers_of_an_actuator_agree() {
     let (mut file, mut constants) =

@@ -1,8 +1,8 @@
-//! Whose run is in a folder, and runs that are no model.
+//! Ownership of run folders, and runs that give no model.
 
 use crate::support::Bench;
 
-/// A log of which no step can be solved.
+/// A log with which no step can be solved.
 fn hopeless(bench: &Bench) {
     let mut text = "# h = 0.1\ntrajectory,q0,u0\n".to_owned();
     for k in 0..40 {

@@ -10,7 +10,7 @@ use serde_json::Value;
 const H: f64 = 0.05;
 const TRUE: DryFriction<f64> = DryFriction { constant: 0.3, load: 0.2, smoothing: 0.1, width: 0.15 };
 
-/// A motion of a pendulum that rubs, pushed to and fro.
+/// A motion of a pendulum with friction, pushed to and fro.
 fn motion(id: i64) -> Trajectory {
     let forces = (Viscous { coefficients: [0.05] }, Coulomb { coordinates: [TRUE] });
     let (system, del) = (System { lagrangian: PENDULUM, forces }, Del::<f64, Galerkin>::new(H));

@@ -131,7 +131,7 @@ fn what_would_fill_the_memory_is_refused() {
     assert_eq!(std::fs::read_dir(bench.folder.path()).unwrap().count(), 0);
 }
 
-/// The double pendulum of DFKI RIC's design C.1, in figures near those that were identified.
+/// The double pendulum of DFKI RIC's design C.1, with numbers close to the identified ones.
 const LINKS: &str = "[[joint]]\nmass = 0.523\nlength = 0.2\ncentre = 0.2\ninertia = 0.011\nrotor = 6.3e-5\ngear = -6.0\n\
                      [[joint]]\nmass = 0.626\nlength = 0.3\ncentre = 0.256\ninertia = 0.01\nrotor = 6.3e-5\ngear = -6.0\n";
 
@@ -153,7 +153,7 @@ fn a_robots_logs_are_files_of_its_own_names() {
     assert!(first.starts_with(head) && first.lines().count() == 22, "{first}");
     bench.run(command).good();
     assert_eq!(first.as_bytes(), bench.read("logs/00.csv"));
-    // Fewer logs than the folder holds would leave others' among them.
+    // Fewer logs than the folder holds would leave old logs among them.
     let refused = bench.run(&command.replace("--trajectories 3", "--trajectories 2"));
     refused.bad(2, &["02.csv"]);
 }

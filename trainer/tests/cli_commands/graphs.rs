@@ -1,4 +1,4 @@
-//! Graphs of particles: learned on a small one, used in larger ones.
+//! Graphs of particles: learned on a small graph, used in larger ones.
 
 use crate::support::Bench;
 use leastaction_learning::data;

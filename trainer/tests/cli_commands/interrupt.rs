@@ -7,7 +7,7 @@ use std::time::Duration;
 
 const LONG: u64 = 2000;
 
-/// A run that would take long, once it has done a few iterations.
+/// A long run that has done a few iterations.
 pub fn started(bench: &Bench) -> Child {
     bench.log("");
     bench.config(&format!("iterations = {LONG}\noptimiser = \"adam\""));
@@ -62,7 +62,7 @@ fn a_killed_run_goes_on_from_its_last_checkpoint() {
     assert!(numbers.iter().enumerate().all(|(i, number)| *number == (i + 1).to_string()), "{numbers:?}");
 }
 
-/// The command in a shell that lets no file grow beyond so many blocks of 512 bytes: a disk that is full.
+/// The command in a shell whose files may not grow beyond `blocks` blocks of 512 bytes, like a full disk.
 fn on_a_full_disk(bench: &Bench, blocks: u32, words: &str) -> Outcome {
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {words}");
     let mut shell = Command::new("sh");
@@ -74,7 +74,7 @@ fn on_a_full_disk(bench: &Bench, blocks: u32, words: &str) -> Outcome {
 fn a_full_disk_keeps_the_last_checkpoint() {
     let bench = Bench::new();
     bench.log("");
-    // Wide enough for a checkpoint above the limit, while the history stays below.
+    // The network is wide enough for a checkpoint above the limit, while the history stays below.
     let wide = |iterations: u64| {
         bench.config(&format!("iterations = {iterations}\ncheckpoint_iterations = 1"));
         bench.write("c.toml", &bench.text("c.toml").replace("[6]", "[40]"));

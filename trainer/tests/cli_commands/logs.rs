@@ -13,7 +13,7 @@ impl Bench {
         self.run(&format!("generate pendulum -o data.npz --trajectories 4 --samples 12 {options}")).good();
     }
 
-    /// A small network, and what `training` says.
+    /// A configuration of a small network, with these `[training]` lines.
     pub fn config(&self, training: &str) {
         self.write("c.toml", &format!("{}[training]\norder = 2\nwarm_up = 3\n{training}\n", Self::MODEL));
     }

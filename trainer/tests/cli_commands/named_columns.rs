@@ -5,7 +5,7 @@ use leastaction_learning::config::Config;
 use leastaction_learning::data;
 use std::fmt::Write;
 
-/// The pendulum's log in degrees and milliseconds, with a column more and stamps that jitter, in two files.
+/// The pendulum's log in degrees and milliseconds, with an extra column and jittering stamps, in two files.
 fn robot_logs(bench: &Bench) {
     bench.run("generate pendulum -o data.npz --trajectories 6 --samples 40 --control held").good();
     let (log, _) = data::read(bench.at("data.npz")).unwrap();
@@ -101,7 +101,7 @@ fn a_look_at_unknown_logs_writes_a_configuration_that_trains() {
     assert!(trained.code == Some(0), "{}", trained.stderr);
     assert_eq!(trained.json()["report"].as_str(), Some("run/report.html"));
     assert!(bench.text("run/report.html").contains("Coulomb friction"));
-    // It may be written again, but nothing else is.
+    // The configuration may be overwritten, but no other file.
     bench.run("look robot-*.csv -o robot.toml").good();
     bench.write("mine.toml", "[data]\nfile = \"a.csv\"\n");
     bench.run("look robot-*.csv -o mine.toml").bad(2, &["mine.toml"]);

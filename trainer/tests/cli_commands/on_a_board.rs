@@ -1,4 +1,4 @@
-//! `simulate --on`, with shell scripts in the place of QEMU: what goes wrong ends the run, is told, and leaves nothing behind.
+//! `simulate --on`, with shell scripts in place of QEMU: every failure ends the run, is reported, and leaves nothing behind.
 #![cfg(unix)]
 
 use crate::support::{Bench, Outcome};
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 const MODEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-sim/chip/models/cartpole.postcard");
 
-/// A folder with an image that no emulator here looks at, and an emulator that runs these lines.
+/// A folder with an image that no emulator here looks at, and an emulator that runs these shell lines.
 fn bench(emulator: &str) -> Bench {
     let bench = Bench::new();
     bench.write("image", "");
@@ -36,7 +36,7 @@ fn run(bench: &Bench, options: &str) -> Outcome {
 
 const ON: &str = "--on cortex-m4 --image image";
 
-/// Writes the bytes of frames into a file that an emulator can say.
+/// Writes the bytes of frames into a file that an emulator can send.
 fn says(bench: &Bench, file: &str, frames: &[Frame]) {
     let mut bytes = Vec::new();
     for frame in frames {
@@ -52,7 +52,7 @@ fn frame(message: &Answer<'_, 2>) -> Frame {
     answer(message).unwrap()
 }
 
-/// Waits for the emulator, which left its number, to be gone.
+/// Waits until the emulator, which wrote its process id, is gone.
 fn gone(bench: &Bench) {
     let number = bench.text("number");
     let lives = || {

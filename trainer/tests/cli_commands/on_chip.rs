@@ -3,7 +3,7 @@
 use crate::support::Bench;
 use serde_json::Value;
 
-/// A chain of so many pendulums, learned as a tree.
+/// A chain of `count` pendulums, learned as a tree.
 fn chain(count: usize) -> Bench {
     let bench = Bench::new();
     bench.run(&format!("generate n-pendulum --count {count} -o log.npz --trajectories 4 --h 0.01")).good();
@@ -25,7 +25,7 @@ fn number(report: &Value, key: &str) -> f64 {
     report[key].as_f64().unwrap_or_else(|| panic!("{key} in {report}"))
 }
 
-/// Of a model that is exact in double precision the chip's steps are off by its rounding, which is seen and small.
+/// The chip's steps of a model that is exact in double precision are off only by rounding, which is visible and small.
 #[test]
 fn the_steps_of_the_chip_are_measured_beside_those_in_double_precision() {
     let bench = chain(5);

@@ -1,4 +1,4 @@
-//! What a command may write over.
+//! Files that a command may overwrite.
 
 use crate::support::Bench;
 
@@ -11,7 +11,7 @@ fn trained() -> Bench {
     bench
 }
 
-/// The command refuses to write over a file, and leaves it.
+/// Checks that the command refuses to overwrite a file, and leaves it unchanged.
 fn keeps(bench: &Bench, words: &str, file: &str) {
     let before = bench.read(file);
     bench.run(words).bad(2, &[file, "there is a file of this name", "name another file"]);

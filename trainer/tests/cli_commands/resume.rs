@@ -1,6 +1,6 @@
 use crate::support::Bench;
 
-/// Trains k iterations, then goes on to n; beside it n in one go. Both model files.
+/// Trains k iterations and resumes up to n; also trains n iterations in one go. Returns both model files.
 fn interrupted_and_straight(bench: &Bench, settings: &str, (k, n): (u64, u64)) -> [Vec<u8>; 2] {
     let iterations = |count: u64| bench.config(&format!("iterations = {count}\n{settings}"));
     iterations(k);

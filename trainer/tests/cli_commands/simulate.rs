@@ -64,7 +64,7 @@ fn an_untrained_model_fails_but_is_reported() {
     assert!(outcome.stderr.contains("did not reach its goal") && outcome.stderr.contains("run.svg"));
 }
 
-/// A triple pendulum, whose motion no scenario knows exactly, beside itself: as a tree, and its smaller parts.
+/// A triple pendulum, for which there is no exact mechanism, against itself as a plant: as a tree, and its smaller parts.
 #[test]
 fn a_model_file_can_be_the_plant() {
     let bench = Bench::new();

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-/// A working folder that vanishes.
+/// A temporary working folder.
 pub struct Bench {
     pub folder: TempDir,
 }
 
-/// What a call of the command gave.
+/// Result of a command.
 pub struct Outcome {
     pub code: Option<i32>,
     pub stdout: String,
@@ -29,13 +29,13 @@ impl Outcome {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {:?}", self.stdout))
     }
 
-    /// Success.
+    /// Expects success.
     pub fn good(self) -> Self {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
         self
     }
 
-    /// Failure with this code and these words on stderr, nothing on stdout.
+    /// Expects failure with this code and these words on stderr, and nothing on stdout.
     pub fn bad(self, code: i32, words: &[&str]) -> Self {
         assert_eq!((self.code, self.stdout.as_str()), (Some(code), ""), "{}", self.stderr);
         for word in words {

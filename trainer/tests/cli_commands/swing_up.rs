@@ -1,15 +1,15 @@
-//! From a machine's own logs to a controller: the page's commands.
+//! From a machine's own logs to a controller, by the page's commands.
 
 use crate::support::Bench;
 use serde_json::Value;
 
 const PAGE: &str = include_str!("../../../docs/book/src/swing-up.md");
 const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-sim/chip/models");
-/// What `make.sh` learns the image's model by.
+/// Configuration with which `make.sh` learns the image's model.
 const CONFIGURATION: &str = include_str!("../../../firmware-sim/chip/models/cartpole-dry.toml");
 const MAKE: &str = include_str!("../../../firmware-sim/chip/models/make.sh");
 
-/// The command on the page that begins so, without its name.
+/// The page's command with this beginning, without its name.
 fn command(beginning: &str) -> String {
     let words = PAGE.replace("\\\n", " ");
     let mut lines = words.lines().filter_map(|line| line.trim().strip_prefix("leastaction "));
@@ -17,7 +17,7 @@ fn command(beginning: &str) -> String {
     line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// So many logs of the page's twelve, and its configuration with another end.
+/// The first `logs` of the page's twelve logs, and its configuration with another end.
 fn logged(logs: u32, end: &str) -> Bench {
     let bench = Bench::new();
     bench.write("cartpole-dry.toml", &format!("{CONFIGURATION}{end}"));

@@ -1,4 +1,4 @@
-//! Trees of elements: learned on a small one, used in larger ones.
+//! Trees of elements: learned on a small tree, used in larger ones.
 
 use crate::support::Bench;
 use leastaction_ground_truth::{Chain, ExactMotion, Horizon, Link, Start, follow};
@@ -40,7 +40,7 @@ fn trajectory(chain: &Chain, id: i64) -> Trajectory {
 }
 
 const TRAINING: &str = "[training]\nloss = \"acceleration\"\niterations = 60\n";
-/// What is linear in (cos q, sin q) is all that a rod needs, and a linear potential all that gravity needs.
+/// A rod needs only functions linear in (cos q, sin q), and gravity only a linear potential.
 const BOB: &str = "[[model.types]]\nname = \"bob\"\ntransform = \"angle\"\nposition = []\npotential = []\n";
 
 fn config(bench: &Bench, name: &str, data: &str, model: &str, training: &str) {
@@ -119,7 +119,7 @@ fn a_trained_pair_grows_by_a_few_lines() {
     assert!(text.contains("triple (3 coordinates): 0 bob, 1 bob on 0, 2 bob on 1"), "{text}");
     let double = bench.run("inspect three.postcard --tree double --json").good().json();
     assert_eq!(double["coordinates"].as_array().unwrap().len(), 2);
-    // The same from the model file, trained on by a loss of positions: never worse than it began.
+    // The model file, trained further on position losses, never gets worse.
     let again = "from = \"three.postcard\"\ntree = \"triple\"";
     for (loss, iterations) in [("acceleration", 3), ("next-position", 2)] {
         let loss = |iterations| format!("[training]\nloss = \"{loss}\"\niterations = {iterations}\n");
@@ -166,7 +166,7 @@ fn every_loss_trains_a_tree_and_a_run_goes_on_bit_for_bit() {
     bench.run("train c.toml -o parts -q --resume").good();
     bench.run("train c.toml -o straight -q").good();
     assert_eq!(bench.model("parts"), bench.model("straight"));
-    // Bodies of known mass show the scale of L: the residual may be trained on free motion.
+    // Bodies with a known mass determine the scale of L: the residual may be trained on free motion.
     bench.run("generate n-body --count 2 -o bodies.npz --trajectories 4 --samples 12").good();
     let body = "family = \"modular\"\n[[model.types]]\nname = \"body\"\ntransform = \"free\"\n[model.pair]\nhidden = [6]\n\
                 [model.trees]\nbodies = [\"body\", \"body\"]";
@@ -228,6 +228,6 @@ fn a_new_type_joins_a_trained_one() {
         (Some(3.0), Some(0.5))
     );
     let weights = |bytes: &[u8]| leastaction_models::file::decode(bytes).unwrap().weights;
-    // Position and potential are those of the run, bit for bit.
+    // Position and potential equal those of the run, bit for bit.
     assert_eq!(weights(&old)[..9], weights(&new)[..9]);
 }

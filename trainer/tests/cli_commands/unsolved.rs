@@ -2,7 +2,7 @@
 
 use crate::support::Bench;
 
-/// Fast pendulums at a step of 0.1 s: no discrete step is solved from every state (the first example of docs/book/src/trees.md).
+/// Fast pendulums at a step of 0.1 s: the discrete step cannot be solved from every state (the first example of docs/book/src/trees.md).
 fn fast() -> Bench {
     let bench = Bench::new();
     bench.run("generate n-pendulum -o double.npz --trajectories 40").good();

@@ -1,4 +1,4 @@
-//! An arm of six joints: from its description and a log of torques to a motion that the firmware's program follows.
+//! The demo of an arm with six joints: from its description and a log of torques to a motion that the firmware's program follows.
 
 mod robot;
 
@@ -18,7 +18,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What is not in the description: what the log is and what is learned.
+/// Configuration for what the description lacks: the log, and the numbers to learn.
 const CONFIG: &str = r#"
 [data]
 file = "log.npz"
@@ -29,13 +29,13 @@ family = "arm"
 urdf = "arm.urdf"                 # the log is of an arm that is heavier, and that has friction
 friction = { viscous = "learned", coulomb = "learned" }
 "#;
-/// ω of the feedback of both controllers, rad/s.
+/// Bandwidth ω of the feedback of both controllers, rad/s.
 const BANDWIDTH: f32 = 60.0;
 
-/// Every so many ticks are in the picture.
+/// The plots show one tick of this many.
 const SHOWN: usize = 20;
 
-/// What came out.
+/// Results of the demo.
 #[derive(Serialize)]
 pub struct Report {
     out: PathBuf,
@@ -51,7 +51,7 @@ pub struct Report {
     pictures: Vec<PathBuf>,
 }
 
-/// Does it all.
+/// Runs the demo.
 pub fn run(demo: &Demo, output: Output) -> Done {
     let report = steps(demo, output)?;
     output.report(&report)?;
@@ -131,7 +131,7 @@ fn follow(
     simulate(file, &request, [name.with_extension("csv"), name.with_extension("svg")])
 }
 
-/// Root mean square over the joints of what the motion is missed by, over time.
+/// Plots the tracking error over time: the root mean square over the joints.
 fn draw_errors(file: &Path, [by_model, by_pd]: [&Trace; 2]) -> Result<(), Failure> {
     let curve = |label: &str, trace: &Trace| {
         let point = |row: &simulate::Row| {
@@ -150,7 +150,7 @@ fn draw_errors(file: &Path, [by_model, by_pd]: [&Trace; 2]) -> Result<(), Failur
         .map_err(|error| Failure::Work(error.to_string()))
 }
 
-/// Root mean square over the joints, mrad.
+/// Tracking error, root mean square over the joints, mrad.
 fn mrad(report: &simulate::Report) -> f32 {
     let square = report.rms_error.iter().map(|error| error * error).sum::<f32>();
     1e3 * (square / report.rms_error.len() as f32).sqrt()

@@ -24,21 +24,20 @@ use std::time::Instant;
 
 /// From logged motion to a controller, in under a minute.
 ///
-/// Logs the motion of a cart-pole, learns its energies from positions and forces alone, exports the weights as a model
-/// file, and brings the pole upright in the firmware loop by a controller that knows nothing but the model. An earlier
-/// demo in the folder is replaced.
+/// Logs the motion of a cart-pole, learns its energies from positions and forces alone, exports the weights as a model file, and swings the
+/// pole up in the firmware loop with a controller that knows only the model. An earlier demo in the folder is replaced.
 ///
-/// `demo arm` begins with the description of an arm of six joints and a log of its torques: bodies, rotors and friction are learned, and a
-/// motion is followed in the firmware loop by the model's inverse dynamics, beside PD with gravity compensation.
+/// `demo arm` starts from the description of an arm with six joints and a log of its torques: bodies, rotors and friction are learned, and
+/// a motion is followed in the firmware loop by the model's inverse dynamics, compared with PD and gravity compensation.
 #[derive(Args)]
 pub struct Demo {
-    /// What moves.
+    /// The machine.
     #[arg(value_enum, default_value_t = Machine::Cartpole)]
     machine: Machine,
     /// The folder to write to.
     #[arg(long, default_value = "demo", value_name = "DIR")]
     out: PathBuf,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Show no progress.
@@ -46,7 +45,7 @@ pub struct Demo {
     quiet: bool,
 }
 
-/// What there is a demo of.
+/// Machines with a demo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Machine {
     /// A pole on a cart, force on the cart.
@@ -56,15 +55,15 @@ enum Machine {
 }
 
 const MECHANISM: Mechanism = Mechanism::Cartpole;
-/// Enough for the energies to come out well within a quarter of a minute on one core.
+/// Settings that learn the energies well within a quarter of a minute on one core.
 const TRAJECTORIES: usize = 16;
 const WIDTH: u16 = 16;
 const ITERATIONS: u64 = 40;
-/// The configuration, which begins with a line that tells a demo's folder from others.
+/// Name of the configuration, and its first line, which identifies a demo's folder.
 const CONFIG: &str = "train.toml";
 const MARK: &str = "# Written by `leastaction demo`.";
 
-/// What came out.
+/// Results of the demo.
 #[derive(Serialize)]
 struct Report {
     out: PathBuf,
@@ -79,7 +78,7 @@ struct Report {
 }
 
 impl Demo {
-    /// Does it all.
+    /// Runs the demo.
     pub fn run(self, output: Output) -> Done {
         self.check()?;
         folder(&self.out)?;
@@ -132,7 +131,7 @@ impl Demo {
         })
     }
 
-    /// Refuses a folder with other things than an earlier demo.
+    /// Refuses a folder with files that are not from an earlier demo.
     fn check(&self) -> Done {
         let is_used = std::fs::read_dir(&self.out).is_ok_and(|mut entries| entries.next().is_some());
         let is_demo =
@@ -172,7 +171,7 @@ impl Demo {
     }
 }
 
-/// Tells which step begins.
+/// Announces the next step.
 fn say(output: Output, started: &Instant, step: &str) {
     output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
 }

@@ -1,4 +1,4 @@
-//! Free motion, learned against true.
+//! Free motion of the learned model compared with the true motion.
 
 use super::Failure;
 use leastaction_ground_truth::{Drive, Mechanism, Settings, generate};
@@ -9,18 +9,18 @@ use leastaction_plot::{Angle, Phase, Series, Stroke, phase_portrait};
 use serde::Serialize;
 use std::path::Path;
 
-/// How far ahead, s.
+/// Length of the predictions, s.
 const SECONDS: f64 = 5.0;
 const TRAJECTORIES: usize = 16;
-/// Trajectories in the picture.
+/// Number of trajectories in the plot.
 const SHOWN: usize = 4;
 
-/// The model's free motion compared with the true one.
+/// Comparison of the model's free motion with the true motion.
 #[derive(Serialize)]
 pub struct Forecast {
-    /// How far ahead, s.
+    /// Length of the predictions, s.
     pub seconds: f64,
-    /// From so many random starts.
+    /// Number of random starts.
     pub trajectories: usize,
     /// Mean squared position error.
     pub mean: f64,
@@ -28,7 +28,7 @@ pub struct Forecast {
     pub median: f64,
 }
 
-/// Steps the model from the first two positions of motions it has not seen, and draws the last coordinate's phase plane.
+/// Steps the model from the first two positions of unseen motions, and draws the phase plane of the last coordinate.
 pub fn forecast(model: &Model, mechanism: Mechanism, seed: u64, picture: &Path) -> Result<Forecast, Failure> {
     let samples = (SECONDS / mechanism.step()).round() as usize + 2;
     let unseen = seed.wrapping_add(1);
@@ -53,7 +53,7 @@ fn draw(file: &Path, truth: &Dataset, learned: &[Vec<f64>]) -> Result<(), Failur
     phase_portrait(file, &title, phase, &series).map_err(|error| Failure::Work(error.to_string()))
 }
 
-/// The true and the learned curve of one trajectory.
+/// The true and the learned curve of a trajectory.
 fn curves(data: &Dataset, (truth, learned): (&Trajectory, &Vec<f64>)) -> [Series; 2] {
     let plane = |positions: &[f64]| phase_plane(positions, data.n, data.h);
     [
@@ -62,7 +62,7 @@ fn curves(data: &Dataset, (truth, learned): (&Trajectory, &Vec<f64>)) -> [Series
     ]
 }
 
-/// The last coordinate and its velocity by central differences.
+/// The last coordinate, and its velocity by central differences.
 fn phase_plane(positions: &[f64], n: usize, h: f64) -> Vec<(f64, f64)> {
     let last: Vec<f64> = positions.chunks_exact(n).filter_map(|q| q.last().copied()).collect();
     let ahead = last.iter().zip(last.iter().skip(1)).zip(last.iter().skip(2));

@@ -1,4 +1,4 @@
-//! What rounding the weights costs, on the log that they were learned from.
+//! Loss of accuracy by rounding the weights, on the log that they were learned from.
 
 use super::Precision;
 use leastaction::cli::{Failure, Output};
@@ -12,40 +12,40 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Root-mean-square errors on a log, of the weights as trained and as shipped.
+/// Root-mean-square errors on a log, with weights as trained and as shipped.
 #[derive(Serialize)]
 pub struct Accuracy {
     /// The log.
     data: PathBuf,
     /// Bits of a shipped weight.
     bits: u8,
-    /// As trained, in double precision.
+    /// Errors with trained weights, in double precision.
     trained: Errors,
-    /// As the file has them.
+    /// Errors with the weights of the file.
     shipped: Errors,
 }
 
-/// Root-mean-square errors in metres and radians, and seconds.
+/// Root-mean-square errors, in SI units.
 #[derive(Clone, Copy, Serialize)]
 struct Errors {
-    /// Of accelerations, where the log has v and a.
+    /// Error of accelerations, if the log has v and a.
     acceleration: Option<f64>,
-    /// Of positions one step ahead, where the model is stepped.
+    /// Error of positions one step ahead, if the model can be stepped.
     one_step: Option<f64>,
-    /// Of positions over whole trajectories, their median.
+    /// Median error of positions over whole trajectories.
     trajectory: Option<f64>,
 }
 
-/// A model whose weights are compared.
+/// A model before and after rounding its weights.
 pub struct Compared {
-    /// As trained.
+    /// Model as trained.
     pub trained: Model,
-    /// As shipped.
+    /// Model as shipped.
     pub shipped: Model,
 }
 
 impl Compared {
-    /// Measures on `data`, or else on the log that the run's configuration names; where that is not there any more, says so.
+    /// Measures on `data`, or else on the log that the run's configuration names; if that log no longer exists, prints a note.
     pub fn measure(
         &self,
         (run, data): (&Path, Option<&Path>),
@@ -72,7 +72,7 @@ impl Compared {
             return Err(Failure::input(&log, message));
         }
         set.control = set.control.or(self.trained.facts.trained_step.map(|step| step.control));
-        // Training told of the seams.
+        // Training has reported the seams already.
         let _ = set.unwrap_angles(&self.trained.architecture.coordinates());
         let failed = |error: ModelError| Failure::input(run, error);
         let trained = errors(&self.trained, &set).map_err(failed)?;
@@ -92,7 +92,7 @@ fn errors(model: &Model, log: &Dataset) -> Result<Errors, ModelError> {
     })
 }
 
-/// The root of the mean square, of what could be computed.
+/// The root of the mean square over the samples that could be computed.
 fn root(error: Solved) -> Option<f64> {
     error.mean_square.map(f64::sqrt)
 }

@@ -15,13 +15,13 @@ use std::path::PathBuf;
 
 /// Make a model file of a training run.
 ///
-/// The best weights of the run, in single precision, with what a chip needs to know about them. With --rust also a Rust
-/// module that holds the file as a constant, makes its stepper, and needs `leastaction-core` alone; with --constants too the module has no file, but the
-/// model as constants of the program, which then takes about 6 KB less code: it needs no reader and no checksum. (Not of trees, graphs
-/// and laws of force with networks.)
+/// The file has the best weights of the run, in single precision, and the facts that a chip needs about them. --rust also writes a Rust
+/// module that holds the file as a constant, makes its stepper, and only needs `leastaction-core`. With --constants the module holds the
+/// model as constants of the program instead of a file, which saves about 6 KB of code, since neither reader nor checksum is needed. (This
+/// does not support trees, graphs, and laws of force with networks.)
 ///
-/// With --weights f16 the weights take half the flash, and the program says what that costs: the model's errors on the log that it
-/// learned from, with the weights as trained and as shipped. A chip computes in single precision either way.
+/// With --weights f16 the weights take half the flash, and the program reports the loss: the model's errors on the log that it learned
+/// from, with the weights as trained and as shipped. A chip computes in single precision in either case.
 ///
 /// Example: leastaction export run -o model.postcard --rust model.rs
 ///
@@ -39,7 +39,7 @@ pub struct Export {
     /// Write the Rust source as constants, without the file and its reader.
     #[arg(long, requires = "rust")]
     constants: bool,
-    /// How the file stores its weights.
+    /// Storage format of the weights in the file.
     #[arg(long, value_enum, default_value_t = Weights::F32)]
     weights: Weights,
     /// The log to measure errors on [default: the one that the run learned from].
@@ -47,7 +47,7 @@ pub struct Export {
     data: Option<PathBuf>,
 }
 
-/// How a file stores its weights.
+/// Storage format of weights in a file.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Weights {
     /// Two bytes each, 11 bits of which count.
@@ -65,7 +65,7 @@ impl Weights {
     }
 }
 
-/// What was written.
+/// Report on the written files.
 #[derive(Serialize)]
 struct Report {
     model: PathBuf,
@@ -119,7 +119,7 @@ impl Export {
         }
     }
 
-    /// Refuses to lose files.
+    /// Refuses to overwrite other files.
     fn check(&self) -> Done {
         if self.rust.as_ref() == Some(&self.output) {
             return Err(Failure::input(&self.output, "--output and --rust name the same file; name two"));
@@ -128,7 +128,7 @@ impl Export {
         self.rust.iter().try_for_each(|file| replaceable(file, FileKind::RustModule))
     }
 
-    /// What rounding cost, where it may have cost something, or where it is asked for.
+    /// The loss by rounding, if weights were rounded to half precision or a log is given.
     fn accuracy(&self, trained: &Trained, bytes: &[u8], output: Output) -> Result<Option<Accuracy>, Failure> {
         if self.weights == Weights::F32 && self.data.is_none() {
             return Ok(None);

@@ -20,11 +20,10 @@ use std::path::{Path, PathBuf};
 
 /// Simulate a mechanism exactly and log its motion.
 ///
-/// Trajectories begin at random states. Those of the pendulum, the cart-pole and the acrobot (SyMo's distributions) are each under
-/// a random force of at most 2 N (or N m) on the actuated coordinate, constant or, with --control, another at every sample, and the
-/// log has q, v, a, u and t. Those of
-/// n-pendulum and n-body (ModLaNet's distributions; masses, lengths and k are 1) are free, and the log has q, v, a and t. Those of
-/// rod-pendulum, n-spring and hybrid (LGNN's; masses and lengths are 1) are in Cartesian coordinates, (x, y) of every node.
+/// Trajectories begin at random states. For pendulum, cartpole and acrobot (SyMo's distributions) a random force of at most 2 N (or N m)
+/// acts on the actuated coordinate, constant or, with --control, changing at every sample, and the log has q, v, a, u and t. For n-pendulum
+/// and n-body (ModLaNet's distributions; masses, lengths and k are 1) the motion is free, and the log has q, v, a and t. For rod-pendulum,
+/// n-spring and hybrid (LGNN's; masses and lengths are 1) the coordinates are Cartesian, (x, y) of every node.
 ///
 /// Example: leastaction generate cartpole -o cartpole.npz --trajectories 32
 ///
@@ -32,9 +31,9 @@ use std::path::{Path, PathBuf};
 ///
 /// Example: leastaction generate n-spring --count 5 -o springs.npz
 ///
-/// With --robot, logs are written as robots write them, one CSV file each under column names of its own, with friction in the joints,
-/// drives that are late, encoders with a grid and zeros that are off (--noise is theirs), stamps that jitter; -o then has the same
-/// readings as one log, and --truth what was true. Every drive is commanded sums of sines, others in every log.
+/// With --robot, logs are written as robots write them, one CSV file each, with column names of their own, friction in the joints, drives
+/// with delay, encoders with quantisation, noise (--noise) and zero offsets, and jittering stamps; -o then writes the same readings as one
+/// log, and --truth the true motion. Every drive follows a sum of sines, different in every log.
 ///
 /// Example: leastaction generate acrobot --robot logs --truth truth.npz --coulomb 0.1,0.07 --noise 0.001 --delay 6
 #[derive(Args)]
@@ -44,19 +43,20 @@ pub struct Generate {
     /// The log to write, .npz or .csv.
     #[arg(short, long, value_name = "FILE", required_unless_present = "robot_output")]
     output: Option<PathBuf>,
-    /// How many pendulums, bodies or nodes [default: 2 of n-pendulum, 3 bodies, 3 of rod-pendulum, 5 of n-spring].
+    /// Number of pendulums, bodies or nodes [default: 2 for n-pendulum, 3 for n-body and rod-pendulum, 5 for n-spring].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_ELEMENTS))]
     count: Option<u32>,
-    /// How many trajectories; with all samples at most 2^27 numbers [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts of those; 100 of LGNN's; 10 of a robot].
+    /// Number of trajectories; all samples together may have at most 2^27 numbers [default: 32; for n-pendulum 100 with 2 pendulums, for
+    /// n-body 200 with 3 bodies, with other counts 20; 100 for LGNN's systems; 10 with --robot].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     trajectories: Option<u32>,
-    /// States in each [default: 34; 101 of n-pendulum and n-body; 100 of LGNN's; 201 of a robot].
+    /// Number of states in each trajectory [default: 34; 101 for n-pendulum and n-body; 100 for LGNN's systems; 201 with --robot].
     #[arg(long, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
     samples: Option<u32>,
-    /// Time between states, s [default: 0.1 for pendulum, n-pendulum and n-spring, 0.01 with rods and of a robot, else 0.05].
+    /// Time between states, s [default: 0.1 for pendulum, n-pendulum and n-spring, 0.01 for systems with rods and with --robot, else 0.05].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     h: Option<f64>,
-    /// Limit of the initial velocities of n-pendulum and of a robot, rad/s [default: 10 for 2 pendulums, else 8; 0 of a robot].
+    /// Limit of the initial velocities, for n-pendulum and with --robot, rad/s [default: 10 for 2 pendulums, else 8; 0 with --robot].
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
     speed: Option<f64>,
     /// Standard deviation of the noise on positions and velocities, m or rad (m/s or rad/s).
@@ -68,19 +68,19 @@ pub struct Generate {
     /// Force along x on the second node of LGNN's systems, N; the log then has u.
     #[arg(long, default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     pull: f64,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
-    /// What the random force of the pendulum, the cart-pole or the acrobot does [default: constant].
+    /// Behaviour of the random force on pendulum, cartpole or acrobot [default: constant].
     #[arg(long, value_name = "KIND", conflicts_with = "no_control")]
     control: Option<Control>,
     /// No force at all (such a log does not show the scale of the energies).
     #[arg(long)]
     no_control: bool,
-    /// SyMo's whole data set in SyMo's layout: 128 training and 128 test trajectories of 34 states, 16 free ones of 502.
+    /// Write SyMo's whole data set in SyMo's layout: 128 training and 128 test trajectories of 34 states, 16 free ones of 502.
     #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "pull", "control", "no_control", "modlanet_layout"])]
     symo_layout: bool,
-    /// A training and a test set (the last tenth of the trajectories) in ModLaNet's layout.
+    /// Write a training and a test set (the last tenth of the trajectories) in ModLaNet's layout.
     #[arg(long)]
     modlanet_layout: bool,
     #[command(flatten)]
@@ -90,21 +90,21 @@ pub struct Generate {
 /// The random force on an actuated coordinate.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Control {
-    /// One for each trajectory.
+    /// One force for each trajectory.
     Constant,
-    /// Another at every sample, held until the next, as a controller's; the log says so.
+    /// A new force at every sample, held until the next, as a controller does; the log says so.
     Held,
-    /// Another at every sample, linear between them; the log says so.
+    /// A new force at every sample, linear in between; the log says so.
     Linear,
 }
 
-/// Elements of the largest system.
+/// Largest number of elements in a system.
 const MOST_ELEMENTS: i64 = 1000;
 
-/// Numbers in the largest log: a gigabyte, which is in memory before it is written.
+/// Largest count of numbers in a log: a gibibyte, held in memory before it is written.
 const MOST_NUMBERS: usize = 1 << 27;
 
-/// What was written.
+/// Report on the written files.
 #[derive(Serialize)]
 struct Report {
     system: &'static str,
@@ -135,11 +135,11 @@ impl fmt::Display for Report {
     }
 }
 
-/// Trajectories, samples, step.
+/// Number of trajectories, number of samples, step.
 type Size = (usize, usize, f64);
 
 impl Generate {
-    /// Generates and writes.
+    /// Generates the motion and writes it.
     pub fn run(self, output: Output) -> Done {
         if self.robot.given() {
             return self.run_robot(output);
@@ -163,7 +163,7 @@ impl Generate {
         output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })
     }
 
-    /// The log to write; there is one where no robot is logged.
+    /// The log to write; without --robot there always is one.
     fn file(&self) -> &Path {
         self.output.as_deref().unwrap_or(Path::new(""))
     }
@@ -192,7 +192,7 @@ impl Generate {
             output: file.as_deref(),
         };
         let (logs, samples, _) = common.size();
-        // Of every sample twice as much as of a log: what was measured and what was true.
+        // Every sample takes twice the numbers of a log: measured and true values.
         fits(logs, samples, 2 * robot::MOST_COORDINATES)?;
         let ((trajectories, each, h), hidden) = robot.run(&common)?;
         let (samples, hidden) = (trajectories * each, Some(hidden));
@@ -311,7 +311,7 @@ impl Generate {
     }
 }
 
-/// Refuses what would fill the memory: q, v, a and u of every sample, its time and the number of its trajectory.
+/// Refuses logs that would fill the memory: q, v, a and u of every sample, its time and its trajectory's id.
 fn fits(trajectories: usize, samples: usize, coordinates: usize) -> Result<(), Failure> {
     let numbers = trajectories.saturating_mul(samples).saturating_mul(4 * coordinates + 2);
     if numbers <= MOST_NUMBERS {

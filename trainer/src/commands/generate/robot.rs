@@ -13,20 +13,20 @@ use leastaction_learning::data;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Logs as a robot writes them. Lists have one value for every coordinate, or one for all.
+/// Options for logs as a robot writes them. Lists have one value per coordinate, or one for all.
 #[derive(Args)]
 #[command(next_help_heading = "Logs as a robot writes them (pendulum, cartpole, acrobot, n-pendulum)")]
 #[group(skip)]
 #[command(group = clap::ArgGroup::new("robot_output").multiple(true))]
 pub struct RobotOptions {
-    /// A folder for logs as a robot writes them, 00.csv, 01.csv, …: time, pos_meas1 …, vel_meas1 …, tau_con1 …, tau_meas1 …
+    /// Folder for logs as a robot writes them, 00.csv, 01.csv, …: time, pos_meas1 …, vel_meas1 …, tau_con1 …, tau_meas1 …
     #[arg(long, value_name = "DIR", group = "robot_output")]
     pub robot: Option<PathBuf>,
-    /// A log of the same motion as it truly was (q, v, a, and u as commanded), .npz or .csv.
+    /// File for the true motion (q, v, a, and u as commanded), .npz or .csv.
     #[arg(long, value_name = "FILE", group = "robot_output")]
     pub truth: Option<PathBuf>,
-    /// The links of n-pendulum: a TOML file with `gravity` and for every link a [[joint]] with mass, length, centre, inertia (about
-    /// the centre), rotor and gear. Coordinates are joint angles, 0 hanging.
+    /// The links of n-pendulum: a TOML file with `gravity`, and a [[joint]] for every link with mass, length, centre, inertia (about the
+    /// centre), rotor and gear. Coordinates are joint angles, 0 hanging.
     #[arg(long, requires = "robot_output", value_name = "FILE")]
     links: Option<PathBuf>,
     /// Viscous friction b, N m s/rad or N s/m.
@@ -38,39 +38,39 @@ pub struct RobotOptions {
     /// Width ε of Coulomb friction, rad/s or m/s.
     #[arg(long, requires = "robot_output", value_name = "E,…", value_delimiter = ',', default_values_t = [0.2], allow_negative_numbers = true, value_parser = positive)]
     width: Vec<f64>,
-    /// One count of the encoders, rad or m.
+    /// Encoder count, rad or m.
     #[arg(long, requires = "robot_output", value_name = "COUNT", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     grid: f64,
-    /// Standard deviation of the encoders' zeros, drawn anew for every log, rad or m.
+    /// Standard deviation of the encoders' zero offsets, drawn anew for every log, rad or m.
     #[arg(long, requires = "robot_output", value_name = "SD", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     zeros: f64,
-    /// Samples are taken, and stamped, within so much of their due time, ms.
+    /// Largest deviation of sampling times, and stamps, from their due times, ms.
     #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     jitter: f64,
-    /// From a command to its effect, ms.
+    /// Delay from a command to its effect, ms.
     #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     delay: f64,
-    /// The torque that acts for a commanded one.
+    /// Gain: ratio of actual to commanded torque.
     #[arg(long, requires = "robot_output", value_name = "G,…", value_delimiter = ',', default_values_t = [1.0], allow_negative_numbers = true, value_parser = finite)]
     gain: Vec<f64>,
-    /// Which coordinates have a drive, 0 or 1 each [default: all; of the cart-pole the cart].
+    /// Whether each coordinate has a drive, 0 or 1 [default: all; only the cart of cartpole].
     #[arg(long, requires = "robot_output", value_name = "0|1,…", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(0..=1))]
     driven: Vec<u8>,
-    /// Sines in the command of a drive.
+    /// Number of sines in the command of a drive.
     #[arg(long, requires = "robot_output", value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=100))]
     sines: u8,
-    /// Their least and greatest frequency, Hz.
+    /// Least and greatest frequency of the sines, Hz.
     #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.3, 2.5], allow_negative_numbers = true, value_parser = not_negative)]
     frequency: Vec<f64>,
-    /// Their least and greatest amplitude, N m or N.
+    /// Least and greatest amplitude of the sines, N m or N.
     #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.1, 0.35], allow_negative_numbers = true, value_parser = not_negative)]
     amplitude: Vec<f64>,
-    /// Starts are within ± of where it hangs, rad or m.
+    /// Largest distance of starts from the hanging position, ±, rad or m.
     #[arg(long, requires = "robot_output", value_name = "Q", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     spread: f64,
 }
 
-/// What the other options of the command say.
+/// Values of the command's common options.
 pub struct Common<'a> {
     pub system: System,
     pub count: Option<u32>,
@@ -83,29 +83,29 @@ pub struct Common<'a> {
     pub output: Option<&'a Path>,
 }
 
-/// What only the generator knows of the logs.
+/// Truth about the logs that is not in them.
 #[derive(Serialize)]
 pub struct Hidden {
-    /// Zeros of the encoders, log by log.
+    /// Zero offsets of the encoders, log by log.
     zeros: Vec<Vec<f64>>,
 }
 
-/// Logs, samples of each, and time between samples, s.
+/// Number of logs, samples in each, and time between samples, s.
 pub type LogSize = (usize, usize, f64);
 
-/// Coordinates of a robot at most.
+/// Largest number of coordinates of a robot.
 pub const MOST_COORDINATES: usize = MOST_JOINTS;
 
-/// Logs, samples of each and step where nothing else is said.
+/// Default number of logs, samples in each, and step.
 const DEFAULT: LogSize = (10, 201, 0.01);
 
 impl RobotOptions {
-    /// Whether logs as a robot writes them are asked for.
+    /// Whether logs as a robot writes them are requested.
     pub fn given(&self) -> bool {
         self.robot.is_some() || self.truth.is_some()
     }
 
-    /// Generates and writes.
+    /// Generates the logs and writes them.
     pub fn run(&self, common: &Common) -> Result<(LogSize, Hidden), Failure> {
         let size = common.size();
         if self.jitter > 0.0 && (self.truth.is_some() || common.output.is_some()) {
@@ -119,7 +119,7 @@ impl RobotOptions {
         Ok((size, Hidden { zeros }))
     }
 
-    /// The files of the folder; none of another kind is in the way.
+    /// The files in the folder; refuses to replace files of another kind.
     fn files(&self, logs: usize, output: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
         let logs_of_motion = output.into_iter().chain(self.truth.as_deref());
         logs_of_motion.into_iter().try_for_each(|file| replaceable(file, FileKind::Log))?;
@@ -210,7 +210,7 @@ impl RobotOptions {
 }
 
 impl Common<'_> {
-    /// Logs, samples and step.
+    /// Number of logs, samples in each, and step.
     pub fn size(&self) -> LogSize {
         let (logs, samples, h) = DEFAULT;
         let or = |given: Option<u32>, default| given.map_or(default, |count| count as usize);
@@ -218,7 +218,7 @@ impl Common<'_> {
     }
 }
 
-/// One value for each coordinate.
+/// Expands a list to one value per coordinate.
 fn for_all<T: Copy>(option: &str, list: &[T], n: usize) -> Result<Vec<T>, Failure> {
     match list {
         [one] => Ok(vec![*one; n]),

@@ -19,65 +19,65 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use target::{OnTarget, Target};
 
-/// Show what a model file is and what it costs on a chip.
+/// Show what a model file contains, and its cost on a chip.
 ///
-/// Multiply-adds are those of the network's layers, of rigid bodies those of their energies. Stack bytes are the arrays that are live at once in an evaluation; call
-/// frames come on top. A step takes 2 to 3 Newton iterations.
+/// Multiply-adds are those of the network's layers or, for rigid bodies, of the energies. Stack bytes are the arrays that are live at once
+/// in an evaluation; call frames come on top. A step takes 2 to 3 Newton iterations.
 #[derive(Args)]
 pub struct Inspect {
     /// The model file.
     model: PathBuf,
-    /// Of a model of several trees or graphs the one that coordinates and cost are of [default: the one that was trained].
+    /// The tree or graph to report coordinates and cost for, if the model has several [default: the one that was trained].
     #[arg(long, visible_alias = "graph", value_name = "NAME")]
     tree: Option<String>,
-    /// Also predict what it takes on this processor: instructions, stack and code.
+    /// Also predict the cost on this processor: instructions, stack and code.
     #[arg(long, value_enum)]
     target: Option<Target>,
 }
 
-/// What is in the file.
+/// Contents of the file.
 #[derive(Serialize)]
 struct Report {
     model: PathBuf,
     family: &'static str,
     coordinates: Vec<&'static str>,
-    /// Tree or graph that coordinates and cost are of, where the file has several kinds.
+    /// Tree or graph that coordinates and cost refer to, if the file has several.
     #[serde(skip)]
     part: Option<[String; 2]>,
     #[serde(flatten)]
     shape: Description,
     damping: Option<Vec<f64>>,
-    /// Of every coordinate; empty without dry friction.
+    /// Dry friction of every coordinate; empty if there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     dry_friction: Vec<DryFrictionReport>,
-    /// The network that dissipates; none where there is none.
+    /// The dissipation network, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     dissipation: Option<NetworkReport>,
-    /// The network that is added to the potential; none where there is none.
+    /// The network that is added to the potential, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     potential: Option<NetworkReport>,
-    /// Between command and force; none where the command is the force.
+    /// The actuator between command and force; `None` if it is ideal.
     #[serde(skip_serializing_if = "Option::is_none")]
     actuator: Option<ActuatorReport>,
     parameters: usize,
     weight_bits: u8,
     order: Option<u8>,
     h: Option<f64>,
-    /// What happened to the control between samples.
+    /// Control kind in training.
     control: Option<&'static str>,
-    /// What the training data covered; empty where the file does not say.
+    /// Range of the training data; empty if the file does not give it.
     range: Vec<RangeReport>,
     format_version: u8,
     provenance: String,
     flash_bytes: usize,
-    /// None for a model without a graph.
+    /// Cost; `None` for a model without a graph.
     cost: Option<Cost>,
     #[serde(skip_serializing_if = "Option::is_none")]
     target: Option<OnTarget>,
 }
 
 impl Inspect {
-    /// Reads and reports.
+    /// Reads the file and reports.
     pub fn run(self, output: Output) -> Done {
         let (model, bytes) = load_part(&self.model, self.tree.as_deref())?;
         let target = self.target.map(|target| on(target, &self.model, &model, bytes)).transpose()?;
@@ -106,7 +106,7 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
     let friction = architecture.friction_of_coordinates(&model.weights);
     let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
-    // Every modular model has the numbers, most of them 0.
+    // Every modular model has damping numbers; most are 0.
     let damped =
         architecture.family.inertia_network().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {
@@ -138,15 +138,15 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     }
 }
 
-/// −(coulomb + load (√(τ² + smoothing²) − smoothing)) tanh(v/width) of one coordinate.
+/// Dry friction of a coordinate, −(coulomb + load (√(τ² + smoothing²) − smoothing)) tanh(v/width).
 #[derive(Serialize)]
 struct DryFrictionReport {
-    /// N or N m.
+    /// Constant part, N or N m.
     coulomb: f64,
     load: f64,
-    /// N or N m.
+    /// Smoothing of the load, N or N m.
     smoothing: f64,
-    /// m/s or rad/s.
+    /// Width, m/s or rad/s.
     width: f64,
 }
 
@@ -167,14 +167,14 @@ impl fmt::Display for DryFrictionReport {
     }
 }
 
-/// From the command u to the force that acts, gain u(t − delay) + offset.
+/// The actuator: from the command u to the force gain u(t − delay) + offset.
 #[derive(Serialize)]
 struct ActuatorReport {
-    /// Of every coordinate.
+    /// Gain of every coordinate.
     gain: Vec<f64>,
-    /// Of every coordinate, N or N m.
+    /// Offset of every coordinate, N or N m.
     offset: Vec<f64>,
-    /// s.
+    /// Delay, s.
     delay: f64,
 }
 
@@ -193,7 +193,7 @@ impl fmt::Display for ActuatorReport {
     }
 }
 
-/// What the training data covered of one coordinate: smallest and largest values.
+/// Range of the training data in one coordinate: smallest and largest values.
 #[derive(Serialize)]
 struct RangeReport {
     q: [f64; 2],
@@ -208,7 +208,7 @@ impl From<&CoordinateRange> for RangeReport {
     }
 }
 
-/// The shortest decimal number that is this one in single precision.
+/// The shortest decimal notation of this single-precision number.
 fn shortest(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }
@@ -267,7 +267,7 @@ impl fmt::Display for Report {
 }
 
 impl Report {
-    /// A line for every coordinate, where the file says what the training data covered.
+    /// Writes a line for every coordinate, if the file gives the range of the training data.
     fn ranges(&self, f: &mut fmt::Formatter) -> fmt::Result {
         for (i, RangeReport { q, v, u }) in self.range.iter().enumerate() {
             let name = if i == 0 { "training data" } else { "" };

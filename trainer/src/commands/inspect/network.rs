@@ -1,27 +1,27 @@
-//! Networks that correct a model, in words.
+//! Description of networks that correct a model.
 
 use leastaction_models::CorrectionNetwork;
 use serde::Serialize;
 use std::fmt;
 
-/// What a network sees, and its hidden layers.
+/// Inputs of a network, and its hidden layers.
 #[derive(Serialize)]
 pub struct NetworkReport {
-    /// The coordinates that it sees, from 0.
+    /// Coordinates that the network depends on, from 0.
     coordinates: Vec<usize>,
-    /// Those of them whose positions it sees.
+    /// Coordinates whose positions it depends on.
     positions: Vec<usize>,
-    /// What the velocities that it sees are divided by, m/s or rad/s.
+    /// Divisors of the velocities, m/s or rad/s.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     scale: Vec<f64>,
     /// Units of the hidden layers.
     hidden: Vec<u16>,
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     activation: String,
 }
 
 impl NetworkReport {
-    /// Of a network that divides velocities by these numbers.
+    /// Describes a network with these divisors of velocities.
     pub fn of(network: &CorrectionNetwork, scale: &[f64]) -> Self {
         let coordinates: Vec<usize> = network.seen().collect();
         let letters: Vec<char> = network.coordinates.chars().collect();

@@ -1,4 +1,4 @@
-//! What a model takes on a processor, in words.
+//! Report of a model's cost on a processor.
 
 use clap::ValueEnum;
 use leastaction_cost::processor::{Prediction, Processor, Taken};
@@ -26,15 +26,15 @@ impl Target {
     }
 }
 
-/// A prediction, with the memory that is known.
+/// A prediction, and the known memory.
 #[derive(Serialize)]
 pub struct OnTarget {
-    /// As far as it was fitted.
+    /// Fitted prediction.
     #[serde(flatten)]
     pub prediction: Prediction,
     /// Bytes of the model file, which stays in flash.
     pub model_bytes: usize,
-    /// Bytes of static memory.
+    /// Bytes of static RAM.
     pub static_ram_bytes: usize,
 }
 

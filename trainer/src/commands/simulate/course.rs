@@ -1,27 +1,27 @@
-//! A motion as a log has it: positions at a uniform step, with a smooth curve through them.
+//! A logged motion to follow: positions at a uniform step, joined by a smooth curve.
 
 use leastaction_firmware_sim::control::{Setpoint, Trajectory, enter};
 use leastaction_learning::data;
 
-/// Positions of N coordinates, entered from rest; at its end it stays where it is.
+/// A motion of N coordinates, entered from rest; after its end it stays where it is.
 ///
-/// Between two samples every coordinate is a polynomial of degree three. Positions, velocities and accelerations are continuous
-/// (a cubic spline with given slopes at both ends).
+/// Between two samples every coordinate is a cubic polynomial. Positions, velocities and accelerations are continuous (a cubic spline with
+/// given slopes at both ends).
 pub struct Course<const N: usize> {
-    /// When it begins, s.
+    /// Begin of the motion, s.
     pub begin: f32,
-    /// Seconds in which it is entered; 0 where it begins at rest.
+    /// Time in which the motion is entered, s; 0 if it begins at rest.
     pub ramp: f32,
     h: f64,
     /// Position and velocity of every coordinate at every sample.
     knots: Vec<[[f64; 2]; N]>,
 }
 
-/// Of the largest speed: a motion that begins slower than this begins at rest.
+/// Fraction of the largest speed below which a motion counts as beginning at rest.
 const REST: f64 = 0.01;
 
 impl<const N: usize> Course<N> {
-    /// Through the positions of a log of N coordinates, whose velocities, where it has some, count at both ends.
+    /// The motion through the positions of a log of N coordinates; logged velocities, if any, give the slopes at both ends.
     pub fn through(log: &data::Trajectory, h: f64, (begin, ramp): (f32, f32)) -> Self {
         let (last, mut knots) = (log.samples() - 1, vec![[[0.0; 2]; N]; log.samples()]);
         for i in 0..N {
@@ -41,12 +41,12 @@ impl<const N: usize> Course<N> {
         Self { begin, ramp: if at_rest { 0.0 } else { ramp }, h, knots }
     }
 
-    /// From the start of the clock to its end, s.
+    /// End of the motion on the clock, s.
     pub fn end(&self) -> f32 {
         self.begin + 0.5 * self.ramp + (self.h * (self.knots.len() - 1) as f64) as f32
     }
 
-    /// Position and first two derivatives at its own time s.
+    /// Position and its first two derivatives at time s of the motion.
     fn curve(&self, s: f64) -> [[f32; N]; 3] {
         let x = s / self.h;
         let k = x as usize;
@@ -69,8 +69,8 @@ impl<const N: usize> Trajectory<N> for Course<N> {
     }
 }
 
-/// Value and first two derivatives of the polynomial of degree three from one position and velocity to the next ones in h seconds, at
-/// the part x of them.
+/// Value and first two derivatives of the cubic from one position and velocity to the next, h seconds later, at the fraction x of the
+/// interval.
 fn hermite([q0, v0]: [f64; 2], [q1, v1]: [f64; 2], h: f64, x: f64) -> [f64; 3] {
     let (rise, bend) = (q1 - q0 - h * v0, h * (v1 - v0));
     let (square, cube) = (3.0 * rise - bend, bend - 2.0 * rise);
@@ -81,7 +81,7 @@ fn hermite([q0, v0]: [f64; 2], [q1, v1]: [f64; 2], h: f64, x: f64) -> [f64; 3] {
     ]
 }
 
-/// Slope at the first of some values, from up to four of them.
+/// Slope at the first of some values, from up to four of them, by one-sided differences.
 fn one_sided<'a>(values: impl Iterator<Item = &'a f64>, h: f64) -> f64 {
     let values: Vec<f64> = values.take(4).copied().collect();
     let weights: &[f64] = match values.len() {
@@ -92,7 +92,7 @@ fn one_sided<'a>(values: impl Iterator<Item = &'a f64>, h: f64) -> f64 {
     weights.iter().zip(&values).map(|(weight, value)| weight * value).sum::<f64>() / h
 }
 
-/// Slopes at all samples with which second derivatives are continuous: d₋ + 4d + d₊ = 3 (q₊ − q₋)/h (by Thomas's elimination).
+/// Slopes at all samples that make second derivatives continuous: d₋ + 4d + d₊ = 3 (q₊ − q₋)/h, by Thomas elimination.
 fn slopes(q: &[f64], h: f64, [first, last]: [f64; 2]) -> Vec<f64> {
     let mut slopes = vec![first];
     let mut factors = vec![0.0];

@@ -1,4 +1,4 @@
-//! Floating by the model's gravity alone, and a push.
+//! The scenario `gravity`: floating by the model's gravity alone, and a push.
 
 use super::plant::{OnPlant, encoders};
 use super::reference::strongest;
@@ -13,23 +13,23 @@ use leastaction_firmware_sim::scenario::{Floating, GravityConfig};
 use leastaction_replica::SystemOf;
 use serde::Serialize;
 
-/// What floats, and how it is pushed.
+/// Options for floating and the push.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Floating (gravity)")]
 pub struct Floats {
-    /// Where it begins, rad or m, one value for every coordinate or one for all [default: the middle of the training data, else 0].
+    /// Start position, rad or m, one value per coordinate or one for all [default: the middle of the training data, else 0].
     #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     at: Vec<f64>,
-    /// Largest force of the push from 2.0 to 2.2 s, N m or N, one value or one for each [default: a tenth of the limits].
+    /// Largest force of the push from 2.0 to 2.2 s, N m or N, one value per coordinate or one for all [default: a tenth of the limits].
     #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     push: Vec<f64>,
-    /// Drag that the firmware adds, as a deceleration over the speed, 1/s; 0 leaves it to friction [default: 1].
+    /// Drag added by the firmware, as deceleration per speed, 1/s; with 0 only friction acts [default: 1].
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = not_negative)]
     drag: Option<f64>,
 }
 
 impl Floats {
-    /// Refuses what means nothing where nothing floats.
+    /// Refuses these options for other scenarios.
     pub fn check(&self, floats: bool) -> Result<(), Failure> {
         let lists = [&self.at, &self.push];
         if floats || (lists.iter().all(|list| list.is_empty()) && self.drag.is_none()) {
@@ -38,7 +38,7 @@ impl Floats {
         Err(Failure::Input("--at, --push and --drag are of --scenario gravity".to_owned()))
     }
 
-    /// What is said on the command line in the place of the scenario's own.
+    /// Overrides the scenario's settings by the command line's.
     fn adapt<const N: usize>(&self, config: &mut GravityConfig<N>) -> Result<(), Failure> {
         let setup = &mut config.setup;
         replace("--at", &self.at, &mut setup.start.q)?;
@@ -48,7 +48,7 @@ impl Floats {
     }
 }
 
-/// Values of an option, where it is given.
+/// Replaces `values` by those of an option, if it is given.
 fn replace<const N: usize>(option: &str, list: &[f64], values: &mut [f32; N]) -> Result<(), Failure> {
     if !list.is_empty() {
         *values = super::world::for_all(option, list, 0.0)?;
@@ -56,14 +56,14 @@ fn replace<const N: usize>(option: &str, list: &[f64], values: &mut [f32; N]) ->
     Ok(())
 }
 
-/// How it floated.
+/// Result of floating.
 #[derive(Clone, Debug, Serialize)]
 pub struct FloatingReport {
     /// Mean velocity before the push, rad/s or m/s.
     pub drift: Vec<f32>,
-    /// Largest way from where it was pushed, rad or m.
+    /// Largest distance from the position of the push, rad or m.
     pub peak: Vec<f32>,
-    /// From the end of the push to rest, s.
+    /// Time from the end of the push to rest, s.
     pub rest_after: Option<f32>,
 }
 
@@ -88,7 +88,7 @@ pub(super) fn floating<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     Ok(report)
 }
 
-/// Floating on the plant of another file.
+/// Floating on the plant of another model file.
 pub struct OnAnother;
 
 impl OnPlant for OnAnother {
@@ -102,7 +102,7 @@ impl OnPlant for OnAnother {
     }
 }
 
-/// From the middle of the training data, 1,000 times a second.
+/// The default configuration: from the middle of the training data, at 1,000 ticks per second.
 fn config<const N: usize>(request: &Request) -> Result<GravityConfig<N>, Failure> {
     let range = &request.model.facts.range;
     let limit = request.world.limit()?.or_else(|| strongest(range)).ok_or_else(|| {

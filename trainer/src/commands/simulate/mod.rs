@@ -37,61 +37,60 @@ use std::time::Duration;
 
 /// Run a model in the fixed-step firmware loop against a mechanism: an exact one, or that of another model file.
 ///
-/// The loop has quantised, noisy encoders and an actuator with one tick of delay; the firmware knows nothing but the
-/// model. Writes trace.csv (one line a tick) and run.svg; the same seed gives the same trace, bit for bit. Exit code 1
-/// where the goal of the scenario is not reached.
+/// The loop has quantised, noisy encoders and an actuator with one tick of delay; the firmware knows only the model. Writes trace.csv (one
+/// line per tick) and run.svg; the same seed gives the same trace, bit for bit. The exit code is 1 if the goal of the scenario is not
+/// reached.
 ///
-/// With --on, the firmware is the image of an emulated board, which holds the model in its flash and is asked tick by
-/// tick over its serial line; the trace is the same, bit for bit. It takes QEMU, and images built by
-/// firmware-sim/chip/run.sh --build.
+/// With --on, the firmware is an image for an emulated board, which holds the model in its flash and is asked tick by tick over its serial
+/// line; the trace is the same, bit for bit. This needs QEMU, and images built by firmware-sim/chip/run.sh --build.
 ///
-/// With --plant, any inertia network or tree of up to 8, or of 12, coordinates is stepped beside the mechanism that another file
-/// describes, from within what the training data of the model covered: how far a small model is from a better one, before the
-/// robot says it.
+/// With --plant, an inertia network or a tree of up to 8 or of 12 coordinates is stepped beside the mechanism that another model file
+/// describes, starting within the range of the model's training data: this shows how far a small model is from a better one, before the
+/// robot does.
 ///
 /// Example: leastaction simulate model.postcard --scenario swing-up --seed 3
 ///
 /// Example: leastaction simulate small.postcard --scenario predict --plant robot.postcard
 ///
-/// With --scenario track, --plant and --trajectory an arm of any of these sizes follows a motion, by default 1,000 times a second.
+/// With --scenario track, --plant and --trajectory, an arm of any of these sizes follows a motion, by default at 1,000 ticks per second.
 ///
 /// Example: leastaction simulate arm.postcard --scenario track --plant robot.postcard --trajectory motion.csv
 ///
-/// With --scenario gravity it floats, held by the model's gravity alone, and is pushed: how far the model's gravity lets it drift, how far
-/// it is pushed, and when it rests again.
+/// With --scenario gravity it floats, held by the model's gravity alone, and is pushed. The report says how far it drifts by errors of the
+/// model's gravity, how far the push moves it, and when it is at rest again.
 ///
 /// Example: leastaction simulate arm.postcard --scenario gravity --plant robot.postcard
 ///
-/// With --replay, the observer runs along a log, and the report says how far the readings were from what the model predicted a tick
-/// before; exit code 1 where the model cannot be stepped.
+/// With --replay, the observer runs along a log, and the report says how far the readings were from the model's prediction one tick before;
+/// the exit code is 1 if the model cannot be stepped.
 ///
 /// Example: leastaction simulate robot.postcard --replay log.csv --config robot.toml --on cortex-m4
 #[derive(Args)]
 pub struct Simulate {
     /// The model file.
     model: PathBuf,
-    /// What the loop does.
+    /// The scenario of the loop.
     #[arg(long, value_enum, required_unless_present = "replay")]
     scenario: Option<Scenario>,
-    /// A log to run the observer along, instead of a scenario: how well the firmware's model predicts the next reading.
+    /// A log to run the observer along, instead of a scenario: shows how well the firmware's model predicts the next reading.
     #[arg(long, value_name = "LOG", conflicts_with_all = ["scenario", "system", "plant", "seed", "seconds"])]
     replay: Option<PathBuf>,
-    /// The configuration whose [data] says how the log of --replay or --trajectory is read.
+    /// The configuration whose [data] says how to read the log of --replay or --trajectory.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// The mechanism that the loop acts on [default: by the model's coordinates].
+    /// The mechanism that the loop acts on [default: chosen by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
     /// The model file of the mechanism that the loop acts on; for predict, track and gravity.
     #[arg(long, value_name = "FILE", conflicts_with = "system")]
     plant: Option<PathBuf>,
-    /// Of the initial state and of all noise.
+    /// Seed of the initial state and of all noise.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Length of the run, s [default: 10; 5 for predict].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     seconds: Option<f32>,
-    /// Time from tick to tick, s [default: 0.01; with --plant the model's own step].
+    /// Time between ticks, s [default: 0.01; with --plant the model's own step].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     tick: Option<f32>,
     /// Run the controller on an emulated board.
@@ -100,7 +99,7 @@ pub struct Simulate {
     /// The controller's image for the board [default: the one built in the repository].
     #[arg(long, requires = "on", value_name = "FILE")]
     image: Option<PathBuf>,
-    /// Longest wait for an answer of the board, s.
+    /// Longest wait for an answer from the board, s.
     #[arg(long, requires = "on", default_value_t = 20.0, value_parser = positive, allow_negative_numbers = true)]
     timeout: f64,
     #[command(flatten)]
@@ -115,7 +114,7 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Runs the loop and writes trace and picture.
+    /// Runs the loop, and writes trace and picture.
     pub fn run(self, output: Output) -> Done {
         match (self.scenario, &self.replay) {
             (Some(scenario), _) => self.run_scenario(scenario, output),
@@ -186,7 +185,7 @@ impl Simulate {
     }
 }
 
-/// Runs a scenario and writes its trace, which it returns, and its picture.
+/// Runs a scenario, and writes its trace, which it also returns, and its picture.
 pub fn simulate(
     file: &Path,
     request: &Request,
@@ -200,7 +199,7 @@ pub fn simulate(
     Ok((report, rows))
 }
 
-/// A run that did not come to its end: what there is of its trace is kept.
+/// The failure of a run that was cut short; the existing part of its trace is kept.
 fn cut(failure: Failure, rows: &Trace, file: &Path) -> Failure {
     if rows.rows.is_empty() {
         return failure;
@@ -216,7 +215,7 @@ fn cut(failure: Failure, rows: &Trace, file: &Path) -> Failure {
     }
 }
 
-/// The mechanism whose coordinates are those of the model.
+/// The mechanism with the model's coordinates.
 fn mechanism(file: &Path, model: &Model) -> Result<Mechanism, Failure> {
     match model.architecture.coordinates().as_str() {
         "a" => Ok(Mechanism::Pendulum),

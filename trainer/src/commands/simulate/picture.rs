@@ -1,4 +1,4 @@
-//! The picture of a run.
+//! Plot of a run.
 
 use super::{FORCE, POSITION, Plant, Request, Row, Scenario, Trace, unit};
 use leastaction::cli::Failure;
@@ -8,7 +8,7 @@ use leastaction_ground_truth::Mechanism;
 use leastaction_plot::{Panel, Series, Stroke, Vertical, time_series};
 use std::path::Path;
 
-/// Draws positions (true, of the model, wanted) and forces over time.
+/// Plots positions (true, model, reference) and forces over time.
 pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure> {
     let coordinates = request.plant.labels().into_iter().zip(request.plant.coordinates()).enumerate();
     let positions: Vec<_> = coordinates
@@ -44,9 +44,9 @@ fn vertical(kind: Coordinate) -> Vertical {
 
 fn position(scenario: Scenario, trace: &Trace, i: usize, kind: Coordinate) -> Vec<Series> {
     let angle = kind == Coordinate::Angle;
-    // Upright is upright however many turns it took: the motion ends within half a turn of its reference.
+    // Upright is upright after any number of turns: the motion is shown ending within half a turn of its reference.
     let turns = if angle { whole_turns(trace, i) } else { 0.0 };
-    // Encoders forget whole turns, so that an estimated angle may be turns away from the true one.
+    // Encoders lose whole turns, so an estimated angle may differ from the true one by turns.
     let near = move |x: f32, q: f32| if angle { q + wrap(x - q) } else { x };
     let of_model = move |row: &Row| {
         let q = row.q.get(i)?;
@@ -60,13 +60,13 @@ fn position(scenario: Scenario, trace: &Trace, i: usize, kind: Coordinate) -> Ve
     vec![truth, curve("estimated by the model", trace, of_model), reference.with_stroke(Stroke::Dashed)]
 }
 
-/// Whole turns (rad) from the reference to the true angle at the end.
+/// Whole turns (rad) between the reference and the true angle at the end.
 fn whole_turns(trace: &Trace, i: usize) -> f32 {
     let away = trace.rows.last().and_then(|row| Some(row.q.get(i)? - row.reference.get(i)?)).unwrap_or(0.0);
     away - wrap(away)
 }
 
-/// The forces that act, with the label of their axis.
+/// The forces that act, and the label of their axis.
 fn forces(plant: &Plant, trace: &Trace) -> (String, Vec<Series>) {
     let acts = |i: usize| trace.rows.iter().any(|row| row.applied.get(i).is_some_and(|u| *u != 0.0));
     let coordinates = plant.labels().into_iter().zip(plant.coordinates()).enumerate();

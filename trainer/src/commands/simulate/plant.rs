@@ -1,4 +1,4 @@
-//! What the loop acts on: an exact mechanism, or the mechanism that another model file describes.
+//! The plant of the loop: an exact mechanism, or the mechanism that another model file describes.
 
 use super::scenario::{misused, reported};
 use super::{Report, Request, Trace};
@@ -18,19 +18,19 @@ use std::path::Path;
 /// The plant.
 #[derive(Clone, Copy)]
 pub enum Plant<'a> {
-    /// A mechanism whose motion is known exactly.
+    /// A mechanism with exactly known motion.
     Exact(Mechanism),
     /// The mechanism of a model file.
     Model {
         /// The file.
         file: &'a Path,
-        /// What is in it.
+        /// Model in the file.
         model: &'a Model,
     },
 }
 
 impl Plant<'_> {
-    /// What it is called.
+    /// Name of the plant.
     pub fn name(&self) -> String {
         match self {
             Self::Exact(mechanism) => mechanism.name().to_owned(),
@@ -38,7 +38,7 @@ impl Plant<'_> {
         }
     }
 
-    /// What each coordinate is.
+    /// Kinds of the coordinates.
     pub fn coordinates(&self) -> Vec<Coordinate> {
         match self {
             Self::Exact(mechanism) => mechanism.coordinates().to_vec(),
@@ -48,7 +48,7 @@ impl Plant<'_> {
         }
     }
 
-    /// What the coordinates are called.
+    /// Names of the coordinates.
     pub fn labels(&self) -> Vec<String> {
         let labels: &[&str] = match self {
             Self::Exact(Mechanism::Pendulum) => &["θ"],
@@ -62,12 +62,12 @@ impl Plant<'_> {
     }
 }
 
-/// What is done with a model and the plant of another file, their size being a type.
+/// A task on a model and the plant of another file, generic in the number of coordinates.
 pub trait OnPlant {
-    /// Runs it.
+    /// Runs the task.
     ///
     /// # Errors
-    /// Options that do not fit, and what the loop refuses.
+    /// [`Failure`] if options do not fit, or if the loop refuses them.
     fn run<const N: usize>(
         self,
         request: &Request,
@@ -76,7 +76,7 @@ pub trait OnPlant {
     ) -> Result<Report, Failure>;
 }
 
-/// Runs a model on the plant of another file, of the same coordinates.
+/// Runs a task on a model and the plant of another file with the same coordinates.
 pub fn on_plant(
     request: &Request,
     model: &Replica,
@@ -93,7 +93,7 @@ pub fn on_plant(
     model.visit(OfAnySize { request, plant, what, trace })
 }
 
-/// Runs it in as many coordinates as there are.
+/// Dispatches a task on the number of coordinates.
 struct OfAnySize<'r, 'c, W> {
     request: &'r Request<'r>,
     plant: &'r Replica<'c>,
@@ -117,12 +117,12 @@ impl<'c, W: OnPlant> Visitor<'c> for OfAnySize<'_, '_, W> {
     }
 }
 
-/// The loop steps generalised coordinates.
+/// The failure for graphs: the loop only steps generalised coordinates.
 pub fn no_graphs() -> Failure {
     Failure::Input("the scenarios take inertia networks and trees, no graphs".to_owned())
 }
 
-/// Stepping a model beside the plant under the same force.
+/// Steps a model beside the plant under the same force.
 pub struct Predicting;
 
 impl OnPlant for Predicting {
@@ -137,7 +137,7 @@ impl OnPlant for Predicting {
     }
 }
 
-/// The usual encoders of the plant's coordinates.
+/// The default encoders for the plant's coordinates.
 pub fn encoders<const N: usize>(request: &Request) -> [EncoderConfig; N] {
     let kinds = request.plant.coordinates();
     std::array::from_fn(|i| match kinds.get(i) {
@@ -146,9 +146,9 @@ pub fn encoders<const N: usize>(request: &Request) -> [EncoderConfig; N] {
     })
 }
 
-/// 5 s at the model's own step, errors within 0.01 rad or m throughout: from the middle half of what the training data covered, at
-/// up to half its speeds, under half its largest forces at 0.5 Hz. Where the file does not say what they covered, from within
-/// 0.5 rad or m at up to 0.5 rad/s or m/s, without force.
+/// The default prediction: 5 s at the model's own step, with errors up to 0.01 rad or m allowed. It starts in the middle half of the
+/// training data's range, at up to half its speeds, under half its largest forces at 0.5 Hz. If the file does not give the range, it starts
+/// within 0.5 rad or m at up to 0.5 rad/s or m/s, without force.
 fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> {
     let facts = &request.model.facts;
     let ranges: [CoordinateRange; N] =
@@ -177,7 +177,7 @@ fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> 
     Ok(Predict { setup, excitation: Excitation { amplitude, frequency: [0.5; N] } })
 }
 
-/// Stands for what no file says.
+/// Range that is assumed if the file does not give one.
 const UNKNOWN: CoordinateRange = CoordinateRange {
     q: Interval { least: -1.0, most: 1.0 },
     v: Interval { least: -1.0, most: 1.0 },

@@ -1,4 +1,4 @@
-//! What `track` follows: a series or a log, from a file.
+//! Motions for `track`: a Fourier series or a log, from a file.
 
 use super::Request;
 use super::course::Course;
@@ -12,9 +12,9 @@ use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::Dataset;
 use std::path::Path;
 
-/// When a motion begins, s: the observer needs a few samples before.
+/// Begin of a motion, s: the observer needs a few samples before.
 const BEGIN: f32 = 0.1;
-/// Seconds in which a logged motion is entered that does not begin at rest.
+/// Time in which a logged motion that does not begin at rest is entered, s.
 const RAMP: f32 = 2.0;
 
 /// A motion of N coordinates.
@@ -36,17 +36,17 @@ impl<const N: usize> Trajectory<N> for Followed<N> {
     fn validate(&self) -> Result<(), SetupError> {
         match self {
             Self::Series(series) => series.validate(),
-            // Its numbers were looked at when the log was read.
+            // The log's numbers were checked when it was read.
             Self::Samples(_) => Ok(()),
         }
     }
 }
 
 impl<const N: usize> Followed<N> {
-    /// The motion of a file with the largest forces of the drives, N m or N.
+    /// The motion in a file, and the largest forces of the drives, N m or N.
     ///
     /// # Errors
-    /// A file that cannot be read, is of other coordinates, or has gaps; limits that neither file nor options say.
+    /// [`Failure`] for a file that cannot be read, has other coordinates, or has gaps, and if neither file nor options give limits.
     pub fn read(request: &Request, path: &Path) -> Result<(Self, [f32; N]), Failure> {
         if is_series(path) {
             let (series, limit) = series(path)?;
@@ -60,7 +60,7 @@ impl<const N: usize> Followed<N> {
         Ok((Self::Samples(logged(request, path)?), limit))
     }
 
-    /// How long it takes, s; a series has no end.
+    /// Duration of the motion, s; a series has no end.
     pub fn end(&self) -> Option<f32> {
         match self {
             Self::Series(_) => None,
@@ -69,12 +69,12 @@ impl<const N: usize> Followed<N> {
     }
 }
 
-/// Whether a file is one of a series by its name.
+/// Whether the file's name is that of a series.
 pub fn is_series(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "toml")
 }
 
-/// The largest forces of the training data, where the model's file says them.
+/// The largest forces of the training data, if the model's file gives them.
 pub fn strongest<const N: usize>(range: &[CoordinateRange]) -> Option<[f32; N]> {
     let range: &[CoordinateRange; N] = range.try_into().ok()?;
     Some(std::array::from_fn(|i| range[i].u.least.abs().max(range[i].u.most.abs())))
@@ -111,7 +111,7 @@ fn series<const N: usize>(path: &Path) -> Result<(Reference<N>, [f32; N]), Failu
     Ok((Reference { begin: BEGIN, ramp, centre, frequency, waves }, limit))
 }
 
-/// The one motion of a log, read as the configuration says.
+/// The only motion of a log, read as the configuration says.
 fn logged<const N: usize>(request: &Request, path: &Path) -> Result<Course<N>, Failure> {
     let config = request.config.map(Config::read).transpose()?.map(|config| config.data);
     let config = DataConfig { file: path.into(), ..config.unwrap_or_else(|| DataConfig::new(path)) };

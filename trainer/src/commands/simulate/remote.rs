@@ -33,11 +33,11 @@ impl From<Emulated> for Board {
     }
 }
 
-/// What runs the controller.
+/// The processor that runs the controller.
 pub struct Target {
     /// The board.
     pub board: Board,
-    /// The controller's image, where it is not the built one.
+    /// The controller's image; `None`: the built one.
     pub image: Option<PathBuf>,
     /// The model file, which goes into the board's flash.
     pub model: PathBuf,
@@ -45,16 +45,16 @@ pub struct Target {
     pub patience: Duration,
 }
 
-/// What came of a program on a board.
+/// Result of a program on a board.
 pub struct Ran<const N: usize> {
-    /// Of the run.
+    /// Summary of the run.
     pub summary: Summary<N>,
-    /// Of every tick.
+    /// Instructions of every tick.
     pub instructions: Vec<u32>,
 }
 
 impl Target {
-    /// Runs a program on it against a plant.
+    /// Runs a program on the board against a plant.
     pub fn run<P: Mechanism<N>, const N: usize>(
         &self,
         request: &Request,
@@ -69,7 +69,7 @@ impl Target {
         Ok(report)
     }
 
-    /// Has a program run on it.
+    /// Starts a program on the board and passes it to `run`.
     pub fn with<const N: usize>(
         &self,
         program: &Program<N>,
@@ -89,7 +89,7 @@ impl Target {
             RunError::Processor { tick, error } => failure(error, &format!("{name}, tick {tick}")),
         })?;
         let instructions = remote.instructions().to_vec();
-        // The run is over, and so is the emulator soon, one way or the other.
+        // The run is over, and the emulator will end soon in any case.
         if let Ok(emulator) = remote.end() {
             emulator.finish();
         }
@@ -106,7 +106,7 @@ impl Target {
     }
 }
 
-/// A processor that says nothing at all is likely to run something else.
+/// The failure to begin; a processor without any answer probably runs something else.
 fn not_begun(error: LinkError, name: &str) -> Failure {
     let hint = match &error {
         LinkError::Timeout(_) | LinkError::Closed(_) | LinkError::Broken => {

@@ -18,63 +18,63 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What to run along which log.
+/// A model to run along a log, with its settings.
 pub struct Replay<'a> {
     /// The model.
     pub model: &'a Model,
     /// The log.
     pub log: &'a Path,
-    /// The configuration whose `[data]` says how the log is read, where its columns are not the usual ones.
+    /// The configuration whose `[data]` says how to read the log, if it needs one.
     pub config: Option<&'a Path>,
-    /// The step of the observer, s, where it is not the model's.
+    /// Step of the observer, s, if other than the model's.
     pub tick: Option<f32>,
-    /// How far off the encoders' zeros may be, where they are to be learned.
+    /// Standard deviation of the encoders' zero offsets, if they are to be learned.
     pub learn_zeros: Option<f32>,
-    /// What runs the firmware; this machine where nothing is named.
+    /// Processor that runs the firmware; `None`: this machine.
     pub on: Option<&'a Target>,
 }
 
-/// What came out of it. Lists have an entry for every coordinate; statistics are over the ticks before which the estimate was trusted.
+/// Result of a replay. Lists have one entry per coordinate; statistics cover the ticks before which the estimate was trusted.
 #[derive(Debug, Serialize)]
 pub struct ReplayReport {
     /// The model file.
     pub model: PathBuf,
     /// The log.
     pub log: PathBuf,
-    /// What ran the firmware.
+    /// Processor that ran the firmware.
     pub processor: String,
-    /// Median and largest number of instructions in a tick, where they are counted.
+    /// Median and largest number of instructions in a tick, if they are counted.
     pub tick_instructions: Option<[u32; 2]>,
-    /// Recordings.
+    /// Number of recordings.
     pub trajectories: usize,
-    /// Ticks of all recordings.
+    /// Number of ticks in all recordings.
     pub ticks: u32,
-    /// From tick to tick, s.
+    /// Time between ticks, s.
     pub h: f64,
-    /// Innovations: what was read minus what the model predicted a tick before; root mean square, rad or m.
+    /// Innovations (reading minus the model's prediction one tick before): root mean square, rad or m.
     pub innovation_rms: Vec<f64>,
-    /// Their mean.
+    /// Mean of the innovations.
     pub innovation_mean: Vec<f64>,
-    /// The largest of them.
+    /// Largest innovation.
     pub innovation_max: Vec<f64>,
-    /// Their correlation from tick to tick: near 0 where the model leaves nothing but noise.
+    /// Correlation of consecutive innovations: near 0 if the model leaves only noise.
     pub innovation_correlation: Vec<f64>,
-    /// What two readings before alone predict, y_k − 2y_{k−1} + y_{k−2}; root mean square, rad or m.
+    /// Prediction error from the two previous readings alone, y_k − 2y_{k−1} + y_{k−2}: root mean square, rad or m.
     pub constant_velocity_rms: Vec<f64>,
-    /// Zeros of the encoders at the end, as far as they were learned, rad or m.
+    /// Zero offsets of the encoders at the end, as far as learned, rad or m.
     pub zeros: Vec<f32>,
-    /// Errors of the model.
+    /// Number of errors of the model.
     pub model_errors: u32,
-    /// Most updates of Newton's method in a step.
+    /// Largest number of Newton updates in a step.
     pub newton_iterations: u8,
     /// Fingerprint of the trace.
     pub trace_hash: String,
-    /// The file of the trace.
+    /// File of the trace.
     pub trace: PathBuf,
 }
 
 impl Replay<'_> {
-    /// Runs along the log and keeps the trace.
+    /// Runs along the log and records the trace.
     pub fn run(&self, output: Output, trace: &mut Trace) -> Result<ReplayReport, Failure> {
         let data = self.read(output)?;
         let file = chip_file(self.model).map_err(Failure::Input)?;
@@ -86,14 +86,14 @@ impl Replay<'_> {
         chip.visit(Along { replay: self, data: &data, trace })
     }
 
-    /// The log at the step of the observer.
+    /// Reads the log at the step of the observer.
     fn read(&self, output: Output) -> Result<Dataset, Failure> {
         let config = self.config.map(Config::read).transpose()?.map(|config| config.data);
         let mut config =
             DataConfig { file: self.log.into(), ..config.unwrap_or_else(|| DataConfig::new(self.log)) };
         let own = self.model.facts.trained_step.map(|step| f64::from(step.h));
         let step = self.tick.map(f64::from).or(own).map(|step| step as f32);
-        // As it was written in the model, of single precision: the shortest decimal number.
+        // The shortest decimal notation of the model's single-precision step.
         config.step = step.and_then(|step| step.to_string().parse().ok()).or(config.step);
         let (data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
         output.notes(&leastaction::notes::sentences(&notes));
@@ -118,7 +118,7 @@ impl Replay<'_> {
 /// Standard deviation of an innovation while zeros are learned, rad or m.
 const INNOVATION: f32 = 3e-3;
 
-/// Runs along a log in as many coordinates as there are.
+/// Dispatches the run along a log on the number of coordinates.
 struct Along<'r, 'a> {
     replay: &'r Replay<'a>,
     data: &'r Dataset,
@@ -157,7 +157,7 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
     }
 }
 
-/// The recordings of a log one after another.
+/// The recordings of a log, one after another.
 fn ticks<const N: usize>(data: &Dataset) -> Vec<Logged<N>> {
     let row = |rows: &Rows, k: usize| {
         let row = rows.get(k).unwrap_or_default();
@@ -175,10 +175,10 @@ fn ticks<const N: usize>(data: &Dataset) -> Vec<Logged<N>> {
     log
 }
 
-/// Sums over the innovations of the ticks before which the estimate was trusted.
+/// Statistics of the innovations of ticks before which the estimate was trusted.
 struct Innovations<const N: usize> {
     angle: [bool; N],
-    /// The last two readings, newest first, and the last innovation.
+    /// The last two readings, newest first.
     before: [Option<[f64; N]>; 2],
     last: Option<[f64; N]>,
     trusted: bool,
@@ -256,7 +256,7 @@ impl Sums {
 }
 
 impl ReplayReport {
-    /// An error where the model failed.
+    /// Fails if the model failed.
     pub fn judge(&self) -> Result<(), Failure> {
         match self.model_errors {
             0 => Ok(()),

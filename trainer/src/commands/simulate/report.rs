@@ -1,4 +1,4 @@
-//! What a run in the loop gave.
+//! Results of a run in the loop.
 
 use super::gravity::FloatingReport;
 use super::{Plant, Request, Scenario};
@@ -9,29 +9,29 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// What came out of a run.
+/// Results of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// The model file.
     pub model: PathBuf,
-    /// What the loop did.
+    /// Scenario of the loop.
     pub scenario: Scenario,
-    /// What it acted on.
+    /// Name of the plant.
     pub system: String,
-    /// Units of its positions and of the forces on them.
+    /// Units of positions and of forces.
     #[serde(skip)]
     units: [String; 2],
-    /// Of all noise.
+    /// Seed of all noise.
     pub seed: u64,
-    /// What ran the controller.
+    /// Processor that ran the controller.
     pub processor: String,
-    /// Median and largest number of instructions in a tick, where they are counted.
+    /// Median and largest number of instructions in a tick, if they are counted.
     pub tick_instructions: Option<[u32; 2]>,
     /// Whether the goal was reached.
     pub success: bool,
-    /// How many.
+    /// Number of ticks.
     pub ticks: u32,
-    /// When the error came within the tolerance for good, s.
+    /// Time from which the error stayed within the tolerance, s.
     pub settled_at: Option<f32>,
     /// Largest |q|.
     pub max_q: Vec<f32>,
@@ -45,31 +45,31 @@ pub struct Report {
     pub rms_estimate_v: Vec<f32>,
     /// Largest |force|.
     pub max_force: Vec<f32>,
-    /// Most in a step.
+    /// Largest number of Newton iterations in a step.
     pub newton_iterations: u8,
     /// Largest relative residual of an accepted step.
     pub newton_residual: f32,
-    /// Encoder readings dropped.
+    /// Number of dropped encoder readings.
     pub dropped: u32,
-    /// Late ticks.
+    /// Number of late ticks.
     pub late: u32,
-    /// Missed ticks.
+    /// Number of missed ticks.
     pub missed: u32,
-    /// Errors of the model.
+    /// Number of errors of the model.
     pub model_errors: u32,
-    /// How it floated, in the scenario gravity.
+    /// Result of floating, in the scenario gravity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floating: Option<FloatingReport>,
     /// Fingerprint of the trace.
     pub trace_hash: String,
-    /// The file of the trace.
+    /// File of the trace.
     pub trace: PathBuf,
-    /// The picture.
+    /// File of the plot.
     pub picture: PathBuf,
 }
 
 impl Report {
-    /// The part that the loop knows; the files are filled in later.
+    /// The results that the loop knows; the files are filled in later.
     pub fn new<const N: usize>(request: &Request, summary: &Summary<N>) -> Self {
         let Incidents { dropped, late, missed, model, .. } = summary.incidents;
         Self {
@@ -112,13 +112,13 @@ impl Report {
         }
     }
 
-    /// Names what ran the controller, and what its ticks took.
+    /// Records which processor ran the controller, and the instructions of its ticks.
     pub fn on_processor(&mut self, name: &str, instructions: &[u32]) {
         name.clone_into(&mut self.processor);
         self.tick_instructions = median_and_most(instructions);
     }
 
-    /// An error where the goal was not reached.
+    /// Fails if the goal was not reached.
     pub fn judge(&self) -> Done {
         if self.success {
             return Ok(());
@@ -132,7 +132,7 @@ impl Report {
     }
 }
 
-/// Median and largest; none of nothing.
+/// Median and largest; `None` if there are none.
 pub fn median_and_most(instructions: &[u32]) -> Option<[u32; 2]> {
     let mut sorted = instructions.to_vec();
     sorted.sort_unstable();
@@ -140,9 +140,9 @@ pub fn median_and_most(instructions: &[u32]) -> Option<[u32; 2]> {
     both.map(|(median, largest)| [*median, *largest])
 }
 
-/// Units by kind of coordinate: translation, angle.
+/// Units of position by kind of coordinate: translation, angle.
 pub const POSITION: [&str; 2] = ["m", "rad"];
-/// As of positions.
+/// Units of force by kind of coordinate: translation, angle.
 pub const FORCE: [&str; 2] = ["N", "N m"];
 
 /// The unit of a coordinate of this kind.
@@ -190,7 +190,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Three digits of each.
+/// Formats values with three digits each.
 fn list(values: &[f32]) -> String {
     let digits = |x: &f32| if *x == 0.0 || x.abs() >= 0.01 { format!("{x:.3}") } else { format!("{x:.1e}") };
     values.iter().map(digits).collect::<Vec<_>>().join(", ")

@@ -25,7 +25,7 @@ use std::convert::Infallible;
 use std::fmt;
 use std::path::Path;
 
-/// What the loop does.
+/// Scenario of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scenario {
@@ -35,7 +35,7 @@ pub enum Scenario {
     Track,
     /// Float, held by the model's gravity alone, and be pushed.
     Gravity,
-    /// Bring the pole upright and hold it (pendulum, cart-pole).
+    /// Swing the pole up and hold it (pendulum, cartpole).
     SwingUp,
 }
 
@@ -50,39 +50,39 @@ impl fmt::Display for Scenario {
     }
 }
 
-/// What to run.
+/// A run in the loop.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// The model.
     pub model: &'a Model,
-    /// What the loop acts on.
+    /// Plant that the loop acts on.
     pub plant: Plant<'a>,
-    /// What the loop does.
+    /// Scenario.
     pub scenario: Scenario,
-    /// Of all noise.
+    /// Seed of all noise.
     pub seed: u64,
     /// Length of the run, s.
     pub seconds: Option<f32>,
-    /// From tick to tick, s.
+    /// Time between ticks, s.
     pub tick: Option<f32>,
     /// Friction and devices.
     pub world: &'a World,
-    /// What track follows, and how.
+    /// Options for following a motion.
     pub motion: &'a TrackArgs,
-    /// What floats, and how it is pushed.
+    /// Options for floating.
     pub floats: &'a Floats,
-    /// The configuration whose `[data]` says how a motion's log is read.
+    /// The configuration whose `[data]` says how to read a motion's log.
     pub config: Option<&'a Path>,
-    /// What runs the controller; this machine where nothing is named.
+    /// Processor that runs the controller; `None`: this machine.
     pub on: Option<&'a Target>,
 }
 
 impl Request<'_> {
-    /// The scenario's setup as asked for; the firmware steps the model by the order it was trained with, and a warning says where
-    /// the tick is not its step.
+    /// Overrides the scenario's setup by the options. The firmware steps the model with the order it was trained with; prints a warning if
+    /// the tick is not the model's step.
     ///
     /// # Errors
-    /// Options of the devices that do not fit.
+    /// [`Failure`] if the options of the devices do not fit.
     pub(super) fn adapt<const N: usize>(&self, setup: &mut Setup<N>) -> Result<(), Failure> {
         setup.seed = self.seed;
         setup.seconds = self.seconds.unwrap_or(setup.seconds);
@@ -99,7 +99,7 @@ impl Request<'_> {
     }
 }
 
-/// Runs the loop and keeps its trace.
+/// Runs the loop and records its trace.
 pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     if request.on.is_some() && request.scenario == Scenario::Predict {
         return Err(Failure::Input(
@@ -218,7 +218,7 @@ fn two_coordinates(
     }
 }
 
-/// Follows a trajectory.
+/// Runs the loop along a trajectory.
 pub(super) fn following<P, M, T, const N: usize>(
     request: &Request,
     (plant, model): (&P, &M),
@@ -236,7 +236,7 @@ where
     closed_loop(request, plant, (&config.setup, &config.reference), firmware, |tick| trace.push(tick))
 }
 
-/// Runs a program, which has the firmware here, here or on the processor asked for.
+/// Runs a program on this machine, which has `firmware` for it, or on the processor asked for.
 pub(super) fn closed_loop<
     P: firmware_sim::Mechanism<N>,
     R: Processor<N, Error = Infallible>,
@@ -266,7 +266,7 @@ pub(super) fn reported<const N: usize>(
     Ok(Report::new(request, &summary.map_err(misused)?))
 }
 
-/// A configuration that cannot be run.
+/// The failure for a configuration that cannot be run.
 pub(super) fn misused(error: SetupError) -> Failure {
     match error {
         SetupError::OutOfRange { .. } => Failure::Input(error.to_string()),

@@ -1,4 +1,4 @@
-//! The ticks of a run, as CSV.
+//! Trace of a run: its ticks as CSV.
 
 use leastaction_firmware_sim::Tick;
 use leastaction_learning::atomic;
@@ -6,30 +6,30 @@ use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
-/// One tick with the number of coordinates known at run time.
+/// A tick, with the number of coordinates known at run time.
 pub struct Row {
-    /// When it was due, s.
+    /// Due time, s.
     pub time: f32,
     /// True position.
     pub q: Vec<f32>,
     /// Estimated position.
     pub q_estimate: Vec<f32>,
-    /// Where the mechanism should be.
+    /// Reference position.
     pub reference: Vec<f32>,
-    /// Force.
+    /// Applied force.
     pub applied: Vec<f32>,
 }
 
-/// All ticks.
+/// Trace of all ticks.
 #[derive(Default)]
 pub struct Trace {
-    /// For the picture.
+    /// Ticks for the plot.
     pub rows: Vec<Row>,
     csv: String,
 }
 
 impl Trace {
-    /// Takes in one tick.
+    /// Appends a tick.
     pub fn push<const N: usize>(&mut self, tick: &Tick<N>) {
         if self.rows.is_empty() {
             self.csv = head(N);
@@ -50,11 +50,11 @@ impl Trace {
     }
 }
 
-/// Vectors of a tick, in order.
+/// Names of the vectors in a tick, in order.
 const VECTORS: [&str; 9] =
     ["q", "v", "measured", "q_estimate", "v_estimate", "reference", "error", "commanded", "applied"];
 
-/// How a trace begins.
+/// Beginning of every trace file.
 pub const BEGINNING: &str = "index,time,q0";
 
 fn head(n: usize) -> String {

@@ -1,4 +1,4 @@
-//! Following a motion that a file describes, by the model of one file on the plant of another.
+//! The scenario `track`: following a motion from a file, with the model of one file on the plant of another.
 
 use super::plant::{OnPlant, encoders};
 use super::reference::{Followed, is_series};
@@ -12,46 +12,47 @@ use leastaction_firmware_sim::scenario::TrackConfig;
 use leastaction_replica::SystemOf;
 use std::path::{Path, PathBuf};
 
-/// How a motion is followed.
+/// Options for following a motion.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Following a motion (track)")]
 pub struct TrackArgs {
-    /// A motion of all coordinates: a log of one motion (.csv, .npz), followed once by a smooth curve through its positions, entered from
-    /// rest over 2 s where it does not begin at rest; or, periodic, a .toml with `frequency` (Hz), `centre` (rad or m), and a row of at most five
-    /// harmonics a coordinate each of `cosine` and `sine` (rad or m); `limit`, the largest forces (N m or N); `ramp`, the seconds in which
-    /// it is entered from rest (2 where it is left out).
+    /// A motion of all coordinates: a log of one motion (.csv, .npz), followed once by a smooth curve through its positions, and entered
+    /// from rest over 2 s if it does not begin at rest; or, periodic, a .toml with `frequency` (Hz), `centre` (rad or m), `cosine` and
+    /// `sine` (rad or m, each with a row of at most five harmonics per coordinate), `limit` (largest forces, N m or N), and `ramp` (time in
+    /// which the motion is entered from rest, s; default 2).
     #[arg(long, value_name = "FILE", requires = "plant")]
     trajectory: Option<PathBuf>,
     /// The controller [default: computed-torque].
     #[arg(long, value_enum)]
     law: Option<LawName>,
-    /// ω of the feedback −ω²e − 2ζωė (as an acceleration, of all coordinates alike), rad/s [default: 8].
+    /// Bandwidth ω of the feedback −ω²e − 2ζωė (as an acceleration, equal for all coordinates), rad/s [default: 8].
     #[arg(long, value_name = "RAD/S", value_parser = positive_f32)]
     bandwidth: Option<f32>,
-    /// ζ of that feedback; 1 does not overshoot [default: 1].
+    /// Damping ratio ζ of the feedback; 1 does not overshoot [default: 1].
     #[arg(long, value_name = "ZETA", value_parser = positive_f32)]
     damping: Option<f32>,
-    /// What the observer remembers, s, from 5 to 255 ticks: more smooths the encoders' noise more and follows a wrong model longer [default: 0.05].
+    /// Memory of the observer, s, from 5 to 255 ticks: a longer one smooths the encoders' noise more, and follows a wrong model longer
+    /// [default: 0.05].
     #[arg(long, value_name = "S", value_parser = positive_f32)]
     memory: Option<f32>,
-    /// Of the filter of velocities of pd-encoders, Hz [default: 50].
+    /// Cut-off frequency of the velocity filter of pd-encoders, Hz [default: 50].
     #[arg(long, value_name = "HZ", value_parser = positive_f32)]
     cut_off: Option<f32>,
 }
 
-/// A controller's name.
+/// A controller, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LawName {
-    /// The model's inverse dynamics along the motion, feedback through its inertia matrix.
+    /// The model's inverse dynamics along the motion, with feedback through its inertia matrix.
     ComputedTorque,
-    /// Gravity compensation by the model and PD feedback joint by joint.
+    /// Gravity compensation by the model, and PD feedback joint by joint.
     PdGravity,
-    /// The same without the observer: by readings of the encoders and their filtered differences; on this machine alone.
+    /// Like pd-gravity but without the observer, from encoder readings and their filtered differences; on this machine only.
     PdEncoders,
 }
 
 impl LawName {
-    /// That of the firmware which has an observer.
+    /// The firmware's law with an observer; `None` if the law has none.
     fn observed(self) -> Option<Law> {
         match self {
             Self::ComputedTorque => Some(Law::ComputedTorque),
@@ -61,13 +62,13 @@ impl LawName {
     }
 }
 
-/// What the observer remembers, s.
+/// Default memory of the observer, s.
 pub(super) const MEMORY: f32 = 0.05;
-/// Of the filter of velocities without an observer, Hz.
+/// Default cut-off frequency of the velocity filter without an observer, Hz.
 const CUT_OFF: f32 = 50.0;
 
 impl TrackArgs {
-    /// The motion of a file, a law, and ω of its feedback (rad/s).
+    /// Arguments for the motion of a file, a law, and the bandwidth ω of its feedback (rad/s).
     pub fn along(file: PathBuf, law: LawName, bandwidth: f32) -> Self {
         Self {
             trajectory: Some(file),
@@ -79,7 +80,7 @@ impl TrackArgs {
         }
     }
 
-    /// Refuses what means nothing where the motion is the scenario's own.
+    /// Refuses these options if the scenario has a motion of its own.
     pub fn check(&self, is_followed: bool, config: Option<&Path>) -> Result<(), Failure> {
         let is_log = self.trajectory.as_deref().is_some_and(|file| !is_series(file));
         if config.is_some() && !is_log {
@@ -108,7 +109,7 @@ impl TrackArgs {
     }
 }
 
-/// Following the motion.
+/// Following a motion on the plant of another model file.
 pub struct Following;
 
 impl OnPlant for Following {
@@ -128,7 +129,7 @@ impl OnPlant for Following {
     }
 }
 
-/// Without an observer.
+/// Follows the motion without an observer.
 fn by_encoders<const N: usize>(
     request: &Request,
     (plant, model): (&SystemOf<N>, &SystemOf<N>),
@@ -164,7 +165,7 @@ fn config<'m, const N: usize>(
     Ok(config)
 }
 
-/// So many samples of a tick of h are in so many seconds; few enough for an observer.
+/// Number of samples in a time, limited to what an observer can hold.
 pub(super) fn samples(seconds: f32, h: f32) -> u8 {
     (seconds / h).round().clamp(5.0, 255.0) as u8
 }

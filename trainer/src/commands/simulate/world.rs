@@ -12,7 +12,7 @@ use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::Setup;
 use leastaction_models::Model;
 
-/// Where the mechanism is not as the firmware would like it. Lists have one value for every coordinate, or one for all.
+/// Deviations of the mechanism from what the firmware would like. Lists have one value per coordinate, or one for all.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Friction and devices of the mechanism")]
 pub struct World {
@@ -25,42 +25,45 @@ pub struct World {
     /// Width ε of Coulomb friction, rad/s or m/s [default: 0.05].
     #[arg(long, value_name = "E,…", value_delimiter = ',', value_parser = positive, requires = "coulomb")]
     width: Vec<f64>,
-    /// What the encoders read more than there is, rad or m [default: 0].
+    /// Zero offsets of the encoders (reading minus true position), rad or m [default: 0].
     #[arg(long, value_name = "Z,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     zeros: Vec<f64>,
     /// Standard deviation of the encoders' noise, rad or m [default: 0.001 rad, 0.0002 m].
     #[arg(long, value_name = "SD,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     noise: Vec<f64>,
-    /// The force that acts for a command of 1, not 0 [default: that of the plant's file, else 1]. The firmware takes it for that of the model file, else for what it is.
+    /// Gain of the drives: the force for a command of 1, not 0 [default: that of the plant's file, else 1]. The firmware assumes the gain
+    /// of the model file, else the true one.
     #[arg(long, value_name = "G,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     gain: Vec<f64>,
-    /// The force that acts without a command, N or N m [default: that of the plant's file, else 0]; known as the gain is.
+    /// Offset of the drives: the force without a command, N or N m [default: that of the plant's file, else 0]. The firmware assumes it as
+    /// it does the gain.
     #[arg(long, value_name = "O,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     offset: Vec<f64>,
-    /// Largest forces of the drives, N m or N [default: those of the motion's file or of the scenario, else the largest of the training data].
+    /// Largest forces of the drives, N m or N [default: those of the motion's file or of the scenario, else the largest in the training
+    /// data].
     #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     limit: Vec<f64>,
-    /// From a command to its effect, ms, at most 8 ticks [default: 1 tick].
+    /// Delay from a command to its effect, ms, at most 8 ticks [default: 1 tick].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     delay: Option<f64>,
-    /// What the firmware takes the delay for, ms [default: that of the model file, else what it is].
+    /// Delay that the firmware assumes, ms [default: that of the model file, else the true one].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     known_delay: Option<f64>,
-    /// Ticks come late, by up to so much, ms; less than a tick [default: 0].
+    /// Largest lateness of ticks, ms; less than a tick [default: 0].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     jitter: Option<f64>,
-    /// The firmware learns the encoders' zeros; they may be off by so much (standard deviation), rad or m.
+    /// Learn the encoders' zero offsets in the firmware, with this prior standard deviation, rad or m.
     #[arg(long, value_name = "SD", allow_negative_numbers = true, value_parser = positive)]
     learn_zeros: Option<f64>,
 }
 
-/// Width of Coulomb friction where none is said.
+/// Default width of Coulomb friction.
 const WIDTH: f64 = 0.05;
-/// Standard deviation of an innovation while zeros are learned, rad or m: noise, and what the model does not know.
+/// Standard deviation of an innovation while zeros are learned, rad or m: noise and model errors.
 const INNOVATION: f32 = 3e-3;
 
 impl World {
-    /// Refuses what means nothing for a scenario.
+    /// Refuses options that have no meaning for a scenario.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         let friction = !self.viscous.is_empty() || !self.coulomb.is_empty();
         let devices = [&self.zeros, &self.noise, &self.gain, &self.offset, &self.limit]
@@ -82,7 +85,8 @@ impl World {
         Ok(())
     }
 
-    /// How far off zeros to be learned may be, along a log, which has its own friction and devices.
+    /// The standard deviation of zero offsets to be learned along a log; refuses the other options, since a log has its own friction and
+    /// devices.
     pub fn only_zeros(&self) -> Result<Option<f32>, Failure> {
         let Self { viscous, coulomb, width, zeros, noise, gain, offset, limit, .. } = self;
         let lists = [viscous, coulomb, width, zeros, noise, gain, offset, limit];
@@ -108,12 +112,12 @@ impl World {
         Ok((Viscous { coefficients: viscous }, Coulomb { coordinates }))
     }
 
-    /// The largest forces of the drives, where they are said.
+    /// The largest forces of the drives, if given.
     pub fn limit<const N: usize>(&self) -> Result<Option<[f32; N]>, Failure> {
         (!self.limit.is_empty()).then(|| for_all("--limit", &self.limit, 0.0)).transpose()
     }
 
-    /// The devices of a setup, and what the firmware knows of them.
+    /// Sets the devices of a setup, and what the firmware knows of them.
     pub fn adapt<const N: usize>(
         &self,
         setup: &mut Setup<N>,
@@ -168,7 +172,7 @@ impl World {
     }
 }
 
-/// Gain, offset and delay (in steps of h seconds) of a model file's actuator; nothing where the command is the force.
+/// Gain, offset and delay (in steps of h seconds) of a model file's actuator; `None` if the command is the force.
 pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<(Drive<N>, f32)>, Failure> {
     let bytes = model.facts.actuator.to_bytes();
     let Ok(file) = ActuatorBytes::new(&bytes) else { return Ok(None) };
@@ -177,7 +181,7 @@ pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<(D
     Ok(Some((Drive { gain, offset }, file.delay() / h)))
 }
 
-/// One value for each coordinate.
+/// Expands a list to one value per coordinate.
 pub(super) fn for_all<const N: usize>(option: &str, list: &[f64], default: f64) -> Result<[f32; N], Failure> {
     match list {
         [] => Ok([default as f32; N]),

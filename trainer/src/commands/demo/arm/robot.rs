@@ -1,4 +1,4 @@
-//! The arm that the demo logs and drives: what it is, how it moves, what its sensors read.
+//! The simulated arm of the demo: its bodies, its motion, its sensors.
 
 use leastaction::cli::Failure;
 use leastaction_core::forces::ControlKind;
@@ -19,12 +19,12 @@ use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// What the user has of it.
+/// The description that the user has of the arm.
 pub const DESCRIPTION: &str = include_str!("../arm.urdf");
 
-/// Joints.
+/// Number of joints.
 const N: usize = 6;
-/// Of its bodies beside the description: the forearm carries cables, the flange a tool.
+/// Mass ratio of each true body to its description: the forearm carries cables, the flange a tool.
 const HEAVIER: [f64; N] = [1.1, 1.05, 1.3, 1.1, 1.2, 2.5];
 /// Rotors (kg m²), viscous friction (N m s/rad), Coulomb friction (N m).
 const ROTORS: [f64; N] = [0.4, 0.4, 0.2, 0.05, 0.05, 0.03];
@@ -33,22 +33,22 @@ const COULOMB: [f64; N] = [4.0, 4.5, 2.5, 1.0, 0.8, 0.6];
 /// Width of Coulomb friction, rad/s.
 const WIDTH: f64 = 0.06;
 
-/// Harmonics of a motion, its first one (Hz), and speeds (rad/s) about which every joint moves.
+/// Number of harmonics of a motion, frequency of the first (Hz), and typical speed of every joint (rad/s).
 const HARMONICS: usize = 5;
 const FREQUENCY: f64 = 0.1;
 const SPEEDS: [f64; N] = [1.0, 0.8, 1.0, 1.5, 1.5, 1.5];
-/// Where the joints move about, rad, and their largest torques, N m.
+/// Centre of the motion, rad, and largest torque, N m, of every joint.
 const CENTRE: [f64; N] = [0.0, 0.3, 0.9, 0.0, 0.6, 0.0];
 const LIMIT: [f64; N] = [120.0, 120.0, 60.0, 20.0, 20.0, 20.0];
-/// The log: step and length, s; standard deviations of positions, velocities (rad, rad/s) and torques (N m).
+/// Step and length of the log, s; standard deviations of positions (rad), velocities (rad/s) and torques (N m).
 const STEP: f64 = 0.005;
 const SECONDS: f64 = 20.0;
 const NOISE: [f64; 3] = [1e-4, 2e-3, 0.2];
 
-/// Cosines and sines of every joint, rad.
+/// Coefficients of the cosines and sines of every joint, rad.
 type Waves = [[[f64; HARMONICS]; N]; 2];
 
-/// A motion of random phases, whose harmonics have the same speed.
+/// A motion with random phases whose harmonics all have the same speed.
 fn waves(seed: u64, which: u64) -> Waves {
     let mut stream = Pcg64::seed_from_u64(seed.wrapping_mul(3).wrapping_add(which));
     let mut waves = [[[0.0; HARMONICS]; N]; 2];
@@ -57,7 +57,7 @@ fn waves(seed: u64, which: u64) -> Waves {
         for (k, (c, s)) in cosines.iter_mut().zip(sines).enumerate() {
             let size = speed * (2.0 / HARMONICS as f64).sqrt() / (TAU * FREQUENCY * (k + 1) as f64);
             let (sine, cosine) = stream.random_range(0.0..TAU).sin_cos();
-            // The first harmonics alone would go far.
+            // Without this limit the first harmonics would have large amplitudes.
             let size = size.min(0.4);
             (*c, *s) = (size * cosine, size * sine);
         }
@@ -81,7 +81,7 @@ fn state([cosines, sines]: &Waves, t: f64) -> [[f64; N]; 3] {
     state
 }
 
-/// The arm as it is.
+/// The true arm.
 fn arm() -> Result<Arm, Failure> {
     let described =
         parse(DESCRIPTION, Inertias::Required).map_err(|error| Failure::Work(error.to_string()))?;
@@ -98,7 +98,7 @@ fn arm() -> Result<Arm, Failure> {
     Ok(Arm { tree, joints: (0..N).map(joint).collect() })
 }
 
-/// A model file of the arm as it is.
+/// A model file of the true arm.
 pub fn plant() -> Result<Vec<u8>, Failure> {
     let Arm { tree, joints } = arm()?;
     let failed = |what: &str| Failure::Work(format!("the demo's arm: {what}"));
@@ -113,7 +113,7 @@ pub fn plant() -> Result<Vec<u8>, Failure> {
         .map_err(|error| failed(&error.to_string()))
 }
 
-/// Exact states of a motion, with the torques that they take.
+/// Exact states of a motion, with the torques that it needs.
 fn samples(waves: &Waves) -> Result<Samples, Failure> {
     let t: Vec<f64> = (0..(SECONDS / STEP) as usize).map(|k| k as f64 * STEP).collect();
     let states: Vec<_> = t.iter().map(|t| state(waves, *t)).collect();
@@ -127,7 +127,7 @@ fn rows(values: Vec<f64>) -> Result<Rows, Failure> {
     Rows::from_flat(N, values).ok_or_else(|| Failure::Work("rows of another width".to_owned()))
 }
 
-/// What the sensors read of a motion, each seed and number another one.
+/// Sensor readings along a motion; every `seed` and `which` gives another motion.
 pub fn log(seed: u64, which: u64) -> Result<Dataset, Failure> {
     let Samples { q, v, tau, .. } = samples(&waves(seed, which))?;
     let mut stream = Pcg64::seed_from_u64(seed ^ (which + 1));
@@ -141,7 +141,7 @@ pub fn log(seed: u64, which: u64) -> Result<Dataset, Failure> {
     Ok(Dataset { n: N, h: STEP, control: Some(ControlKind::Linear), trajectories: vec![trajectory] })
 }
 
-/// The file of a third motion, to follow.
+/// The file of a third motion, which is to be followed.
 pub fn motion(seed: u64) -> String {
     let [cosines, sines] = waves(seed, 2);
     format!(
@@ -149,10 +149,10 @@ pub fn motion(seed: u64) -> String {
     )
 }
 
-/// Every so many samples are in the picture.
+/// The plots show one sample of this many.
 const SHOWN: usize = 10;
 
-/// Draws the torques of the motion that was not learned from: what the sensors read, and what the model takes.
+/// Plots the torques of the motion held back from learning: sensor readings, and the model's torques.
 pub fn draw_torques(file: &Path, model: &Model, seed: u64, unseen: &Dataset) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
     let exact = samples(&waves(seed, 1))?;
