@@ -63,7 +63,7 @@ pub struct TrainingConfig {
     /// Iteration limit, not counting warm-up.
     pub iterations: u64,
     /// Warm-up iterations. For the next position they minimise the DEL residual or, for free motion, the error of the next position over
-    /// fewer samples; for windows, the loss over shorter windows; for a graph with networks beside laws, the same loss with the laws alone.
+    /// fewer samples; for windows, the loss over shorter windows. A graph with networks beside laws first fits the laws alone.
     pub warm_up: u64,
     /// Training loss at which to stop.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]

@@ -112,8 +112,8 @@ const SHORT: f64 = 0.2;
 const FEWEST_STEPS: usize = 5;
 /// Largest integration step of a model with dry friction, s: friction changes quickly where a velocity changes its sign.
 const STIFF_STEP: f64 = 0.005;
-/// Integration steps of other models, s: samples closer than the first value are skipped, as many as fit; samples further apart than the
-/// second are subdivided.
+/// Range of the longest integration step of other models, s; within it the step of the samples is taken. A step covers as many closer
+/// samples as fit; samples further apart are subdivided.
 const SMOOTH_STEP: [f64; 2] = [0.01, 0.025];
 
 /// Number of windows above which they need not overlap: they hold all the information of a log, and overlap would double the time.
