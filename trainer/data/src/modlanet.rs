@@ -138,6 +138,7 @@ fn add_part(writer: &mut Writer, keys: &Keys, part: &ModlanetRows) -> Result<(),
 
 impl ModlanetRows {
     /// The samples of trajectories with v and a, noise included; `energy` computes the energy of each from (q, v).
+    ///
     /// `None` if v or a is missing, or if there are no samples.
     #[must_use]
     pub fn from_dataset(data: &Dataset, energy: impl Fn(&[f64], &[f64]) -> f64) -> Option<Self> {

@@ -37,6 +37,7 @@ impl<A> Stepper<A> {
 
     /// States (q, v) along every trajectory. The first two are as logged; free or forced steps from the second give the rest, as many as a
     /// model makes that starts from two positions.
+    ///
     /// If a step fails, or the log has no velocities, the rest of the trajectory is NaN.
     pub fn rollout<const N: usize>(&self, data: &Dataset) -> Vec<Vec<State<N>>>
     where

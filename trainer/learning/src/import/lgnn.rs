@@ -20,6 +20,7 @@ pub const EMBEDDINGS: [&str; 2] = ["L.fneke", "L.fne"];
 
 /// Reads a network of the LGNN authors' program, trained on pendulums, as a chain of `count` bobs on rods of 1 m; the first rod hangs from
 /// the origin.
+///
 /// Their model is T = Σ ke(fneke ‖ |v_i|²), V = Σ ff3(fne ‖ x_i) and one round of messages along the chain (see [`MessageShape`]) with
 /// squareplus layers. An embedding is the output of a linear layer for the only node type. Every file of theirs has a drag network; `drag`
 /// says whether it was trained.

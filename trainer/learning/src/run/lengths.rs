@@ -67,6 +67,7 @@ pub(super) fn usual(data: &Dataset) -> f64 {
 
 /// The window length that predicts held-back logs best, with the result learned with it: the usual length, unless the error of another is
 /// clearly smaller, and by more than the standard error of the difference. `None` if there is no choice.
+///
 /// All lengths continue from the result of the usual length.
 ///
 /// # Errors

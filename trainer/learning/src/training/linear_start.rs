@@ -23,6 +23,7 @@ const LEAST_PART: f64 = 0.05;
 
 /// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Another family keeps the initial
 /// weights.
+///
 /// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in friction's b, c and c_load.
 /// These are fitted with lengths and the width of friction held, and then made to give positive masses and inertias. Then Gauss–Newton
 /// iterations on the same balance change all learned numbers; both steps are repeated. Noise of v̇ makes inertias too small: the result is

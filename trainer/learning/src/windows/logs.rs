@@ -95,6 +95,7 @@ impl WindowLogs {
 
     /// Command u_i that acts at a sample after a delay (≥ 0, s), and its derivative with respect to the delay; constant before the first
     /// sample; 0 without control.
+    ///
     /// Between samples it is interpolated linearly; for a held u this is the mean over a step, too.
     pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
         let u = &self.logs[log].u;
