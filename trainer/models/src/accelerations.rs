@@ -1,4 +1,4 @@
-//! Accelerations of a model as a plain function on slices, whatever its family and size.
+//! Accelerations of a model as a plain function on slices, for a model of any family and size.
 
 use crate::parallel::Pool;
 use crate::particles::Driven;
@@ -8,24 +8,24 @@ use leastaction_core::model::ModelError;
 use leastaction_programs::Row;
 use leastaction_programs::dynamics;
 
-/// Writes v̇(q, v), m/s² or rad/s², of a free motion; `None` where it does not exist or a slice is too short.
+/// Writes v̇(q, v) of free motion, m/s² or rad/s²; `None` if it does not exist or a slice is too short.
 pub type Accelerations<'w> = dyn Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
-/// Writes v̇(q, v, τ) under a force τ on every coordinate, N or N m, or none where it is empty; `None` as for [`Accelerations`].
+/// Writes v̇(q, v, τ) under a force τ on every coordinate, N or N m (no force if τ is empty); `None` as for [`Accelerations`].
 pub type Forced<'w> = dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
 
 impl Model {
     /// Calls `then` with the accelerations of free motion; the shape is read once.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself, or the weights to the shape.
+    /// An error if the shape is inconsistent or the weights do not fit it.
     pub fn with_accelerations<T>(&self, then: impl FnOnce(&Accelerations) -> T) -> Result<T, ModelError> {
         self.with_forced(|forced| then(&|q, v, out| forced(q, v, &[], out)))
     }
 
-    /// Calls `then` with the accelerations under forces, on the rods that there are; the shape is read once.
+    /// Calls `then` with the accelerations under forces, with the rods of the graph as constraints; the shape is read once.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself, or the weights to the shape.
+    /// An error if the shape is inconsistent or the weights do not fit it.
     pub fn with_forced<T>(&self, then: impl FnOnce(&Forced) -> T) -> Result<T, ModelError> {
         match self.architecture.family.graph() {
             Some(graph) => with_forced_graph(graph, &self.weights, then),
@@ -37,7 +37,7 @@ impl Model {
     }
 }
 
-/// The accelerations of a system without constraints, for any thread.
+/// Accelerations of a system without constraints, callable from any thread.
 struct FreeAccelerations<'m> {
     model: &'m Model,
     n: usize,
@@ -66,7 +66,7 @@ impl<'m> FreeAccelerations<'m> {
     }
 }
 
-/// Calls `then` with the accelerations of a graph of any size, on its rods.
+/// Calls `then` with the accelerations of a graph of any size, with its rods as constraints.
 fn with_forced_graph<T>(
     architecture: &GraphArchitecture,
     weights: &[f64],

@@ -1,4 +1,4 @@
-//! The shape of a model: energies of a family, friction beside them, and networks that correct both.
+//! Shape of a model: the energies of a family, additional friction, and networks that correct both.
 
 use crate::bounds::{Bounds, Range};
 use crate::family::Parts;
@@ -9,14 +9,14 @@ use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, WithFriction};
 use serde::{Deserialize, Serialize};
 
-/// The shape of a model: energies of a family, friction beside them, and networks that correct both.
+/// Shape of a model: the energies of a family, additional friction, and networks that correct both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Architecture {
-    /// The energies, with the forces that the family has of its own.
+    /// Energies, with the forces that belong to the family.
     pub family: AnyFamily,
-    /// Friction beside those.
+    /// Friction in addition to the family's forces.
     pub friction: FrictionArchitecture,
-    /// Networks beside both.
+    /// Correction networks.
     pub corrections: Corrections,
 }
 
@@ -31,11 +31,12 @@ impl<F: Into<AnyFamily>> From<F> for Architecture {
 }
 
 impl Architecture {
-    /// The shape that a model file has; of several trees the first. All numbers of laws are known.
+    /// Returns the shape described by a model file, with its first tree selected if there are several. All numbers of the laws count as
+    /// known.
     ///
     /// # Errors
-    /// [`ModelError::OtherFamily`] for a family that this program does not know, [`ModelError::Law`] for a law of force that the
-    /// family cannot have.
+    /// [`ModelError::OtherFamily`] for a family that this program does not know, [`ModelError::Law`] for a law of force that the family
+    /// cannot have.
     pub fn from_header(header: &FamilyHeader, laws: Laws, weights: &[f64]) -> Result<Self, ModelError> {
         let family = AnyFamily::from_header(header, laws, weights)?;
         if let Some(law) = laws.iter().next().filter(|_| family.groups() == 0) {
@@ -47,7 +48,7 @@ impl Architecture {
         Ok(Self { family, friction, corrections })
     }
 
-    /// Word for the mechanisms of a model of several, tree or graph, and the name of the one that is meant.
+    /// Word for the mechanisms of the model (tree or graph) and the name of the selected one; `None` for a family without them.
     pub fn part(&self) -> Option<(&'static str, &str)> {
         self.family.parts().map(|Parts { what, meant, .. }| (what, meant))
     }
@@ -57,24 +58,24 @@ impl Architecture {
         self.family.parts().map_or(Vec::new(), |parts| parts.names)
     }
 
-    /// The shape with the tree or graph of that name in mind; `None` where there is none.
+    /// Returns the shape with the tree or graph of that name selected; `None` if there is none.
     #[must_use]
     pub fn with_part_named(&self, name: &str) -> Option<Self> {
         let mut own = self.clone();
         own.family.mean_part(name).then_some(own)
     }
 
-    /// Whether evaluation steps it by the discrete Euler–Lagrange equation: it has no rods.
+    /// Whether evaluation steps the model by the discrete Euler–Lagrange equation, which needs a model without rods.
     pub fn has_steps(&self) -> bool {
         self.rods().is_ok_and(|rods| rods.count() == 0)
     }
 
-    /// Calls `read` with the shape in the words of the model file.
+    /// Calls `read` with the shape as the model file states it.
     pub fn with_header<T>(&self, read: impl FnOnce(FamilyHeader) -> T) -> T {
         self.family.with_header(read)
     }
 
-    /// Unit of every coordinate, as a model file has them; of graphs, all of whose coordinates are lengths, one.
+    /// Unit of every coordinate, as in a model file; a single one for graphs, whose coordinates are all lengths.
     pub fn units(&self) -> String {
         self.family.units()
     }
@@ -84,17 +85,17 @@ impl Architecture {
         self.family.name()
     }
 
-    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    /// Kinds of the coordinates, one letter each: `t` translation, `a` angle, `c` cyclic.
     pub fn coordinates(&self) -> String {
         self.family.coordinates()
     }
 
-    /// Units of every hidden layer of the energies.
+    /// Number of units in every hidden layer of the energies.
     pub fn widths(&self) -> Vec<usize> {
         self.family.networks().concat()
     }
 
-    /// Hidden layers of the deepest network of the energies.
+    /// Number of hidden layers of the deepest network of the energies.
     pub fn depth(&self) -> usize {
         self.family.networks().iter().map(Vec::len).max().unwrap_or(0)
     }
@@ -104,15 +105,15 @@ impl Architecture {
         self.family.n()
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     ///
     /// # Errors
-    /// Where the shape is out of the format's range.
+    /// An error if the shape is outside the range of the format.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.with_header(|family| Header { laws: self.laws(), ..Header::new(family) }.parameters())
     }
 
-    /// The laws of force beside the energies, whose numbers end the weight block.
+    /// Laws of force beside the energies, whose numbers end the weight block.
     pub fn laws(&self) -> Laws<'_> {
         self.corrections.laws(self.friction_laws())
     }
@@ -122,37 +123,37 @@ impl Architecture {
         self.friction.laws(self.family.laws())
     }
 
-    /// Position of the first number of friction that is not the family's own.
+    /// Position of the first number of the additional friction in the weight block.
     pub fn friction_start(&self) -> usize {
         self.family.parameters().unwrap_or(0)
     }
 
-    /// Position of the first number of the networks that correct.
+    /// Position of the first number of the correction networks in the weight block.
     pub fn corrections_start(&self) -> usize {
         self.friction_start() + self.friction.count()
     }
 
-    /// Numbers in the weight block that training changes.
+    /// Number of entries of the weight block that training changes.
     ///
     /// # Errors
-    /// Where the shape is out of the format's range.
+    /// An error if the shape is outside the range of the format.
     pub fn learned_parameters(&self) -> Result<usize, ModelError> {
         Ok(self.parameters()? - self.fixed_positions().len())
     }
 
-    /// Random weights where they are learned, the given numbers elsewhere.
+    /// Returns random values for the learned network weights and the given values for all other numbers.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
         self.with_laws(self.family.initial_weights(seed), seed)
     }
 
-    /// The weights of the family with the given numbers of friction and random weights of networks that correct behind them.
+    /// Appends the given friction numbers and random weights of the correction networks to the family's weights.
     pub fn with_laws(&self, mut weights: Vec<f64>, seed: u64) -> Vec<f64> {
         weights.extend(self.friction.numbers().map(|number| number.value));
         weights.extend(self.corrections.initial_weights(seed));
         weights
     }
 
-    /// The friction of every coordinate at these weights, the family's own damping included; empty where there is no law.
+    /// Friction of every coordinate at these weights, including the family's own damping; empty if there is no law.
     pub fn friction_of_coordinates(&self, weights: &[f64]) -> Vec<CoordinateFriction> {
         let (laws, groups) = (self.friction_laws(), self.family.groups());
         let end = weights.len().saturating_sub(self.corrections.count());
@@ -175,33 +176,33 @@ impl Architecture {
         coordinates.into_iter().map(of).collect()
     }
 
-    /// The numbers of the weight block that training must leave as they are.
+    /// Positions of the numbers in the weight block that training must leave unchanged.
     pub fn fixed_positions(&self) -> Vec<usize> {
         let friction = self.friction.fixed_positions(self.friction_start());
         let networks = self.corrections.fixed_positions(self.corrections_start());
         self.family.fixed_positions().into_iter().chain(friction).chain(networks).collect()
     }
 
-    /// The ranges of numbers that are learned as free numbers ([`Bounds`]), by their positions.
+    /// Ranges, with positions, of the numbers that are learned through free parameters ([`Bounds`]).
     pub fn ranges(&self) -> Vec<(usize, Range)> {
         let friction = self.friction.ranges(self.friction_start());
         self.family.ranges().into_iter().chain(friction).collect()
     }
 
-    /// Ranges of all learned numbers as the optimisers see them.
+    /// Ranges of all learned numbers, as the optimisers see them.
     pub fn bounds(&self) -> Bounds {
         Bounds::new(self.ranges()).with_bodies(self.family.learned_bodies())
     }
 
-    /// Brings numbers that have a range but are learned as they are (masses, a family's own damping) back into it.
+    /// Moves numbers that have a range but are learned directly (masses, a family's own damping) back into it.
     pub fn project(&self, weights: &mut [f64]) {
         self.family.project(weights);
     }
 
-    /// Energies and forces as a program, for the tree or graph that is meant.
+    /// Energies and forces as a program, for the selected tree or graph.
     ///
     /// # Errors
-    /// [`ModelError`] where the shape does not fit in itself.
+    /// [`ModelError`] if the shape is inconsistent.
     pub fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
         let family = self.family.energies()?;
         if self.friction.is_none() {
@@ -214,18 +215,18 @@ impl Architecture {
         self.corrections.energies(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
     }
 
-    /// Rods of the graph that is meant; none of another family.
+    /// Rods of the selected graph; none for any other family.
     ///
     /// # Errors
-    /// Where there is no such graph.
+    /// An error if there is no such graph.
     pub fn rods(&self) -> Result<Rods, ModelError> {
         self.family.rods()
     }
 
-    /// Refuses rods where there must be none; `what` says where.
+    /// Refuses a model with rods; `what` says what must have none.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] with their number, or as [`Architecture::rods`].
+    /// [`ModelError::Shape`] with the number of rods; see also [`Architecture::rods`].
     pub fn check_without_rods(&self, what: &'static str) -> Result<(), ModelError> {
         match self.rods()?.count() {
             0 => Ok(()),

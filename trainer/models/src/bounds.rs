@@ -1,26 +1,26 @@
-//! Numbers with a range, as the optimisers see them: free numbers θ, from which they follow. Weight blocks everywhere else hold the
-//! numbers themselves.
+//! Numbers with a range, as the optimisers see them: free parameters θ from which the numbers follow. Everywhere else, weight blocks hold
+//! the numbers themselves.
 //!
-//! A number above 0 is w = e^θ: a step of θ is a step in proportion to the number. The damping of Levenberg–Marquardt and the steps of
-//! Adam are the same for every θ, so whatever the unit, from 10⁻³ to 10³, they suit; ln(1 + e^θ), which is linear from 1 on, has
-//! that only below 1. Where Gauss–Newton goes too far up, the step is refused and damped like any other, and down it takes
-//! δθ = (w* − w)/w > −1 for a residual that is linear in w. A number between a and b is w = a + ½(b − a)(1 + tanh θ).
+//! A number above 0 is w = e^θ, so that a step of θ changes it in proportion to its size. The damping of Levenberg–Marquardt and the steps
+//! of Adam are the same for every θ; they therefore suit numbers from 10⁻³ to 10³, whatever their unit. ln(1 + e^θ) is linear from 1 on and
+//! has this property only below 1. If Gauss–Newton goes too far up, the step is refused and damped like any other; down, it takes δθ = (w*
+//! − w)/w > −1 for a residual that is linear in w. A number between a and b is w = a + ½(b − a)(1 + tanh θ).
 //!
-//! θ ends a little before the number would be at its bound in double precision, where its slope would be 0 and nothing could move it
-//! any more: [`LEAST`] and [`MARGIN`].
+//! θ is limited so that the number stays a little away from its bound in double precision: at the bound its slope would be 0 and nothing
+//! could move it any more. See [`LEAST`] and [`MARGIN`].
 
 use crate::tree::{INERTIAL, Inertia, LogCholesky};
 use serde::{Deserialize, Serialize};
 
-/// Numbers above 0 stay between this and one over it.
+/// Smallest value of a number above 0; the largest is its reciprocal.
 pub const LEAST: f64 = 1e-12;
-/// Numbers between bounds stay this part of the way from one to the other away from both.
+/// Distance that numbers between two bounds keep from both, as a fraction of the interval.
 pub const MARGIN: f64 = 1e-4;
 
 /// Range of a number of a weight block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Range {
-    /// Anywhere: θ = w.
+    /// Any value: θ = w.
     Any,
     /// Above 0: w = e^θ.
     Positive,
@@ -29,7 +29,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// The θ of a number, finite whatever the number; of one that is out of range or at a bound, as of the nearest that is not.
+    /// Returns the θ of a number, which is always finite; a number out of range or at a bound has the θ of the nearest number inside.
     pub fn free(self, w: f64) -> f64 {
         match self {
             Self::Any => w,
@@ -42,7 +42,7 @@ impl Range {
         }
     }
 
-    /// θ, no further than numbers go.
+    /// θ, limited to the range that numbers may reach.
     fn held(self, theta: f64) -> f64 {
         let most = match self {
             Self::Any => return theta,
@@ -52,7 +52,7 @@ impl Range {
         theta.clamp(-most, most)
     }
 
-    /// Number of θ.
+    /// Returns the number for θ.
     pub fn weight(self, theta: f64) -> f64 {
         let theta = self.held(theta);
         match self {
@@ -73,43 +73,44 @@ impl Range {
     }
 }
 
-/// The numbers of a weight block that have a range, one by one or ten of a body; all others may be anything.
+/// Numbers of a weight block that have a range, single ones or the ten of a body; all others may take any value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bounds {
     ranges: Vec<(usize, Range)>,
-    /// Where the inertial numbers of bodies begin, which are bodies that can be; θ are their log-Cholesky numbers.
+    /// Positions of the first inertial number of every body that is kept physically consistent; its θ are log-Cholesky parameters.
     bodies: Vec<(usize, LogCholesky)>,
 }
 
-/// No number has a range.
+/// Bounds without any range.
 pub static NONE: Bounds = Bounds { ranges: Vec::new(), bodies: Vec::new() };
 
 impl Bounds {
-    /// Ranges of numbers by their positions in the weight block, each named once.
+    /// Creates bounds from ranges and their positions in the weight block, each position given once.
     pub fn new(mut ranges: Vec<(usize, Range)>) -> Self {
         ranges.retain(|(_, range)| *range != Range::Any);
         Self { ranges, bodies: Vec::new() }
     }
 
-    /// The same where ten numbers from each of these positions on are a body.
+    /// Returns these bounds, with the ten numbers from each of these positions on as a body.
     #[must_use]
     pub fn with_bodies(self, bodies: Vec<(usize, LogCholesky)>) -> Self {
         Self { bodies, ..self }
     }
 
-    /// Whether every number may be anything, and so θ is the weight block itself.
+    /// Whether every number may take any value, so that θ is the weight block itself.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty() && self.bodies.is_empty()
     }
 
-    /// θ of a weight block; of numbers out of range or at a bound that of the nearest that θ reaches, of a body that cannot be 0.
+    /// Returns the θ of a weight block. Numbers out of range or at a bound have the θ of the nearest number inside; a physically
+    /// inconsistent body has θ = 0.
     pub fn free(&self, weights: &[f64]) -> Vec<f64> {
         let chart =
             |chart: &LogCholesky, own: [f64; INERTIAL]| chart.numbers(&Inertia(own)).unwrap_or_default();
         self.each_body(self.each(weights, Range::free), chart)
     }
 
-    /// The weight block of θ, every number in its range.
+    /// Returns the weight block for θ, with every number in its range.
     pub fn weights(&self, theta: &[f64]) -> Vec<f64> {
         self.each_body(self.each(theta, Range::weight), |chart, own| chart.inertia(&own).0)
     }
@@ -127,7 +128,7 @@ impl Bounds {
         numbers
     }
 
-    /// dw/dθ of the ten numbers of every learned body, with the position of the first.
+    /// dw/dθ of the ten numbers of every learned body, with the position of the first number.
     pub fn body_slopes(&self, theta: &[f64]) -> impl Iterator<Item = (usize, [[f64; INERTIAL]; INERTIAL])> {
         self.bodies.iter().filter_map(|(position, chart)| {
             let own = theta.get(*position..)?.first_chunk()?;
@@ -135,14 +136,14 @@ impl Bounds {
         })
     }
 
-    /// dw/dθ of every number that has a range of its own; 1 of all others.
+    /// dw/dθ of every number that has a range of its own; 1 for all others.
     pub fn slopes(&self, theta: &[f64]) -> Vec<f64> {
         let mut slopes = vec![1.0; theta.len()];
         self.slopes_at(theta).for_each(|(position, slope)| slopes[position] = slope);
         slopes
     }
 
-    /// The weight block nearest to these weights that has a θ.
+    /// Returns the weight block nearest to these weights that some θ reaches.
     pub fn within(&self, weights: Vec<f64>) -> Vec<f64> {
         if self.is_empty() { weights } else { self.weights(&self.free(&weights)) }
     }

@@ -1,4 +1,4 @@
-//! Shapes of families in words.
+//! Descriptions of the families' shapes in words.
 
 use crate::registry::AnyFamily;
 use crate::words::Describe;
@@ -8,7 +8,7 @@ use std::ops::Deref;
 /// Makes the enum of all descriptions.
 macro_rules! any_description {
     ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
-        /// A shape in words, of whichever family.
+        /// Description of a shape in words, for any family.
         #[derive(Serialize)]
         #[serde(untagged)]
         pub enum Description {
@@ -16,7 +16,7 @@ macro_rules! any_description {
         }
 
         impl Description {
-            /// Describes a shape with the numbers that it begins with.
+            /// Describes a shape with its initial numbers.
             pub fn of(family: &AnyFamily) -> Self {
                 match family {
                     $(AnyFamily::$variant(shape) => Self::$variant(shape.into()),)*

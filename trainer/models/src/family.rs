@@ -1,4 +1,4 @@
-//! What a family has of its own: energies, and the numbers that they are made of.
+//! The interface of a family: its energies, and the numbers that they consist of.
 
 use crate::bounds::Range;
 use crate::names::NumberName;
@@ -8,17 +8,17 @@ use leastaction_core::model::{Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::Energies;
 
-/// The energies of a model, with the forces that the family has of its own.
+/// Energies of a model, with the forces that belong to the family.
 ///
-/// Numbers of the family are the front of a weight block; those of the laws of force beside it follow.
+/// A weight block begins with the numbers of the family; those of the additional laws of force follow.
 pub trait Family {
     /// Number of coordinates n.
     fn n(&self) -> usize;
 
-    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    /// Kinds of the coordinates, one letter each: `t` translation, `a` angle, `c` cyclic.
     fn coordinates(&self) -> String;
 
-    /// The unit of every coordinate, as a model file has them, separated by commas.
+    /// Units of the coordinates, separated by commas, as in a model file.
     fn units(&self) -> String {
         let unit = |letter| match letter {
             't' => "m",
@@ -28,29 +28,29 @@ pub trait Family {
         self.coordinates().chars().map(unit).collect::<Vec<_>>().join(",")
     }
 
-    /// Says, in the words of a configuration, that data has another number of coordinates.
+    /// Says, in the terms of a configuration, that the data has another number of coordinates.
     fn mismatch(&self, data: usize) -> String;
 
-    /// Energies and forces as a program, for the tree or graph that is meant.
+    /// Energies and forces as a program, for the selected tree or graph.
     ///
     /// # Errors
-    /// [`ModelError`] where the shape does not fit in itself.
+    /// [`ModelError`] if the shape is inconsistent.
     fn energies(&self) -> Result<Box<dyn Energies>, ModelError>;
 
-    /// Random weights where they are learned, the given numbers elsewhere.
+    /// Returns random values for the learned network weights and the given values for all other numbers.
     fn initial_weights(&self, seed: u64) -> Vec<f64>;
 
-    /// The laws of force of its own, whose numbers end its part of the weight block.
+    /// The family's own laws of force, whose numbers end its part of the weight block.
     fn laws(&self) -> Laws<'static> {
         Laws::NONE
     }
 
-    /// Groups of coordinates that laws have numbers of their own for, as in a model file; none where there can be no laws.
+    /// Number of groups of coordinates with numbers of their own for the laws, as in a model file; 0 if no laws are possible.
     fn groups(&self) -> usize {
         self.n()
     }
 
-    /// The group of every coordinate of the tree that is meant; none where there can be no laws.
+    /// Group of every coordinate of the selected tree; empty if no laws are possible.
     fn group_of_coordinates(&self) -> Vec<usize> {
         (0..self.n()).collect()
     }
@@ -60,93 +60,93 @@ pub trait Family {
         format!("coordinate {group}")
     }
 
-    /// Positions of the numbers that training must leave as they are.
+    /// Positions of the numbers that training must leave unchanged.
     fn fixed_positions(&self) -> Vec<usize> {
         Vec::new()
     }
 
-    /// Ranges of numbers that are learned as free numbers, by their positions.
+    /// Ranges, with positions, of the numbers that are learned through free parameters.
     fn ranges(&self) -> Vec<(usize, Range)> {
         Vec::new()
     }
 
-    /// Positions of the ten inertial numbers of every learned body in space, with the numbers that keep it a body that can be.
+    /// Positions of the ten inertial numbers of every learned body in space, with the chart that keeps it physically consistent.
     fn learned_bodies(&self) -> Vec<(usize, LogCholesky)> {
         Vec::new()
     }
 
-    /// Brings numbers that have a range but are learned as they are (masses, damping) back into it.
+    /// Moves numbers that have a range but are learned directly (masses, damping) back into it.
     fn project(&self, _weights: &mut [f64]) {}
 
-    /// Names of the numbers, from the front, as far as they have names.
+    /// Names of the numbers, in the order of the weight block; `None` for a number without a name.
     fn number_names(&self) -> Vec<Option<NumberName>> {
         Vec::new()
     }
 
-    /// Units of the hidden layers of every network of the energies.
+    /// Numbers of units in the hidden layers of every network of the energies.
     fn networks(&self) -> Vec<Vec<usize>> {
         Vec::new()
     }
 
-    /// Parts of a model of several mechanisms: what they are called (tree, graph), their names, and the one that is meant.
+    /// Trees or graphs of a model that holds several mechanisms; `None` for a family without them.
     fn parts(&self) -> Option<Parts<'_>> {
         None
     }
 
-    /// Takes the tree or graph of that name for the one that is meant; `false` where there is none, and nothing changes.
+    /// Selects the tree or graph of that name; returns `false`, and changes nothing, if there is none.
     fn mean_part(&mut self, _name: &str) -> bool {
         false
     }
 
-    /// Rods of the graph that is meant.
+    /// Rods of the selected graph.
     ///
     /// # Errors
-    /// Where there is no such graph.
+    /// An error if there is no such graph.
     fn rods(&self) -> Result<Rods, ModelError> {
         Ok(Rods::default())
     }
 
-    /// Whether the scale of L is known without a force: some mass or law is known that moves.
+    /// Whether the scale of L is known without a force: some mass or law that affects the motion is known.
     fn shows_scale(&self) -> bool {
         false
     }
 
-    /// How a Rust program names a loaded model.
+    /// Type of a loaded model in a Rust program.
     fn loaded_type(&self) -> LoadedType;
 
-    /// How a Rust program makes the energies of constants.
+    /// Energies as constants of a Rust program.
     ///
     /// # Errors
-    /// In words what can only be read from a file.
+    /// Name of the part that can only be read from a file.
     fn constant_type(&self) -> Result<ConstantType, &'static str>;
 
-    /// Why free motion cannot be learned from, where it leaves a common factor of all masses open.
+    /// Reason why free motion cannot be learned from, if it leaves a common factor of all masses undetermined.
     fn open_gauge(&self) -> Option<OpenGauge> {
         None
     }
 }
 
-/// Why free motion does not determine what a model learns.
+/// Reason why free motion does not determine what a model learns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpenGauge {
-    /// Every mass is learned.
+    /// All masses are learned.
     Masses {
-        /// The key of the types in a configuration.
+        /// Key of the types in a configuration.
         types: &'static str,
-        /// Mechanism that is made of them: tree or graph.
+        /// Mechanism built from them: tree or graph.
         of: &'static str,
     },
-    /// Only torques show it.
+    /// The scale shows only under torques.
     Torques,
 }
 
-/// Trees or graphs of a family.
+/// Trees or graphs of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parts<'a> {
-    /// What one is called: tree or graph.
+    /// Word for one of them: tree or graph.
     pub what: &'static str,
-    /// Names of all.
+    /// Names of all of them.
     pub names: Vec<&'a str>,
-    /// Name of the one that is meant.
+    /// Name of the selected one.
     pub meant: &'a str,
 }

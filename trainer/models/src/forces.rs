@@ -1,25 +1,25 @@
-//! The forces of a model beside its energies: friction by formulas and by networks.
+//! Forces of a model beside its energies: friction by formulas and by networks.
 
 use crate::Model;
 use leastaction_core::model::ModelError;
 use leastaction_programs::{Row, WIDTH};
 
-/// A state under a control force.
+/// A state with its control force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driven {
-    /// m or rad.
+    /// Position q, m or rad.
     pub q: Vec<f64>,
-    /// m/s or rad/s.
+    /// Velocity v, m/s or rad/s.
     pub v: Vec<f64>,
-    /// N or N m.
+    /// Control force τ, N or N m.
     pub tau: Vec<f64>,
 }
 
 impl Model {
-    /// Q(q, v, τ) beside the control, N or N m, at every one of these states.
+    /// Forces Q(q, v, τ) beside the control, N or N m, at each of these states.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself or the weights.
+    /// An error if the shape is inconsistent or the weights do not fit it.
     pub fn forces_at(&self, states: &[Driven]) -> Result<Vec<Vec<f64>>, ModelError> {
         let (system, weights) = (self.system()?, &self.weights);
         let (n, program) = (system.n(), system.force());

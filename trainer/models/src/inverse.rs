@@ -7,12 +7,12 @@ use leastaction_programs::dynamics::InverseDynamics;
 use leastaction_programs::{Row, WIDTH};
 
 impl Model {
-    /// The commands u of inverse dynamics at states \[samples\]\[n\] (q, v and v̇, flat): the actuator's output τ = g u + o gives the
-    /// acceleration; its delay is not asked for. Friction that grows with the load sees τ, which solves its equation. What does not exist is not
-    /// a number.
+    /// Returns the commands u of inverse dynamics at states \[samples\]\[n\] (q, v and v̇, flat): the actuator's output τ = g u + o gives
+    /// the acceleration; its delay is ignored. For friction that grows with the load, τ solves the implicit equation. Commands that do not
+    /// exist are NaN.
     ///
     /// # Errors
-    /// As [`Model::system`]; [`ModelError::Shape`] where the states are of other lengths.
+    /// See [`Model::system`]; [`ModelError::Shape`] if the states have different lengths.
     pub fn inverse_dynamics(&self, states: [&[f64]; 3]) -> Result<Vec<f64>, ModelError> {
         let (system, n) = (self.system()?, self.n());
         let count = states[0].len() / n.max(1);
@@ -26,7 +26,7 @@ impl Model {
             let first = block * WIDTH;
             let [q, v, a] = states.map(|all| side_by_side(all, n, (first, count)));
             let mut tau = vec![Row::default(); n];
-            // What fails is not a number.
+            // A command that does not exist is NaN.
             let _failures = pool.with(|own| own.evaluate(&self.weights, [&q, &v, &a], &mut tau));
             let lanes = WIDTH.min(count - first);
             (0..lanes).flat_map(|lane| tau.iter().map(move |tau| tau.0[lane])).collect::<Vec<f64>>()
@@ -37,7 +37,7 @@ impl Model {
     }
 }
 
-/// States from one on, side by side; beyond the last one it stands again.
+/// States from `first` on as rows with one state per lane; lanes beyond the last state repeat it.
 fn side_by_side(all: &[f64], n: usize, (first, count): (usize, usize)) -> Vec<Row> {
     let at = |lane: usize, i: usize| all[(first + lane).min(count - 1) * n + i];
     (0..n).map(|i| Row(std::array::from_fn(|lane| at(lane, i)))).collect()

@@ -5,7 +5,7 @@ use leastaction_core::network::Dense;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Random weights of layers of these inputs and outputs: uniform with Glorot's variance, biases zero.
+/// Returns random weights of layers with these numbers of inputs and outputs: uniform with Glorot's variance, biases zero.
 pub fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64) -> Vec<f64> {
     let (mut stream, mut weights) = (Pcg64::seed_from_u64(seed), Vec::new());
     for (inputs, outputs) in layers {
@@ -27,13 +27,13 @@ fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usize, stream: 
     weights.extend(std::iter::repeat_n(0.0, outputs));
 }
 
-/// Units of the hidden layers.
+/// Numbers of units in the hidden layers.
 pub(crate) fn hidden(network: &NetworkShape) -> impl Iterator<Item = usize> + use<> {
     let (widths, depth) = network.widths();
     widths.into_iter().take(depth)
 }
 
-/// Inputs and outputs of every layer, first to last.
+/// Numbers of inputs and outputs of every layer, first to last.
 pub(crate) fn layers(network: &NetworkShape) -> Vec<(usize, usize)> {
     let mut sizes = vec![usize::from(network.inputs)];
     sizes.extend(hidden(network));

@@ -1,4 +1,4 @@
-//! Models on the host, where sizes are values: what a family and a law of force are, and one object that every path asks.
+//! Models on the host, where sizes are run-time values: the interfaces of families and laws of force, and one model object for every use.
 //!
 //! ```text
 //! number, bounds ─► family (the trait) ─► inertia_network, modular, graph, bodies ─► registry ─► architecture ─► file ─► model
@@ -6,11 +6,11 @@
 //!                   config (the trait), the families' and laws' config ─► config::registry ◄─────────────────────────┘
 //! ```
 //!
-//! A family writes down its energies once, as a program ([`leastaction_programs`]); all that a model does in double precision
-//! follows. In single precision it is core itself, behind slices ([`leastaction_replica`]).
+//! A family writes down its energies once, as a program ([`leastaction_programs`]), from which all computations in double precision follow.
+//! In single precision a model is core itself, behind slices ([`leastaction_replica`]).
 
-/// Calls a macro with all families, and is their only list: name in configurations and messages, former names, the accessor of the shape, shape,
-/// configuration and description.
+/// Calls a macro with the list of all families, the only one: name in configurations and messages, former names, accessor of the shape,
+/// shape, configuration and description.
 macro_rules! with_families {
     ($then:ident) => {
         $then! {

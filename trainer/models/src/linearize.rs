@@ -6,12 +6,12 @@ use leastaction_programs::Row;
 use leastaction_programs::dynamics::AccelerationSlopes;
 use nalgebra::DMatrix;
 
-/// How accelerations and inverse dynamics move with the state, matrices \[n\]\[n\] row by row.
+/// Derivatives of accelerations and of inverse dynamics with respect to the state, as matrices \[n\]\[n\] in row-major order.
 ///
-/// The control is u: τ = g u + o, without delay.
+/// The control is the command u: τ = g u + o, without delay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearization {
-    /// v̇(q, v, u), m/s² or rad/s².
+    /// Acceleration v̇(q, v, u), m/s² or rad/s².
     pub acceleration: Vec<f64>,
     /// ∂v̇/∂q.
     pub acceleration_q: Vec<f64>,
@@ -28,13 +28,13 @@ pub struct Linearization {
 }
 
 impl Model {
-    /// Derivatives at a state under a control u; `None` where the inertia is singular or a number is not finite, and of models on
+    /// Returns the derivatives at a state under a control u; `None` if the inertia is singular, a number is not finite, or the model has
     /// rods.
     ///
-    /// With B = ∂v̇/∂u = M⁻¹(1 + ∂Q/∂τ)g, inverse dynamics move by ∂u/∂v̇ = B⁻¹, ∂u/∂q = −B⁻¹ ∂v̇/∂q and likewise in v.
+    /// With B = ∂v̇/∂u = M⁻¹(1 + ∂Q/∂τ)g, the derivatives of inverse dynamics are ∂u/∂v̇ = B⁻¹, ∂u/∂q = −B⁻¹ ∂v̇/∂q and likewise in v.
     ///
     /// # Errors
-    /// As [`Model::system`]; [`ModelError::Shape`] for a state of another number of coordinates.
+    /// See [`Model::system`]; [`ModelError::Shape`] for a state with another number of coordinates.
     pub fn linearize(&self, q: &[f64], v: &[f64], u: &[f64]) -> Result<Option<Linearization>, ModelError> {
         let (system, n) = (self.system()?, self.n());
         for found in [q, v, u].map(<[f64]>::len) {

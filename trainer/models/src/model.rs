@@ -1,49 +1,49 @@
-//! A model on the host: one object that every path asks.
+//! A model on the host: one object for every use.
 
 use crate::precision::Precision;
 use crate::{Actuator, Architecture};
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, ModelError, TrainedStep};
 use leastaction_programs::System;
 
-/// A model: its shape and weights, and all else that a step of it depends on.
+/// A model: its shape, its weights, and everything else that its steps depend on.
 ///
-/// Forces are τ, at the actuator's output; along logs, which have commands u, the actuator makes one of the other.
+/// Forces are τ, at the actuator's output. Logs hold commands u; the actuator converts between the two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Shape.
+    /// Shape of the model.
     pub architecture: Architecture,
-    /// Weight block; of a model that was read every number is one of `precision`.
+    /// Weight block; if the model was read from a file, every number is representable in `precision`.
     pub weights: Vec<f64>,
     /// Precision of the weights in a file.
     pub precision: Precision,
     /// Actuator, step, range and provenance.
     pub facts: Facts,
-    /// Version of the format that it was read from.
+    /// Version of the format of the file that it was read from.
     pub version: u8,
 }
 
-/// What a model has beside shape and weights.
+/// Properties of a model beside its shape and weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
-    /// Step that it was trained with, where it was.
+    /// Step that the model was trained with, if any.
     pub trained_step: Option<TrainedStep>,
-    /// What the training data covered of every coordinate; empty where that is not known.
+    /// Range of the training data in every coordinate; empty if unknown.
     pub range: Vec<CoordinateRange>,
-    /// From commands to forces.
+    /// Actuator, from commands to forces.
     pub actuator: Actuator,
-    /// Where it comes from.
+    /// Origin of the model, as a text.
     pub provenance: String,
 }
 
 impl Facts {
-    /// A step and a text.
+    /// Creates facts from a trained step and a provenance text.
     pub fn new(trained_step: Option<TrainedStep>, provenance: &str) -> Self {
         Self { trained_step, provenance: provenance.to_owned(), ..Self::default() }
     }
 }
 
 impl Model {
-    /// A model of this shape and weights, whose commands are forces.
+    /// Creates a model with this shape and these weights, whose commands are forces.
     pub fn new(architecture: impl Into<Architecture>, weights: Vec<f64>) -> Self {
         Self {
             architecture: architecture.into(),
@@ -54,7 +54,7 @@ impl Model {
         }
     }
 
-    /// The model with these facts.
+    /// Returns the model with these facts.
     #[must_use]
     pub fn with_facts(self, facts: Facts) -> Self {
         Self { facts, ..self }
@@ -65,10 +65,10 @@ impl Model {
         self.architecture.n()
     }
 
-    /// Energies and forces, from which programs are made.
+    /// Energies and forces, from which the programs are made.
     ///
     /// # Errors
-    /// [`ModelError`] where the shape does not fit in itself, or the weights to the shape.
+    /// [`ModelError`] if the shape is inconsistent or the weights do not fit it.
     pub fn system(&self) -> Result<System, ModelError> {
         let system = System::new(&*self.architecture.energies()?);
         if system.parameters() == self.weights.len() {
@@ -78,7 +78,7 @@ impl Model {
         }
     }
 
-    /// Weights as shipped.
+    /// Weights in single precision, as they are shipped.
     pub fn weights_f32(&self) -> Vec<f32> {
         self.weights.iter().map(|w| *w as f32).collect()
     }

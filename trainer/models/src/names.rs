@@ -1,14 +1,14 @@
-//! What the numbers of a weight block are called.
+//! Names of the numbers of a weight block.
 
 use crate::architecture::Architecture;
 use leastaction_core::model::{FrictionNumber, Law};
 
-/// The name of a number, for people.
+/// Readable name of a number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NumberName {
-    /// As `body 1: mass`.
+    /// Name, for example `body 1: mass`.
     pub name: String,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a dimensionless number.
     pub unit: &'static str,
 }
 
@@ -16,7 +16,7 @@ pub(crate) fn named(whose: &str, name: &str, unit: &'static str) -> NumberName {
     NumberName { name: format!("{whose}: {name}"), unit }
 }
 
-/// A group's viscous friction, and the others of dry friction.
+/// Names of a group's viscous friction and of its numbers of dry friction.
 fn of_friction(whose: &str, letter: Option<char>) -> [NumberName; 1 + FrictionNumber::ALL.len()] {
     let slides = letter == Some('t');
     let pick = |of_length, of_angle| if slides { of_length } else { of_angle };
@@ -33,7 +33,7 @@ fn of_friction(whose: &str, letter: Option<char>) -> [NumberName; 1 + FrictionNu
 }
 
 impl Architecture {
-    /// The name of every number of the weight block; none of a network's weights and scales and of a graph's numbers.
+    /// Names of all numbers of the weight block; `None` for weights and scales of networks and for a graph's numbers.
     pub fn number_names(&self) -> Vec<Option<NumberName>> {
         let count = self.parameters().unwrap_or(0);
         let mut names = self.family.number_names();
@@ -45,7 +45,7 @@ impl Architecture {
         names
     }
 
-    /// Those of all friction, the family's own included.
+    /// Names of all friction numbers, the family's own included.
     fn friction_names(&self) -> Vec<NumberName> {
         let (laws, groups) = (self.friction_laws(), self.family.groups());
         let letters: Vec<char> = self.coordinates().chars().collect();

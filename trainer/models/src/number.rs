@@ -1,29 +1,29 @@
-//! Numbers of a weight block that are known or learned, and where learned ones may be.
+//! Known and learned numbers of a weight block.
 
 use serde::{Deserialize, Serialize};
 
 /// A number of a weight block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Number {
-    /// Its value, where training begins if it is learned.
+    /// Value of the number, or its start if it is learned.
     pub value: f64,
     /// Whether training changes it.
     pub learned: bool,
 }
 
 impl Number {
-    /// A known number.
+    /// Creates a known number.
     pub const fn known(value: f64) -> Self {
         Self { value, learned: false }
     }
 
-    /// A number that is learned from there.
+    /// Creates a number that is learned, starting at `value`.
     pub const fn learned(value: f64) -> Self {
         Self { value, learned: true }
     }
 }
 
-/// Positions, from `start` on, of the numbers that are known.
+/// Positions of the known numbers, counted from `start`.
 pub(crate) fn known_positions(start: usize, numbers: impl Iterator<Item = Number>) -> Vec<usize> {
     (start..).zip(numbers).filter(|(_, number)| !number.learned).map(|(position, _)| position).collect()
 }

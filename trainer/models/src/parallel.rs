@@ -1,23 +1,23 @@
-//! Work on all threads, in order.
+//! Parallel work on all threads, with results in order.
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// Bytes of a thread's stack: what passes through a wide network leave for each other lies there.
+/// Stack size of a thread in bytes; the values that the passes through a wide network hand to each other lie on the stack.
 const STACK: usize = 16 << 20;
 
-/// Threads for each processor that are of any use: what is beyond them only waits, and wakes for nothing.
+/// Maximum useful number of threads per processor: more would only wait, and wake up for nothing.
 const FOR_EACH_PROCESSOR: usize = 4;
 
-/// As many threads as there are processors, or as RAYON_NUM_THREADS says; none where they cannot be had.
+/// Thread pool with as many threads as processors, or as many as RAYON_NUM_THREADS says; `None` if it cannot be created.
 static THREADS: LazyLock<Option<ThreadPool>> = LazyLock::new(|| threads(0).ok());
 
-/// So many threads with workspace for wide networks, but at most four for each processor; 0: as many as there are processors, or as
-/// RAYON_NUM_THREADS says.
+/// Creates a pool of `count` threads with a stack for wide networks, but at most four per processor; 0 means one per processor, or as many
+/// as RAYON_NUM_THREADS says.
 ///
 /// # Errors
-/// Where they cannot be had.
+/// An error if the threads cannot be created.
 pub fn threads(count: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new().num_threads(useful(count)).stack_size(STACK).build()
 }
@@ -29,7 +29,7 @@ fn useful(count: usize) -> usize {
     wanted.min(FOR_EACH_PROCESSOR * processors)
 }
 
-/// Does something on as many threads as there are; within a pool on those of the pool.
+/// Runs `work` in the common thread pool; a call from within a pool stays in that pool.
 pub fn within<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     match (rayon::current_thread_index(), THREADS.as_ref()) {
         (None, Some(threads)) => threads.install(work),
@@ -37,27 +37,26 @@ pub fn within<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
-/// What `work` makes of 0, 1, … `count` − 1, on as many threads as there are; within a pool on those of the pool.
+/// Returns the results of `work` for 0, 1, … `count` − 1, computed in the common thread pool; a call from within a pool stays in that pool.
 ///
-/// A call by reference: a thread pool's loops are large, and every model of every size would otherwise bring its own to
-/// compile.
+/// `work` is passed by reference: the loops of a thread pool are large, and otherwise every model of every size would compile its own copy.
 pub fn map<T: Send>(count: usize, work: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
     within(|| (0..count).into_par_iter().map(work).collect())
 }
 
-/// Workspaces that threads take turns with: as many are made as are in use at once.
+/// Workspaces that threads take in turn; as many are made as are in use at once.
 pub struct Pool<T> {
     make: Box<dyn Fn() -> T + Send + Sync>,
     free: Mutex<Vec<T>>,
 }
 
 impl<T> Pool<T> {
-    /// Of what `make` makes.
+    /// Creates a pool of workspaces made by `make`.
     pub fn new(make: impl Fn() -> T + Send + Sync + 'static) -> Self {
         Self { make: Box::new(make), free: Mutex::new(Vec::new()) }
     }
 
-    /// What `work` makes of a workspace that nobody else has meanwhile. Its content must not matter.
+    /// Calls `work` with a workspace that no other thread uses meanwhile. Its previous content must not matter.
     pub fn with<U>(&self, work: impl FnOnce(&mut T) -> U) -> U {
         let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = free().pop();

@@ -1,19 +1,19 @@
-//! How a file stores weights.
+//! Storage format of weights in a file.
 
 use leastaction_core::scalar::f16;
 
-/// How a file stores its weights.
+/// Storage format of the weights in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Two bytes a number, `f16`.
+    /// Two bytes per number, `f16`.
     Half,
-    /// Four bytes a number, `f32`.
+    /// Four bytes per number, `f32`.
     #[default]
     Single,
 }
 
 impl Precision {
-    /// Bits of a number.
+    /// Number of bits of a number.
     pub fn bits(self) -> u8 {
         match self {
             Self::Half => 16,
@@ -28,7 +28,7 @@ impl Precision {
         }
     }
 
-    /// Appends the nearest number, little-endian; `None` where it would be infinite.
+    /// Appends the nearest representable number in little-endian order; `None` if it would be infinite.
     pub(crate) fn append(self, value: f64, block: &mut Vec<u8>) -> Option<()> {
         match self {
             Self::Half => {

@@ -1,14 +1,14 @@
-//! A family, whichever it is.
+//! One type for all families.
 
 use crate::family::Family;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
-/// Makes the enum of all families and what follows from the list alone: conversions, names, reading and writing headers.
+/// Makes the enum of all families, and everything that follows from their list alone: conversions, names, reading and writing of headers.
 macro_rules! any_family {
     ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
-        /// A family, whichever it is.
+        /// A model's family, one of all.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         pub enum AnyFamily {
             $($(#[$doc])* $variant($shape),)*
@@ -39,14 +39,15 @@ macro_rules! any_family {
         }
 
         impl AnyFamily {
-            /// Name in configurations and messages.
+            /// Name of the family in configurations and messages.
             pub const fn name(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $name,)*
                 }
             }
 
-            /// Family of a model file of these laws; of several trees or graphs the first. All its numbers are known.
+            /// Returns the family described by a model file with these laws, with the first of several trees or graphs selected. All its
+            /// numbers are known.
             ///
             /// # Errors
             /// [`ModelError::OtherFamily`] for a family that this program does not know.
@@ -57,7 +58,7 @@ macro_rules! any_family {
                 }
             }
 
-            /// Calls `read` with the shape in the words of the model file.
+            /// Calls `read` with the shape as the model file states it.
             pub fn with_header<T>(&self, read: impl FnOnce(FamilyHeader) -> T) -> T {
                 match self {
                     $(Self::$variant(shape) => shape.with_header(|header| read(FamilyHeader::$variant(header))),)*
@@ -80,10 +81,10 @@ macro_rules! any_family {
 with_families!(any_family);
 
 impl AnyFamily {
-    /// Numbers of its own in the weight block, from its front.
+    /// Length of the family's part of the weight block, which comes first, in numbers.
     ///
     /// # Errors
-    /// Where the shape is out of the format's range.
+    /// An error if the shape is outside the range of the format.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.with_header(|family| Header { laws: self.laws(), ..Header::new(family) }.parameters())
     }

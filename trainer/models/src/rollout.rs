@@ -1,4 +1,4 @@
-//! Motions along logs by the discrete Euler–Lagrange equation, many side by side, under what the actuator makes of the commands.
+//! Motions along logs by the discrete Euler–Lagrange equation, many side by side, under the forces that the actuator makes of the commands.
 
 use crate::Model;
 use crate::parallel::{self, Pool};
@@ -7,47 +7,47 @@ use leastaction_data::{Dataset, Trajectory};
 use leastaction_programs::dynamics::{Del, DelState, Newton, Order};
 use leastaction_programs::{Row, WIDTH};
 
-/// Bounds of the steps of rollouts.
+/// Limits of the Newton iteration in the steps of rollouts.
 pub const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 };
 
-/// What a rollout begins with.
+/// Initial condition of a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beginning {
     /// The first two positions.
     Positions,
-    /// The second position with the velocity that was logged there; the first two positions where there are no velocities.
+    /// The second position with the velocity logged there; the first two positions if there are no velocities.
     Velocity,
 }
 
-/// The order of a number as programs have it: 4, or 2 for whatever else.
+/// Converts the number of an order for the programs: 4 is order 4, anything else order 2.
 pub fn order_of(order: u8) -> Order {
     if order == 4 { Order::Four } else { Order::Two }
 }
 
-/// Places in a log that are stepped side by side: trajectories, and samples that their motions begin at.
+/// Places in a log that are stepped side by side: a trajectory, and the sample at which the motion begins.
 type Places<'d> = [(&'d Trajectory, usize)];
 
-/// u_i at a sample; before the first and after the last sample of a log as there, 0 without control.
+/// Command u_i at a sample; the first or last command beyond the ends of a log, 0 without control.
 pub fn logged_command(trajectory: &Trajectory, sample: isize, i: usize) -> f64 {
     let Some(u) = &trajectory.u else { return 0.0 };
     let sample = usize::try_from(sample).unwrap_or(0).min(u.len().saturating_sub(1));
     u.get(sample).and_then(|u| u.get(i)).copied().unwrap_or(0.0)
 }
 
-/// What a step sees of a log.
+/// The model and the log of a rollout.
 struct Logged<'a> {
     model: &'a Model,
     data: &'a Dataset,
 }
 
 impl Model {
-    /// Positions that steps from the beginning of each trajectory give, after the first two as logged, \[samples\]\[n\], flat. The log
-    /// has commands, held between samples or linear; the force is what the actuator makes of them.
+    /// Returns the positions reached by stepping from the beginning of each trajectory, after the first two as logged, \[samples\]\[n\],
+    /// flat. The commands of the log are held between samples or linear; the force is what the actuator makes of them.
     ///
-    /// Where a step fails the rest of the trajectory is NaN.
+    /// If a step fails, the rest of the trajectory is NaN.
     ///
     /// # Errors
-    /// As [`Model::system`].
+    /// See [`Model::system`].
     pub fn rollout(
         &self,
         order: u8,
@@ -61,11 +61,11 @@ impl Model {
         Ok(runs.into_iter().flatten().collect())
     }
 
-    /// Mean squared error of every position but the first two of each trajectory, from the two before it, in the order of the log;
-    /// `None` where a step cannot be solved.
+    /// Returns the mean squared error of each position of every trajectory but its first two, when predicted from the two before it, in the
+    /// order of the log; `None` if the step cannot be solved.
     ///
     /// # Errors
-    /// As [`Model::system`].
+    /// See [`Model::system`].
     pub fn one_steps(&self, order: u8, data: &Dataset) -> Result<Vec<Option<f64>>, ModelError> {
         let logged = Logged { model: self, data };
         let starts = |trajectory: &Trajectory| 0..trajectory.samples().saturating_sub(2);
@@ -84,7 +84,7 @@ impl Model {
 }
 
 impl Logged<'_> {
-    /// A number of every place; lanes beyond the last place repeat it.
+    /// One number per place; lanes beyond the last place repeat it.
     fn row(places: &Places, of: impl Fn(&Trajectory, usize) -> f64) -> Row {
         Row(std::array::from_fn(|lane| {
             places.get(lane).or(places.last()).map_or(f64::NAN, |(trajectory, first)| of(trajectory, *first))
@@ -112,7 +112,7 @@ impl Logged<'_> {
         ends
     }
 
-    /// The motion one sample after every beginning.
+    /// Returns the motion one sample after every beginning.
     fn begin(&self, del: &mut Del, places: &Places, beginning: Beginning) -> DelState {
         let weights = &self.model.weights;
         let has_velocities = places.iter().all(|(trajectory, _)| trajectory.v.is_some());
@@ -130,11 +130,11 @@ impl Logged<'_> {
     }
 
     fn step(&self, del: &mut Del, state: &mut DelState, (places, k): (&Places, usize)) {
-        // What fails is not a number from here on.
+        // After a failure, everything is NaN.
         del.step(&self.model.weights, state, self.forces(places, k).each_ref().map(Vec::as_slice));
     }
 
-    /// The positions of trajectories that are stepped side by side.
+    /// Returns the positions of trajectories that are stepped side by side.
     fn run(&self, del: &mut Del, places: &Places, beginning: Beginning) -> Vec<Vec<f64>> {
         let longest = places.iter().map(|(trajectory, _)| trajectory.samples()).max().unwrap_or(0);
         let first_two = |t: &Trajectory| t.q.iter().take(2).flatten().copied().collect();

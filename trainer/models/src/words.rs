@@ -1,15 +1,15 @@
-//! Shapes of families in words.
+//! Descriptions of the families' shapes in words.
 
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::bodies::Joint;
 
-/// A shape in words; it serialises to the fields that a program reads.
+/// Description of a shape in words; it serialises to the fields that a program reads.
 pub trait Describe {
-    /// Names and values for people, line by line.
+    /// Readable names and values, line by line.
     fn lines(&self) -> Vec<(&'static str, String)>;
 }
 
-/// Name of a joint.
+/// Name of a joint's kind.
 pub(crate) fn joint(joint: Joint) -> &'static str {
     match joint {
         Joint::Revolute => "revolute",
@@ -22,7 +22,7 @@ pub(crate) fn vector(x: &[f64; 3]) -> String {
     format!("({:.4}, {:.4}, {:.4})", x[0], x[1], x[2])
 }
 
-/// Layers of a network, as 2-16-1 (tanh).
+/// Layers of a network, for example 2-16-1 (tanh).
 pub(crate) fn layers(network: Option<&NetworkShape>) -> String {
     let Some(NetworkShape { inputs, widths, outputs, activation }) = network else {
         return "?".to_owned();

@@ -1,4 +1,4 @@
-//! Robot descriptions: what is read from them, and hostile ones.
+//! Robot descriptions: valid ones, and hostile ones.
 
 use leastaction_models::tree::{INERTIAL, Joint, Tree};
 use leastaction_models::urdf::{Inertias, MOST_BYTES, parse};
@@ -82,7 +82,7 @@ fn a_joint_that_follows_another_one_moves_with_its_coordinate() {
     };
     let (own, following) = (follower(""), follower("<mimic joint='j' multiplier='-2' offset='0.25'/>"));
     assert_eq!((own.coordinates(), following.coordinates()), (2, 1));
-    // By virtual work.
+    // The principle of virtual work gives the force.
     let own = own.inverse_dynamics(&[0.3, -0.35], &[0.5, -1.0], &[0.7, -1.4]);
     let [found] = following.inverse_dynamics(&[0.3], &[0.5], &[0.7])[..] else { panic!() };
     assert!((found - (own[0] - 2.0 * own[1])).abs() < 1e-13);

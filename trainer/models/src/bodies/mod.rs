@@ -1,4 +1,4 @@
-//! Rigid bodies on joints: in the plane, and in space.
+//! Rigid bodies on joints, in the plane and in space.
 
 pub mod plane;
 pub mod space;
@@ -9,7 +9,7 @@ pub use space::{ArmArchitecture, ArmBody};
 use crate::source::ConstantType;
 use leastaction_core::energy::bodies::Joint;
 
-/// One letter a joint: `t` translation, `a` angle.
+/// Kinds of the joints, one letter each: `t` translation, `a` angle.
 pub fn letters_of_joints(joints: impl Iterator<Item = Joint>) -> String {
     let letter = |joint| match joint {
         Joint::Revolute => 'a',
@@ -18,7 +18,7 @@ pub fn letters_of_joints(joints: impl Iterator<Item = Joint>) -> String {
     joints.map(letter).collect()
 }
 
-/// Names of the energies, what is taken of their module, and of the shape, with the shape as it is printed, in the source of a program.
+/// Describes the energies for the source of a program: their name, the path to import, the name of the header, and the printed shape.
 fn tree_type([energies, module, header]: [&'static str; 3], shape: String) -> ConstantType {
     ConstantType { energies, module, header, shape: shape.replace("bodies: [", "bodies: &["), network: None }
 }

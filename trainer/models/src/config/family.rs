@@ -1,4 +1,4 @@
-//! What a configuration of a family is.
+//! The interface of a family's configuration.
 
 use super::origin::{Open, Origin};
 use super::problem::ShapeError;
@@ -6,55 +6,55 @@ use crate::architecture::Architecture;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use std::path::PathBuf;
 
-/// Networks beside a family: one that dissipates and one that is added to the potential.
+/// Networks beside a family: one that dissipates energy and one that is added to the potential.
 pub type NetworksBeside<'c> = (&'c mut Option<DissipationConfig>, &'c mut Option<PotentialConfig>);
 
-/// What training takes from a trained model that the configuration names.
+/// Parts that training takes from a trained model named by the configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// Nothing: there is none, or its numbers stand in the shape.
+    /// Nothing: no model is named, or its numbers are in the shape already.
     Nothing,
-    /// Its energies.
+    /// The energies of the model.
     Energies,
-    /// Its weights, networks included.
+    /// The weights of the model, networks included.
     Weights,
 }
 
 /// `[model]` of a family.
 pub trait FamilyConfig {
-    /// A configuration with every key of `[model]` explained, TOML.
+    /// Returns a TOML configuration with every key of `[model]` explained.
     fn defaults() -> &'static str
     where
         Self: Sized;
 
-    /// Files that it names, relative to the configuration file.
+    /// Files named by the configuration, relative to the configuration file.
     fn files(&mut self) -> Vec<&mut PathBuf> {
         Vec::new()
     }
 
-    /// Networks beside the family; `None` where its coordinates can have none.
+    /// Networks beside the family; `None` if its coordinates can have none.
     fn networks(&mut self) -> Option<NetworksBeside<'_>>;
 
-    /// What training takes from a model that the configuration names.
+    /// Parts that training takes from a model named by the configuration.
     fn source(&self) -> Source {
         Source::Nothing
     }
 
-    /// The model whose energies training begins at, where there is one.
+    /// Opens the model whose energies training begins at, if there is one.
     ///
     /// # Errors
-    /// [`ShapeError`] where it cannot be read, or is of other coordinates.
+    /// [`ShapeError`] if it cannot be read or has other coordinates.
     fn origin(&self, _open: Open) -> Result<Option<Origin>, ShapeError> {
         Ok(None)
     }
 
-    /// The shape of the model.
+    /// Returns the shape of the model.
     ///
     /// # Errors
     /// [`ShapeError`]: what is wrong, and where.
     fn architecture(&self, open: Open) -> Result<Architecture, ShapeError>;
 
-    /// Refuses what cannot be a model.
+    /// Refuses an invalid model.
     ///
     /// # Errors
     /// [`ShapeError`]: what is wrong, and where.
@@ -62,7 +62,7 @@ pub trait FamilyConfig {
         self.architecture(open).map(drop)
     }
 
-    /// The shape of the model, and the weights that training begins with.
+    /// Returns the shape of the model and the weights that training begins with.
     ///
     /// # Errors
     /// [`ShapeError`]: what is wrong, and where.

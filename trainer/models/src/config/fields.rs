@@ -1,11 +1,11 @@
-//! Fields whose range is checked while they are read, so that the error knows the line.
+//! Fields whose range is checked while they are read, so that an error can name the line.
 
 use crate::limits::{DEPTH, MAX_ELEMENT_UNITS, MAX_HIDDEN, MAX_UNITS};
 use leastaction_core::network::Activation;
 use serde::de::{Deserializer, Error, Unexpected};
 use serde::{Deserialize, Serialize, Serializer};
 
-/// Activations by their names in lower case.
+/// Activations, by their names in lower case.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Activation", rename_all = "lowercase")]
 pub(crate) enum ActivationName {
@@ -16,7 +16,7 @@ pub(crate) enum ActivationName {
     Identity,
 }
 
-/// A number for which `holds`, which `range` says in words.
+/// Reads a number for which `holds` is true; `range` is the condition in words.
 pub fn number<'de, D: Deserializer<'de>>(
     from: D,
     holds: fn(f64) -> bool,
@@ -48,7 +48,7 @@ pub(crate) fn widths<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u16>, D::
     )))
 }
 
-/// The hidden layers of a network of an element: none makes it linear.
+/// Reads the hidden layers of an element's network; an empty list makes the network linear.
 pub(crate) fn some_widths<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<u16>>, D::Error> {
     let widths = Vec::<u16>::deserialize(from)?;
     let sensible = |width: &u16| (1..=MAX_ELEMENT_UNITS).contains(&usize::from(*width));
@@ -60,7 +60,7 @@ pub(crate) fn some_widths<'de, D: Deserializer<'de>>(from: D) -> Result<Option<V
     )))
 }
 
-/// An activation that may be left out.
+/// Reads and writes an activation that may be left out.
 pub(crate) mod activation_name {
     use super::{Activation, ActivationName, Deserialize, Deserializer, Serialize, Serializer};
 

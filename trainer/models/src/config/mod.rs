@@ -1,4 +1,4 @@
-//! `[model]` of a configuration, whichever family it is of: what stands there, and the model that it makes.
+//! `[model]` of a configuration, for any family: its contents, and the model that it makes.
 
 pub mod family;
 pub mod fields;

@@ -1,4 +1,4 @@
-//! A trained model of another shape that the energies of a new one begin at.
+//! A trained model of another shape, at whose energies the training of a new one begins.
 
 use super::problem::{Problem, ShapeError};
 use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
@@ -7,17 +7,17 @@ use crate::number::Number;
 use leastaction_core::model::FrictionNumber;
 use std::path::{Path, PathBuf};
 
-/// Opens a trained model that a configuration names, or says why it cannot be read.
+/// Opens a trained model named by a configuration, or says why it cannot be read.
 pub type Open<'o> = &'o dyn Fn(&Path) -> Result<Model, String>;
 
 /// A trained model, with its actuator.
 pub struct Origin(pub Model);
 
 impl Origin {
-    /// Opens a model of coordinates as these letters say.
+    /// Opens a model whose coordinates are of the kinds given by these letters.
     ///
     /// # Errors
-    /// [`Problem`] where it cannot be read, or is of other coordinates.
+    /// [`Problem`] if it cannot be read or has other coordinates.
     pub fn read(path: &Path, coordinates: &str, open: Open) -> Result<Self, Problem> {
         let own = open(path).map_err(|message| Problem::From { message })?;
         let is_angle = |letter: char| letter != 't';
@@ -29,10 +29,10 @@ impl Origin {
         Err(Problem::OtherCoordinates { file: path.to_owned(), found, needed })
     }
 
-    /// Opens the model that stands at the key `start_from`, if one does; of coordinates as these letters say.
+    /// Opens the model named by the key `start_from`, if there is one; its coordinates must be of the kinds given by these letters.
     ///
     /// # Errors
-    /// [`ShapeError`] at that key, as [`Origin::read`].
+    /// [`ShapeError`] at that key, see [`Origin::read`].
     pub fn start_from(
         path: Option<&PathBuf>,
         coordinates: &str,
@@ -46,13 +46,13 @@ impl Origin {
         self.0.architecture.friction_of_coordinates(&self.0.weights)
     }
 
-    /// b of every coordinate.
+    /// Viscous damping b of every coordinate.
     pub fn damping(&self) -> Vec<f64> {
         let own = self.friction();
         (0..self.0.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
     }
 
-    /// The friction of the coordinates, learned on, but for what is 0 and τ_s.
+    /// Friction of the coordinates as a start for learning; zeros and the smoothing loads τ_s stay known.
     pub fn friction_to_learn(&self) -> FrictionArchitecture {
         let friction = self.friction();
         let number = |value: f64| Number { value, learned: value > 0.0 };
@@ -69,7 +69,7 @@ impl Origin {
         )
     }
 
-    /// Sets the learned numbers of friction to those here, where there are any.
+    /// Sets the learned friction numbers to those of this model, if it has any.
     pub fn set_friction(&self, friction: &mut FrictionArchitecture) {
         let set = |number: &mut Number, value: f64| {
             if number.learned && value > 0.0 {

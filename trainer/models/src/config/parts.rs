@@ -1,4 +1,4 @@
-//! What types are made of: numbers that are known or learned, and networks.
+//! Parts of the types: known or learned numbers, and networks.
 
 use crate::config::problem::Problem;
 use crate::number::Number;
@@ -13,18 +13,18 @@ use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// A number of a type, or several: `1.0` is known, `{ learn = 1.0 }` is learned from there.
+/// A number of a type, or several: `1.0` is known, `{ learn = 1.0 }` is learned from that start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberConfig<T = f64> {
-    /// Its value, where training begins if it is learned.
+    /// Value of the number, or its start if it is learned.
     pub value: T,
-    /// Whether it is learned.
+    /// Whether the number is learned.
     pub learned: bool,
 }
 
-/// How a value is written.
+/// Notation of a value.
 trait Example {
-    /// A known one and a learned one.
+    /// Example of a known value and of a learned one.
     const TEXT: &'static str;
 }
 
@@ -89,11 +89,11 @@ impl<T: Serialize> Serialize for NumberConfig<T> {
     }
 }
 
-/// Which numbers are allowed, in single precision, as the model file has them.
+/// Range of allowed numbers, checked in single precision, in which the model file stores them.
 pub(crate) struct Range {
-    /// Whether it is.
+    /// Whether a number is allowed.
     pub holds: fn(f32) -> bool,
-    /// What it must be.
+    /// Condition in words.
     pub words: &'static str,
 }
 
@@ -102,7 +102,7 @@ impl Range {
     pub const NOT_BELOW: Self = Self { holds: |x| x >= 0.0, words: "a finite number, 0 or above" };
     pub const ANY: Self = Self { holds: |_| true, words: "a finite number" };
 
-    /// The number, if it is in the range; it stands at `key`.
+    /// Returns the number, if it is in the range; `key` is the key that it stands at.
     pub fn number(&self, key: &'static str, value: f64, learned: bool) -> Result<Number, Problem> {
         let single = value as f32;
         if !single.is_finite() || !(self.holds)(single) {
@@ -112,17 +112,17 @@ impl Range {
     }
 }
 
-/// Networks by their numbers.
+/// Networks, by their numbers.
 #[derive(Default)]
 pub(crate) struct Networks(pub Vec<NetworkShape>);
 
 impl Networks {
-    /// The number of a new network.
+    /// Adds a network and returns its number.
     pub fn add(&mut self, units: &[u16], (inputs, outputs): (usize, usize), activation: Activation) -> u8 {
         let mut widths = [0; MAX_HIDDEN];
         widths.iter_mut().zip(units).for_each(|(slot, width)| *slot = *width);
         self.0.push(NetworkShape { inputs: inputs as u8, widths, outputs: outputs as u8, activation });
-        // More than the format holds are refused afterwards.
+        // A count beyond what the format holds is refused afterwards.
         u8::try_from(self.0.len() - 1).unwrap_or(u8::MAX)
     }
 }

@@ -1,20 +1,20 @@
-//! What is wrong with `[model]`, and where in the configuration.
+//! Errors of `[model]`, with their place in the configuration.
 
 use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// A step on the way to a value of the configuration.
+/// One step of the path to a value of the configuration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// The key of a table.
+    /// Key of a table.
     Key(String),
-    /// The position in an array, from 0.
+    /// Position in an array, from 0.
     Index(usize),
 }
 
 impl Step {
-    /// The key, empty for a position.
+    /// Returns the key; empty for a position.
     pub fn key(&self) -> &str {
         match self {
             Self::Key(key) => key,
@@ -22,7 +22,7 @@ impl Step {
         }
     }
 
-    /// The position, where it is one.
+    /// Returns the position, if the step is one.
     pub fn index(&self) -> Option<usize> {
         match self {
             Self::Key(_) => None,
@@ -43,12 +43,12 @@ impl From<usize> for Step {
     }
 }
 
-/// A `[model]` of element types and trees, or of node and edge types and graphs, that cannot be.
+/// An invalid `[model]`, of any family.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub struct ShapeError {
-    /// From the top of the file to the value.
+    /// Path from the top of the file to the value.
     pub place: Vec<Step>,
-    /// What is wrong there.
+    /// Problem with the value.
     pub problem: Problem,
 }
 
@@ -65,21 +65,21 @@ impl fmt::Display for ShapeError {
     }
 }
 
-/// What is wrong with trees of elements or with graphs.
+/// A problem with the value at a place of `[model]`.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Rows that the factor of an inertia matrix cannot have.
+    /// A number of rows that the factor of an inertia matrix cannot have.
     #[error("{rows} rows; the factor of this inertia matrix has {least} to {most}")]
     Rows {
-        /// That are asked for.
+        /// Number of rows asked for.
         rows: u8,
-        /// As many as coordinates.
+        /// Smallest number: the number of coordinates.
         least: u8,
-        /// At most.
+        /// Largest number.
         most: u8,
     },
-    /// Rows where there is no factor.
+    /// Rows for an inertia matrix without a factor.
     #[error("only inertia = \"factor\" has rows")]
     RowsWithoutFactor,
     /// More coordinates than the file format has outputs for.
@@ -87,21 +87,21 @@ pub enum Problem {
         "an inertia matrix of {n} coordinates has no factor within the 255 outputs of a network; set inertia = \"cholesky\""
     )]
     TooManyForFactor {
-        /// Coordinates.
+        /// Number of coordinates.
         n: usize,
     },
-    /// The model to go on from cannot be read.
+    /// The model to continue from cannot be read.
     #[error("{message}")]
     From {
-        /// Why.
+        /// Reason why it cannot be read.
         message: String,
     },
-    /// The model to go on from is of another family.
+    /// The model to continue from is of another family.
     #[error("{} holds a {found} model, which has no element types; name a modular one", file.display())]
     OtherFamily {
-        /// The run or the model file.
+        /// Run or model file.
         file: PathBuf,
-        /// Its family.
+        /// Family of its model.
         found: &'static str,
     },
     /// The model to start from has other coordinates.
@@ -111,46 +111,46 @@ pub enum Problem {
         file.display()
     )]
     OtherCoordinates {
-        /// The run or the model file.
+        /// Run or model file.
         file: PathBuf,
-        /// Its coordinates, one letter each.
+        /// Coordinates of its model, one letter each.
         found: String,
-        /// Those of this model.
+        /// Coordinates of the new model.
         needed: String,
     },
-    /// No element type.
+    /// No element types.
     #[error(
         "no element types: add a [[model.types]] with a name and a transform, or name a trained model with from = \"run\""
     )]
     NoTypes,
-    /// More than the model file or this program holds.
+    /// More than the model file or this program can hold.
     #[error("{found} {what}, but at most {most} can be held")]
     TooMany {
-        /// Of what.
+        /// Kind of the items.
         what: &'static str,
-        /// Asked for.
+        /// Number asked for.
         found: usize,
-        /// Held.
+        /// Largest number that can be held.
         most: usize,
     },
     /// A name that a model file cannot hold.
     #[error("{name:?} cannot be a name: give it at least one letter, and no comma")]
     Name {
-        /// The name.
+        /// Name as given.
         name: String,
     },
-    /// Two types of one name.
+    /// Two types with one name.
     #[error("there is another type {name:?}; give each its own name")]
     Twice {
-        /// The name.
+        /// Name of both.
         name: String,
     },
-    /// A new type that does not say how it moves.
+    /// A new type without a transform.
     #[error(
         "how does {name:?} move? add transform = \"angle\" or \"translation\" (learned), \"rod\", \"slide\" or \"free\" (known)"
     )]
     NoTransform {
-        /// The type.
+        /// Name of the type.
         name: String,
     },
     /// A key that has no meaning for this transform.
@@ -174,92 +174,92 @@ pub enum Problem {
     /// A second pair potential.
     #[error("the trained model has a pair potential already; leave out [model.pair]")]
     Pair,
-    /// A number out of its range.
+    /// A number outside its range.
     #[error("`{key}` is {value}; it must be {range}")]
     OutOfRange {
         /// The key.
         key: &'static str,
-        /// As given.
+        /// Value as given.
         value: f64,
-        /// In words.
+        /// Allowed range in words.
         range: &'static str,
     },
-    /// Not as many numbers as there are dimensions.
+    /// A number of entries other than the number of dimensions.
     #[error("`{key}` has {found} numbers; it must have {needed}, one for each dimension")]
     Dimensions {
         /// The key.
         key: &'static str,
-        /// Given.
+        /// Number of entries given.
         found: usize,
-        /// Of space.
+        /// Number of dimensions of space.
         needed: usize,
     },
-    /// Not as many numbers of friction as there are groups of coordinates.
+    /// A number of friction entries other than the number of groups of coordinates.
     #[error("`{key}` has {found} numbers; it must have {needed}, one for each {what}, or one alone for all")]
     FrictionCount {
         /// The key.
         key: &'static str,
-        /// Given.
+        /// Number of entries given.
         found: usize,
-        /// Groups.
+        /// Number of groups.
         needed: usize,
-        /// Coordinate or element type.
+        /// Kind of a group: coordinate or element type.
         what: &'static str,
     },
-    /// A number of dry friction where there is none.
+    /// A number of dry friction in a model without dry friction.
     #[error("`{key}` means nothing without dry friction; add coulomb = \"learned\", or leave it out")]
     NoDryFriction {
         /// The key.
         key: &'static str,
     },
-    /// Viscous damping at two keys.
+    /// Viscous damping given by two keys.
     #[error("viscous damping is given by `{key}` too; leave one of them out")]
     DampingTwice {
         /// The other key.
         key: &'static str,
     },
-    /// A coordinate of a network that does not exist.
+    /// A network input that is no coordinate of the model.
     #[error(
         "there is no coordinate {coordinate} in every tree of the model: {coordinates} are common to all, counted from 0"
     )]
     NoCoordinate {
-        /// As given.
+        /// Coordinate as given.
         coordinate: u64,
-        /// Of the model, of several trees that of the shortest.
+        /// Number of coordinates of the model; for several trees, of the shortest.
         coordinates: usize,
     },
-    /// A coordinate twice.
+    /// A coordinate that is given twice.
     #[error("coordinate {coordinate} stands there twice")]
     CoordinateTwice {
-        /// From 0.
+        /// The coordinate, from 0.
         coordinate: usize,
     },
-    /// A network that sees nothing.
+    /// A network without inputs.
     #[error("a network must see a coordinate; name one, as [0], or leave out the network")]
     NothingSeen,
-    /// The position of a coordinate that a network does not see.
+    /// The position of a coordinate that is no input of the network.
     #[error("coordinate {coordinate} is not among `coordinates` of this network")]
     Unseen {
-        /// From 0.
+        /// The coordinate, from 0.
         coordinate: usize,
     },
-    /// A potential of a cyclic coordinate.
+    /// A potential that depends on a cyclic coordinate.
     #[error("coordinate {coordinate} is cyclic: energies do not depend on it")]
     Cyclic {
-        /// From 0.
+        /// The coordinate, from 0.
         coordinate: usize,
     },
     /// A type that does not exist.
     #[error("no {what} is called {name:?}; there are: {known}")]
     UnknownType {
-        /// Element type, node type or edge type.
+        /// Kind of the type: element type, node type or edge type.
         what: &'static str,
-        /// As given.
+        /// Name as given.
         name: String,
-        /// All names.
+        /// All known names.
         known: String,
     },
-    /// An element that hangs from one that does not come before it.
+    /// An element that hangs from one that does not precede it.
     #[error(
         "element {element} hangs from element {on}, which does not come before it (a cycle?): elements count from 0, parents \
          first; without `on` an element hangs from the ground"
@@ -267,7 +267,7 @@ pub enum Problem {
     Parent {
         /// The element, from 0.
         element: usize,
-        /// What it hangs from.
+        /// Number of the element that it hangs from.
         on: u64,
     },
     /// A tree without elements.
@@ -276,30 +276,30 @@ pub enum Problem {
     /// No tree at all.
     #[error("no tree: add [model.trees] with a line as double = [\"bob\", \"bob\"]")]
     NoTree,
-    /// Several trees, and none is chosen.
+    /// Several trees, none of which is selected.
     #[error("which tree is the data of? add tree = \"...\" to [model]; there are: {known}")]
     WhichTree {
-        /// All names.
+        /// All known names.
         known: String,
     },
     /// A tree that does not exist.
     #[error("no tree is called {name:?}; there are: {known}")]
     UnknownTree {
-        /// As given.
+        /// Name as given.
         name: String,
-        /// All names.
+        /// All known names.
         known: String,
     },
-    /// No body.
+    /// No bodies.
     #[error("no bodies: add chain = 2, for a chain of two, or a [[model.bodies]] with a joint")]
     NoBodies,
-    /// Bodies twice.
+    /// Bodies given twice, as a chain and as a list.
     #[error("chain and [[model.bodies]] both say which bodies there are; leave one of them out")]
     ChainAndBodies,
-    /// A gear ratio of no chain.
+    /// A gear ratio for the whole model without a chain.
     #[error("only a chain has one gear ratio; give every one of [[model.bodies]] its own")]
     GearWithoutChain,
-    /// A body on one that does not come before it.
+    /// A body on one that does not precede it.
     #[error(
         "body {body} sits on body {on}, which does not come before it: bodies count from 0, parents first; without `on` a body \
          sits on the ground"
@@ -307,7 +307,7 @@ pub enum Problem {
     OnBody {
         /// The body, from 0.
         body: usize,
-        /// What it sits on.
+        /// Number of the body that it sits on.
         on: u64,
     },
     /// A robot description that cannot be read.
@@ -315,7 +315,7 @@ pub enum Problem {
     Description {
         /// The file.
         file: PathBuf,
-        /// What is wrong.
+        /// Reason why it cannot be read.
         message: String,
     },
     /// A joint that follows another one.
@@ -328,24 +328,24 @@ pub enum Problem {
         /// The file.
         file: PathBuf,
     },
-    /// Inertial numbers of no body.
+    /// Physically inconsistent inertial numbers.
     #[error(
         "link {link}: its inertia is of no body that can be (a moment of inertia is larger than the sum of the other two, or the mass is 0), \
          so it cannot be where training begins; correct it, or set bodies = \"known\""
     )]
     NoBodyThatCanBe {
-        /// The link.
+        /// Name of the link.
         link: String,
     },
-    /// Another arm.
+    /// A model of another arm.
     #[error("{} holds another model than the arm of {}: other bodies, or the same on other joints", file.display(), urdf.display())]
     OtherArm {
-        /// The run or the model file.
+        /// Run or model file.
         file: PathBuf,
-        /// The description.
+        /// The robot description.
         urdf: PathBuf,
     },
-    /// No node type.
+    /// No node types.
     #[error("no node types: add a [[model.node_types]] with a name and a mass")]
     NoNodeTypes,
     /// No graph at all.
@@ -356,21 +356,21 @@ pub enum Problem {
     /// A graph without nodes.
     #[error("a graph needs at least one node")]
     EmptyGraph,
-    /// Several graphs, and none is chosen.
+    /// Several graphs, none of which is selected.
     #[error("which graph is the data of? add graph = \"...\" to [model]; there are: {known}")]
     WhichGraph {
-        /// All names.
+        /// All known names.
         known: String,
     },
     /// A graph that does not exist.
     #[error("no graph is called {name:?}; there are: {known}")]
     UnknownGraph {
-        /// As given.
+        /// Name as given.
         name: String,
-        /// All names.
+        /// All known names.
         known: String,
     },
-    /// A pair of nodes where there is not exactly one edge type.
+    /// A pair of nodes as an edge of a model that does not have exactly one edge type.
     #[error(
         "of which type is this edge? write {{ type = \"...\", between = [0, 1] }}; a pair alone does where there is one edge type"
     )]
@@ -378,9 +378,9 @@ pub enum Problem {
     /// An edge or a rod to a node that does not exist.
     #[error("there is no node {node}: the graph has {nodes}, counted from 0")]
     NoNode {
-        /// As given.
+        /// Node as given.
         node: u16,
-        /// Of the graph.
+        /// Number of nodes of the graph.
         nodes: usize,
     },
     /// An edge or a rod from a node to itself.
@@ -392,33 +392,33 @@ pub enum Problem {
     /// A tree or a graph of a size that this program cannot train.
     #[error("{found} coordinates to train; this program takes {most}")]
     Size {
-        /// Of the tree or graph.
+        /// Number of coordinates of the tree or graph.
         found: usize,
-        /// How many can be trained.
+        /// Allowed number of coordinates, in words.
         most: String,
     },
 }
 
 impl Problem {
-    /// This problem at a place of the configuration.
+    /// Returns this problem with its place in the configuration.
     pub(crate) fn at<const N: usize>(self, place: [Step; N]) -> ShapeError {
         let place = std::iter::once(Step::from("model")).chain(place).collect();
         ShapeError { place, problem: self }
     }
 }
 
-/// Refuses what a model file cannot hold as a name.
+/// Refuses a name that a model file cannot hold.
 pub(crate) fn check_name(name: &str) -> Result<(), Problem> {
     let good = !name.trim().is_empty() && !name.contains(',');
     if good { Ok(()) } else { Err(Problem::Name { name: name.to_owned() }) }
 }
 
-/// Names or numbers, for people.
+/// Names or numbers as a readable list.
 pub(crate) fn list<T: ToString>(names: impl Iterator<Item = T>) -> String {
     names.map(|name| name.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Refuses more than can be held; `key` is where they are.
+/// Refuses a count above the largest that can be held; `key` is the place of the items.
 pub(crate) fn check_count(
     what: &'static str,
     key: &str,

@@ -1,4 +1,4 @@
-//! `[model]` of a family, whichever it is.
+//! `[model]` of a configuration, for any family.
 
 use super::family::FamilyConfig;
 use crate::inertia_network::config::InertiaNetworkConfig;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 
-/// Makes the enum of all configurations, and what follows from the list alone.
+/// Makes the enum of all configurations, and everything that follows from the list of families alone.
 macro_rules! any_config {
     ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
-        /// `[model]` of a family, whichever it is.
+        /// `[model]` of a configuration, for any family.
         #[derive(Clone, Debug, PartialEq, Serialize)]
         #[serde(untagged)]
         pub enum ModelConfig {
@@ -61,18 +61,18 @@ macro_rules! any_config {
             /// Names of all families.
             pub const FAMILIES: &[&str] = &[$($name),*];
 
-            /// Reads the name of a family; a former name is as good.
+            /// Reads the name of a family; a former name is accepted too.
             ///
             /// # Errors
-            /// Where it is none.
+            /// An error if no family has that name.
             pub fn read_family<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
                 from.deserialize_str(FamilyName)
             }
 
-            /// Reads `[model]` of the family of this name, without the name.
+            /// Reads `[model]` for the family of this name; the name itself is not part of it.
             ///
             /// # Errors
-            /// Where it is not of that family.
+            /// An error if it is no configuration of that family.
             pub fn read<'de, D: Deserializer<'de>>(family: &str, from: D) -> Result<Self, D::Error> {
                 match family {
                     $($name => <$config>::deserialize(from).map(Self::$variant),)*
@@ -80,7 +80,7 @@ macro_rules! any_config {
                 }
             }
 
-            /// A configuration of the family of this name with every key of `[model]` explained, TOML.
+            /// Returns a TOML configuration for the family of this name, with every key of `[model]` explained.
             pub fn defaults(family: &str) -> Option<&'static str> {
                 match family {
                     $($name $(| $former)* => Some(<$config>::defaults()),)*
@@ -91,14 +91,14 @@ macro_rules! any_config {
     };
 }
 
-/// Reads the name of a family, so that an error knows the place.
+/// Reader of the name of a family, so that an error has a place.
 struct FamilyName;
 
 with_families!(any_config);
 
 impl ModelConfig {
-    /// The same with these of the networks that correct a model alone, as they are given or else by default; `None` where its coordinates
-    /// can have none.
+    /// Returns this configuration with only the requested correction networks, as they are given or else with their defaults; `None` if its
+    /// coordinates can have none.
     pub fn with_networks(&self, with_dissipation: bool, with_potential: bool) -> Option<Self> {
         let mut own = self.clone();
         let (dissipation, potential) = own.networks()?;

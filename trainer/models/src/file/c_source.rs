@@ -5,14 +5,14 @@ use crate::Model;
 use leastaction_core::model::ModelError;
 use std::fmt::{self, Write};
 
-/// Bytes in a line of the array.
+/// Number of bytes in a line of the array.
 const BYTES_A_LINE: usize = 16;
 
-/// How every header begins.
+/// First words of every header.
 pub const C_HEAD: &str = "/* A learned Lagrangian:";
 
-/// A header for C and C++ that holds the model file as an aligned constant of that name, with its sizes: what `leastaction_load`
-/// of the C library takes. Characters of the name that no identifier has become underscores.
+/// Returns a header for C and C++ that holds the model file as an aligned constant of the given name, with its sizes, for
+/// `leastaction_load` of the C library. Characters that no C identifier may contain become underscores.
 ///
 /// # Errors
 /// [`ModelError`]: what is wrong with the bytes.
@@ -24,7 +24,7 @@ pub fn c_source(bytes: &[u8], name: &str) -> Result<String, ModelError> {
     Ok(source)
 }
 
-/// The name as C allows it.
+/// The name as a C identifier.
 fn identifier(name: &str) -> String {
     let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(allowed).collect();

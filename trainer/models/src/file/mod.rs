@@ -20,7 +20,7 @@ use leastaction_core::model::{
 use leastaction_core::scalar::Weights;
 use thiserror::Error;
 
-/// A model that cannot be written.
+/// Reason why a model cannot be written.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EncodeError {
     /// A weight is not a number of the precision asked for.
@@ -28,35 +28,35 @@ pub enum EncodeError {
         "weight {index} is {value}, which {} bits cannot hold; {}", precision.bits(), precision.way_out()
     )]
     Weight {
-        /// Its position in the block.
+        /// Position of the weight in the block.
         index: usize,
-        /// Its value.
+        /// Value of the weight.
         value: f64,
-        /// Asked for.
+        /// Precision asked for.
         precision: Precision,
     },
     /// The format does not allow the shape or a number.
     #[error("the model does not fit the file format: {0}")]
     Model(ModelError),
-    /// It cannot be written.
+    /// The writer failed.
     #[error("the model cannot be written: {0}")]
     Write(WriteError),
 }
 
 impl Model {
-    /// Bytes of the model file, of the format's present version.
+    /// Returns the bytes of the model file in the current version of the format.
     ///
     /// # Errors
-    /// As [`encode_in`]; none for a model as it was read.
+    /// See [`encode_in`]; none for a model as it was read.
     pub fn to_bytes(&self) -> Result<Vec<u8>, EncodeError> {
         encode_in(self.precision, &self.architecture, &self.weights, &self.facts)
     }
 }
 
-/// The bytes of the model file with weights in single precision, a step and a text: see [`encode_in`].
+/// Returns the bytes of the model file with weights in single precision, a trained step and a provenance text: see [`encode_in`].
 ///
 /// # Errors
-/// As there.
+/// See [`encode_in`].
 pub fn encode(
     architecture: &Architecture,
     weights: &[f64],
@@ -66,10 +66,11 @@ pub fn encode(
     encode_in(Precision::Single, architecture, weights, &Facts::new(trained_step, provenance))
 }
 
-/// The bytes of the model file: weights rounded to a precision, aligned, checksummed, and read back once.
+/// Returns the bytes of the model file: the weights are rounded to the given precision, and the result is aligned, checksummed, and read
+/// back once.
 ///
 /// # Errors
-/// [`EncodeError`]: nothing is written that [`decode`] or the chip would refuse.
+/// [`EncodeError`] for anything that [`decode`] or the chip would refuse.
 pub fn encode_in(
     precision: Precision,
     architecture: &Architecture,
@@ -101,10 +102,10 @@ pub fn encode_in(
     Ok(bytes)
 }
 
-/// Reads a model file, of version 1 too.
+/// Reads a model file of the current version or of version 1.
 ///
 /// # Errors
-/// [`ModelError`]: what is wrong with the bytes.
+/// [`ModelError`] for invalid bytes.
 pub fn decode(bytes: &[u8]) -> Result<Model, ModelError> {
     if version_1::is(bytes) {
         return Ok(Model { version: 1, ..decode_current(&version_1::converted(bytes)?)? });
@@ -134,7 +135,7 @@ fn decode_current(bytes: &[u8]) -> Result<Model, ModelError> {
     Ok(Model { precision, architecture, weights, facts, version: FORMAT_VERSION })
 }
 
-/// The weight block, little-endian.
+/// The weight block in little-endian order.
 fn rounded(weights: &[f64], precision: Precision) -> Result<Vec<u8>, EncodeError> {
     let mut block = Vec::with_capacity(weights.len() * size_of::<f32>());
     for (index, value) in weights.iter().enumerate() {
@@ -144,7 +145,7 @@ fn rounded(weights: &[f64], precision: Precision) -> Result<Vec<u8>, EncodeError
     Ok(block)
 }
 
-/// The file, in as much memory as it takes.
+/// Writes the file into a buffer that grows until it is long enough.
 fn assemble(header: &Header, weights: &[u8]) -> Result<Vec<u8>, WriteError> {
     let mut memory = vec![0; 4096 + weights.len()];
     loop {

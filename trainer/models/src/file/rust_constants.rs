@@ -1,4 +1,4 @@
-//! A model as constants of a Rust program, which then has no reader of model files.
+//! Source of a Rust program that holds a model as constants and needs no reader of model files.
 
 use super::rust_source::{ForcesType, RUST_HEAD, write_forces, write_provenance};
 use super::rust_stepper::StepperType;
@@ -10,30 +10,31 @@ use leastaction_core::scalar::Weights;
 use std::fmt::{self, Write};
 use thiserror::Error;
 
-/// Numbers in a line of the literal.
+/// Number of values in a line of the literal.
 const NUMBERS_A_LINE: usize = 8;
 
-/// A model that cannot be constants of a program.
+/// Reason why a model cannot be written as constants of a program.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ConstantsError {
-    /// What is wrong with the bytes.
+    /// The bytes are no valid model.
     #[error("{0}")]
     Model(#[from] ModelError),
-    /// A part is made by the reader alone.
+    /// A part of the model can only be made by the reader.
     #[error("{what} can only be read from the file: export without --constants")]
     Unsupported {
-        /// Which part.
+        /// Name of the part.
         what: &'static str,
     },
 }
 
-/// A Rust module for a microcontroller with the shape and the weights of a model as constants, and functions that make the model and
-/// its stepper of them. What [`rust_source`](super::rust_source) gives holds the file, its reader and its checksum, which take about 6 KB of code
-/// more; a compiler that knows the shape leaves out what other shapes would need. It depends on `leastaction-core` alone.
+/// Returns a Rust module for a microcontroller with the shape and the weights of a model as constants, and functions that make the model
+/// and its stepper from them. The module of [`rust_source`](super::rust_source) holds the file, its reader and its checksum instead, about
+/// 6 KB more code; here the compiler knows the shape and leaves out what only other shapes need. The module depends on `leastaction-core`
+/// alone.
 ///
 /// # Errors
 /// [`ConstantsError::Unsupported`] for trees, graphs, laws with networks, and an actuator without a trained step;
-/// [`ConstantsError::Model`] for what is no model.
+/// [`ConstantsError::Model`] for invalid bytes.
 pub fn rust_constants(bytes: &[u8]) -> Result<String, ConstantsError> {
     let (model, aligned) = (decode(bytes)?, Aligned::new(bytes));
     let parsed = parse(aligned.bytes())?;
@@ -49,7 +50,7 @@ pub fn rust_constants(bytes: &[u8]) -> Result<String, ConstantsError> {
     Ok(source)
 }
 
-/// The energies as constants.
+/// Returns the energies as constants.
 fn constant_type(model: &Model) -> Result<ConstantType, ConstantsError> {
     let laws = model.architecture.laws();
     if laws.contains(Law::Dissipation) || laws.contains(Law::Potential) {
@@ -114,7 +115,7 @@ fn write_imports(
     writeln!(to, "{}", stepper.imports(&[]))
 }
 
-/// Sizes, and the type of the system.
+/// Writes the sizes, and the type of the system.
 fn write_type(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &ConstantType) -> fmt::Result {
     let ConstantType { energies, network, .. } = kind;
     let kinds = model.architecture.coordinates();
@@ -136,7 +137,7 @@ fn write_type(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &Consta
     )
 }
 
-/// Laws without networks.
+/// Name of the constant for these laws, none of which has a network.
 fn laws(laws: &Laws) -> &'static str {
     match (laws.contains(Law::Viscous), laws.contains(Law::Coulomb)) {
         (false, false) => "Laws::NONE",
@@ -146,7 +147,7 @@ fn laws(laws: &Laws) -> &'static str {
     }
 }
 
-/// Every number by the shortest decimal that is read back as the same one; in half precision by its bits.
+/// Writes every number as the shortest decimal that reads back as the same number; in half precision, as its bits.
 fn write_weights(to: &mut String, weights: &Weights) -> fmt::Result {
     let (kind, numbers): (_, Vec<String>) = match weights {
         Weights::Single(weights) => ("f32", weights.iter().map(|w| format!("{w:?}")).collect()),

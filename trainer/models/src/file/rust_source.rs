@@ -7,17 +7,17 @@ use crate::source::{LoadedType, listed};
 use leastaction_core::model::{Law, ModelError};
 use std::fmt::{self, Write};
 
-/// Bytes in a line of the literal.
+/// Number of bytes in a line of the literal.
 const BYTES_A_LINE: usize = 16;
 
-/// How every module begins.
+/// First words of every module.
 pub const RUST_HEAD: &str = "//! A learned Lagrangian:";
 
-/// A Rust module for a microcontroller that holds the model file as an aligned constant, with its sizes, its types, and functions
-/// that load it and make its stepper: model, integrator, actuator and state as one thing. It depends on `leastaction-core` alone.
+/// Returns a Rust module for a microcontroller that holds the model file as an aligned constant, with its sizes, its types, and functions
+/// that load it and make its stepper, which unites model, integrator, actuator and state. The module depends on `leastaction-core` alone.
 ///
 /// # Errors
-/// [`ModelError`]: what is wrong with the bytes.
+/// [`ModelError`] for invalid bytes.
 pub fn rust_source(bytes: &[u8]) -> Result<String, ModelError> {
     let model = decode(bytes)?;
     let (mut source, stepper) = (String::new(), StepperType::of(&model)?);
@@ -100,14 +100,14 @@ fn write_sizes(to: &mut String, model: &Model) -> fmt::Result {
     writeln!(to, "\n/// The loaded model.\npub type Model = {name}<'static, {sizes}{weight}{forces}>;")
 }
 
-/// The laws of force that a program must be compiled for.
+/// Laws of force that a program must be compiled for.
 pub(super) struct ForcesType {
     laws: Vec<Law>,
     weight: &'static str,
 }
 
 impl ForcesType {
-    /// `None` where they are viscous damping alone.
+    /// Returns the laws; `None` if there is at most viscous damping.
     pub(super) fn of(model: &Model) -> Option<Self> {
         let laws: Vec<Law> = model.architecture.laws().iter().collect();
         let weight = if model.precision == Precision::Half { "f16" } else { "f32" };
@@ -122,7 +122,7 @@ impl ForcesType {
         self.has(Law::Dissipation) || self.has(Law::Potential)
     }
 
-    /// What the type is called.
+    /// Name of the type.
     pub(super) fn name(&self) -> &'static str {
         if self.has_networks() { "Forces" } else { "Friction" }
     }
@@ -142,7 +142,7 @@ impl ForcesType {
             .join(", ")
     }
 
-    /// The type for M coordinates.
+    /// Definition of the type for M coordinates.
     fn text(&self) -> String {
         let mut text = "Viscous<f32, M>".to_owned();
         if self.has(Law::Coulomb) {
@@ -156,7 +156,7 @@ impl ForcesType {
     }
 }
 
-/// The type of the forces, where it is not viscous damping alone.
+/// Writes the type of the forces, unless there is at most viscous damping.
 pub(super) fn write_forces(to: &mut String, model: &Model) -> fmt::Result {
     let Some(forces) = ForcesType::of(model) else { return Ok(()) };
     if !forces.has_networks() {

@@ -7,15 +7,15 @@ use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{ActuatorBytes, ModelError, TrainedStep};
 use std::fmt::{self, Write};
 
-/// Commands that a model without a step of its own keeps for a delay: 8 steps of it and a part of one.
+/// Number of commands that a model without a trained step keeps for a delay: up to 8 whole steps and a part of one.
 const PAST: usize = 9;
 
-/// Facts of a model that its stepper's types depend on.
+/// Facts about a model that determine the types of its stepper.
 pub(super) struct StepperType {
     step: Option<TrainedStep>,
-    /// Bytes of the actuator; none where the command is the force.
+    /// Bytes of the actuator; empty if the command is the force.
     actuator: Vec<u8>,
-    /// Commands kept.
+    /// Number of past commands that are kept.
     past: usize,
 }
 
@@ -39,7 +39,7 @@ impl StepperType {
         ActuatorBytes::new(&self.actuator).ok()
     }
 
-    /// Whether the actuator is known only together with a step that is not.
+    /// Whether the actuator depends on a step that is not known.
     pub(super) fn is_open(&self) -> bool {
         self.step.is_none() && self.has_actuator()
     }
@@ -56,7 +56,7 @@ impl StepperType {
         !self.actuator.is_empty()
     }
 
-    /// The path of the integrator.
+    /// Name of the integrator.
     pub(super) fn path(&self) -> &'static str {
         match self.order() {
             Order::Two => "Midpoint",
@@ -75,19 +75,19 @@ impl StepperType {
         if self.has_actuator() { "Actuated" } else { "Direct" }
     }
 
-    /// Names of core's module `stepper`, `others` among them.
+    /// Import line for core's module `stepper`, with the names in `others` included.
     pub(super) fn imports(&self, others: &[&'static str]) -> String {
         let mut names = [&[self.kind(), self.actuation()], others].concat();
         names.sort_unstable_by_key(|name| (name.starts_with(char::is_lowercase), *name));
         format!("use leastaction_core::stepper::{{self, {}}};", names.join(", "))
     }
 
-    /// The types of the drive and of the stepper, and the function that makes one of a file.
+    /// Writes the types of the drive and of the stepper, and the function that makes a stepper from the file.
     pub(super) fn write(&self, to: &mut impl Write) -> fmt::Result {
         self.write_made(to, "Stepper::new(load()?)")
     }
 
-    /// [`StepperType::write`] of a model that is constants.
+    /// [`StepperType::write`] for a model held as constants.
     pub(super) fn write_of_constants(&self, to: &mut impl Write) -> fmt::Result {
         let made = match self.actuator() {
             None => "Stepper::new(load()?)",
@@ -107,7 +107,7 @@ impl StepperType {
         writeln!(to, "pub fn stepper({argument}) -> Result<Stepper, ModelError> {{\n    {made}\n}}")
     }
 
-    /// The types of a graph's stepper, and the function that makes one.
+    /// Writes the types of a graph's stepper, and the function that makes one.
     pub(super) fn write_of_graph(&self, to: &mut impl Write, graph: &GraphArchitecture) -> fmt::Result {
         let named = graph.graphs.get(graph.graph);
         let (nodes, band) = named.map_or((0, 0), |graph| (graph.nodes.len(), graph.band()));
@@ -127,7 +127,7 @@ impl StepperType {
         writeln!(to, "    Stepper::{new}(&FILE.0, GRAPH, memory{h})\n}}")
     }
 
-    /// The step and the type of the drive, and what the stepper is.
+    /// Writes the trained step, the type of the drive, and the doc comment of the stepper.
     fn write_types(&self, to: &mut impl Write) -> fmt::Result {
         if let Some(TrainedStep { h, .. }) = self.step {
             writeln!(to, "\n/// The step that the model was trained with, s.\npub const STEP: f32 = {h:?};")?;
@@ -143,18 +143,18 @@ impl StepperType {
         writeln!(to, "/// Model, integrator of order {order}, drive and state: `start`, then `step`.")
     }
 
-    /// The rest of a sentence on commands: what lies between them and forces.
+    /// End of the sentence about commands: the path from command to force.
     fn between(&self) -> String {
         let Some(actuator) = self.actuator() else { return "it is the force.".to_owned() };
         format!("the actuator has gains, offsets and a delay of {:?} s.", actuator.delay())
     }
 
-    /// The step of a model that is constants, as a value.
+    /// Trained step of a model held as constants, as an expression.
     pub(super) fn trained(&self) -> &'static str {
         if self.step.is_some() { "Some(TRAINED)" } else { "None" }
     }
 
-    /// The constants that a model without a file has its step and its actuator from.
+    /// Writes the constants for the trained step and the actuator of a model without a file.
     pub(super) fn write_numbers(&self, to: &mut impl Write) -> fmt::Result {
         let Some(TrainedStep { order, control, h }) = self.step else { return Ok(()) };
         let control = format!("ControlKind::{control:?}");
@@ -163,7 +163,7 @@ impl StepperType {
             "\nconst TRAINED: TrainedStep = TrainedStep {{ order: Order::{order:?}, h: STEP, control: {control} }};"
         )?;
         let Some(actuator) = self.actuator() else { return Ok(()) };
-        // Read before, for the number of commands kept.
+        // Checked before, for the number of commands kept.
         let (whole, rest) = actuator.delay_at_step(h).unwrap_or_default();
         let pairs = actuator.pairs().collect::<Vec<_>>();
         let [gain, offset] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>());
@@ -173,5 +173,5 @@ impl StepperType {
     }
 }
 
-/// A sentence on every function that makes a stepper.
+/// Sentence in the doc comment of every function that makes a stepper.
 const VALIDATES: &str = "Validates the model, once; the weights stay where they are.";

@@ -1,5 +1,5 @@
-//! Files of version 1 of the format: one postcard document, damping among the numbers of element types. Read here alone, and
-//! turned into version 2.
+//! Files of version 1 of the format: a single postcard document, with the damping among the numbers of the element types. This module only
+//! converts them to version 2.
 
 use super::assemble;
 use crate::TYPE_NUMBERS;
@@ -54,15 +54,15 @@ struct OldStep {
     h: f32,
 }
 
-/// Whether it is a file of version 1.
+/// Whether the bytes are a file of version 1.
 pub fn is(bytes: &[u8]) -> bool {
     bytes.get(..MAGIC.len()) == Some(&MAGIC) && bytes.get(MAGIC.len()) == Some(&VERSION)
 }
 
-/// The same model as a file of version 2, which the caller validates: same numbers, to the last bit.
+/// Converts the file to version 2, with the same numbers to the last bit; the caller validates the result.
 ///
 /// # Errors
-/// [`ModelError`]: a wrong checksum, or no document of version 1.
+/// [`ModelError`] for a wrong checksum or an invalid document.
 pub fn converted(bytes: &[u8]) -> Result<Vec<u8>, ModelError> {
     check_sum(bytes)?;
     let document: Document = postcard::from_bytes(bytes).map_err(|_| ModelError::Malformed)?;
@@ -82,7 +82,7 @@ fn check_sum(bytes: &[u8]) -> Result<(), ModelError> {
 }
 
 impl OldStep {
-    /// Version 1 did not say what happens to a control between samples: losses took it to be linear.
+    /// Version 1 did not say how a control goes on between samples: the losses took it to be linear.
     fn converted(self) -> Result<TrainedStep, ModelError> {
         let order = Order::from_number(self.order).ok_or(ModelError::OutOfRange { what: "order" })?;
         Ok(TrainedStep { order, h: self.h, control: ControlKind::Linear })
@@ -90,7 +90,7 @@ impl OldStep {
 }
 
 impl<'a> OldFamily<'a> {
-    /// The family, its laws and its weight block.
+    /// Family, laws and weight block in version 2.
     fn converted(self, weights: &[u8]) -> Result<(Family<'a>, Laws<'static>, Vec<u8>), ModelError> {
         match self {
             Self::Graph(graph) => Ok((Family::Graph(graph), Laws::NONE, weights.to_vec())),
@@ -107,11 +107,11 @@ impl<'a> OldFamily<'a> {
     }
 }
 
-/// The networks, mass, inertia, centre and length of each element type, c₁ and c₂, then the damping of each type, which stood
-/// behind its length.
+/// Moves the damping of each type, which stood behind its length, to the end of the block: behind the networks, the mass, inertia, centre
+/// and length of each element type, and c₁ and c₂.
 fn with_damping_last(modular: &ModularHeader, weights: &[u8]) -> Result<Vec<u8>, ModelError> {
     let kinds = modular.shape.types.len();
-    // Version 2 counts as many numbers, in another order.
+    // Version 2 has the same count of numbers, in another order.
     let needed = modular.parameters()? + kinds;
     let width = weights.len() / needed.max(1);
     let wrong = ModelError::WeightCount { found: weights.len() / size_of::<f32>(), needed };

@@ -1,4 +1,4 @@
-//! Graphs of particles in words.
+//! Description of graphs of particles in words.
 
 use crate::graph::GraphArchitecture;
 use crate::words::{Describe, layers};
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Types of nodes and edges, and graphs of them.
 #[derive(Serialize)]
 pub struct GraphDescription {
-    /// Coordinates of a node.
+    /// Number of coordinates of a node.
     dimension: usize,
     /// Node types.
     nodes: Vec<String>,
@@ -16,11 +16,11 @@ pub struct GraphDescription {
     edges: Vec<String>,
     /// All graphs.
     graphs: Vec<GraphOf>,
-    /// Name of the graph that coordinates and cost are of.
+    /// Name of the graph that coordinates and cost refer to.
     graph: String,
 }
 
-/// A graph by its name and size.
+/// Name and size of a graph.
 #[derive(Serialize)]
 struct GraphOf {
     name: String,

@@ -1,4 +1,4 @@
-//! The shape of a graph of particles on the host.
+//! Host-side shape of a graph of particles.
 
 pub mod config;
 pub mod describe;
@@ -20,45 +20,45 @@ use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, GraphEnergies};
 use serde::{Deserialize, Serialize};
 
-/// The smallest mass, kg, that training may reach.
+/// Smallest mass that training may reach, kg.
 const LEAST_MASS: f64 = 1e-6;
 
-/// Size of the outputs of networks when they join a simpler law.
+/// Factor on the outputs of a network when it joins a simpler law.
 const CORRECTION: f64 = 1e-3;
 
 /// Node and edge types over host weights.
 pub type HostTypes<'w, W, const D: usize> = Types<'w, W, D, MAX_NETWORKS, MAX_ELEMENT_UNITS, DEPTH>;
 
-/// The shape of a graph model: its types, its graphs, and the graph that is meant.
+/// Shape of a graph model: its types, its graphs, and the selected graph.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphArchitecture {
     /// Networks and types.
     pub shape: GraphShape,
-    /// The names and numbers of the node types.
+    /// Names and numbers of the node types.
     pub node_types: Vec<GraphType>,
-    /// The names and numbers of the edge types.
+    /// Names and numbers of the edge types.
     pub edge_types: Vec<GraphType>,
     /// All graphs.
     pub graphs: Vec<NamedGraph>,
-    /// The graph that is trained or evaluated.
+    /// Position of the selected graph, which is trained or evaluated.
     pub graph: usize,
 }
 
 impl GraphArchitecture {
-    /// The graph that is meant.
+    /// Returns the selected graph.
     ///
     /// # Errors
-    /// Where there is none.
+    /// An error if there is none.
     pub fn graph(&self) -> Result<&NamedGraph, ModelError> {
         self.graphs.get(self.graph).ok_or(ModelError::NoSuchGraph { graphs: self.graphs.len() })
     }
 
-    /// Whether the graph that is meant has rods.
+    /// Whether the selected graph has rods.
     pub fn has_rods(&self) -> bool {
         self.graph().is_ok_and(|graph| !graph.rods.is_empty())
     }
 
-    /// Calls `read` with the shape in the words of the model file.
+    /// Calls `read` with the shape as the model file states it.
     pub fn with_header<T>(&self, read: impl FnOnce(GraphHeader) -> T) -> T {
         let names =
             |types: &[GraphType]| types.iter().map(|kind| kind.name.as_str()).collect::<Vec<_>>().join(",");
@@ -76,7 +76,7 @@ impl GraphArchitecture {
         read(GraphHeader { shape: self.shape, node_names, edge_names, graphs })
     }
 
-    /// The shape that a model file has; all numbers are known, as in the file.
+    /// Returns the shape described by a model file; all numbers are known, as in the file.
     pub(crate) fn from_header(header: &GraphHeader, _: Laws, weights: &[f64]) -> Self {
         let shape = header.shape;
         let numbers = weights.get(weights.len().saturating_sub(shape.all_numbers())..).unwrap_or_default();
@@ -90,40 +90,40 @@ impl GraphArchitecture {
         }
     }
 
-    /// The same with the graph of that name in mind; `None` where there is none.
+    /// Returns the shape with the graph of that name selected; `None` if there is none.
     #[must_use]
     pub fn with_graph_named(&self, name: &str) -> Option<Self> {
         let mut own = self.clone();
         own.mean_part(name).then_some(own)
     }
 
-    /// The same with another graph in place of all others.
+    /// Returns the shape with this graph in place of all others.
     #[must_use]
     pub fn with_graph(&self, graph: NamedGraph) -> Self {
         Self { graphs: vec![graph], graph: 0, ..self.clone() }
     }
 
-    /// Coordinates of a node, D.
+    /// Number of coordinates of a node, D.
     pub fn dimension(&self) -> usize {
         self.shape.dimension.into()
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     ///
     /// # Errors
-    /// Where the shape is out of the format's range.
+    /// An error if the shape is outside the range of the format.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    /// What training begins with: as [`GraphArchitecture::initial_weights`], but that networks beside laws that are learned first
-    /// hardly move them.
+    /// Returns the weights that training begins with: [`GraphArchitecture::initial_weights`], with the networks beside a learned simpler
+    /// law scaled down so that they hardly affect the motion.
     pub fn beginning(&self, seed: u64) -> Vec<f64> {
         let weights = self.initial_weights(seed);
         if self.has_laws() { self.with_corrections_scaled(weights, CORRECTION) } else { weights }
     }
 
-    /// The numbers after the networks, in the order of the weight block.
+    /// Numbers after the networks, in the order of the weight block.
     fn numbers(&self) -> impl Iterator<Item = &Number> {
         self.node_types.iter().chain(&self.edge_types).flat_map(|kind| &kind.numbers)
     }
@@ -132,8 +132,7 @@ impl GraphArchitecture {
         self.shape.networks.iter().filter_map(|network| network.parameters()).sum()
     }
 
-    /// The networks that stand beside a simpler law: of potentials beside a field or the law of an edge type, and of drag beside
-    /// viscous drag.
+    /// Networks beside a simpler law: those of potentials beside a field or the law of an edge type, and those of drag beside viscous drag.
     fn corrections(&self) -> impl Iterator<Item = u8> {
         let node = |kind: &NodeShape| {
             let potential = if let Potential::Network(n) = kind.potential { Some(n) } else { None };
@@ -144,7 +143,7 @@ impl GraphArchitecture {
         nodes.chain(self.shape.edges.iter().filter_map(|kind| kind.potential))
     }
 
-    /// The weights with the networks that stand beside a simpler law multiplied by `c`.
+    /// Returns the weights with the outputs of the networks beside a simpler law multiplied by `c`.
     #[must_use]
     pub fn with_corrections_scaled(&self, mut weights: Vec<f64>, c: f64) -> Vec<f64> {
         let corrections: Vec<usize> = self.corrections().map(usize::from).collect();
@@ -159,7 +158,7 @@ impl GraphArchitecture {
         weights
     }
 
-    /// The same, with the same weight block, without the networks that stand beside a simpler law.
+    /// Returns the shape without the networks beside a simpler law; the weight block stays the same.
     #[must_use]
     fn without_corrections(&self) -> Self {
         let mut simple = self.clone();
@@ -172,24 +171,24 @@ impl GraphArchitecture {
         simple
     }
 
-    /// Whether a number of a law that networks stand beside is learned: drag, a field, the law of an edge type.
+    /// Whether a number of a simpler law (drag, a field, the law of an edge type) is learned.
     fn has_laws(&self) -> bool {
         let nodes =
             self.node_types.iter().flat_map(|kind| kind.numbers.iter().skip(1).take(1 + self.dimension()));
         nodes.chain(self.edge_types.iter().flat_map(|kind| &kind.numbers)).any(|number| number.learned)
     }
 
-    /// What is learned first: the simple laws alone; `None` where there are none, or nothing stands beside them.
+    /// Returns the shape that is learned first, with the simple laws alone; `None` if there are none or no network stands beside them.
     #[must_use]
     pub fn laws_alone(&self) -> Option<Self> {
         let simple = self.without_corrections();
         (self.has_laws() && simple.shape != self.shape).then_some(simple)
     }
 
-    /// Node and edge types over a weight block.
+    /// Returns node and edge types over a weight block.
     ///
     /// # Errors
-    /// Where the block or the compiled sizes do not fit.
+    /// An error if the block or the compiled sizes do not fit.
     pub fn host_types<'w, W: WeightFormat, const D: usize>(
         &self,
         weights: &'w [W],
@@ -253,7 +252,7 @@ impl Family for GraphArchitecture {
         "t".repeat(self.n())
     }
 
-    /// All coordinates are lengths: their unit stands once.
+    /// All coordinates are lengths: their unit is written once.
     fn units(&self) -> String {
         "m".to_owned()
     }
@@ -263,7 +262,7 @@ impl Family for GraphArchitecture {
         Ok(Box::new(GraphEnergies::new(&self.shape, nodes, edges, 0)?))
     }
 
-    /// Drag is of its node types; it takes no other law.
+    /// Drag belongs to the node types; no other law is possible.
     fn groups(&self) -> usize {
         0
     }

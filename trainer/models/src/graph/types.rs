@@ -6,17 +6,18 @@ use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::{GraphLayout, Rod};
 use serde::{Deserialize, Serialize};
 
-/// The name and numbers of a node type or an edge type.
+/// Name and numbers of a node type or an edge type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphType {
     /// Name.
     pub name: String,
-    /// In the order of the weight block: mass, drag, field, kinetic embedding, embedding of a node type; c₁ and c₂ of an edge type.
+    /// Numbers in the order of the weight block: mass, drag, field, kinetic embedding, embedding for a node type; c₁ and c₂ for an edge
+    /// type.
     pub numbers: Vec<Number>,
 }
 
 impl GraphType {
-    /// Types by their names, separated by commas, with known numbers.
+    /// Returns the types of a comma-separated list of names, with known numbers.
     pub(super) fn known(names: &str, numbers: &[f64], stride: usize) -> Vec<Self> {
         let named = |(name, numbers): (&str, &[f64])| Self {
             name: name.to_owned(),
@@ -26,21 +27,21 @@ impl GraphType {
     }
 }
 
-/// A graph by its name.
+/// A graph with its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedGraph {
     /// Name.
     pub name: String,
-    /// The type of every node.
+    /// Numbers of the types of all nodes.
     pub nodes: Vec<u8>,
-    /// The edges.
+    /// Edges of the graph.
     pub edges: Vec<Edge>,
-    /// The rods, which are known and not learned.
+    /// Rods of the graph, which are known and not learned.
     pub rods: Vec<Rod>,
 }
 
 impl NamedGraph {
-    /// The largest distance in the list between two rods that share a node: the band of A M⁻¹ Aᵀ.
+    /// Largest distance in the list between two rods that share a node: the bandwidth of A M⁻¹ Aᵀ.
     pub fn band(&self) -> usize {
         let ends = |rod: &Rod| [rod.from, Some(rod.to)];
         let share = |a: &Rod, b: &Rod| ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)));
@@ -48,7 +49,7 @@ impl NamedGraph {
         self.rods.iter().enumerate().filter_map(|(k, rod)| Some(later(k, rod)? + 1)).max().unwrap_or(0)
     }
 
-    /// The rods as constraints in D dimensions.
+    /// Rods as constraints in D dimensions.
     pub fn constraints<const D: usize>(&self) -> Vec<Holonomic<f64, D>> {
         self.rods.iter().map(Rod::constraint).collect()
     }

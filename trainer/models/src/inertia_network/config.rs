@@ -17,7 +17,7 @@ use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The form of the inertia matrix.
+/// Form of the inertia matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum InertiaKind {
@@ -29,40 +29,40 @@ pub enum InertiaKind {
     Factor,
 }
 
-/// The shape of an inertia network.
+/// Shape of an inertia network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InertiaNetworkConfig {
-    /// What each coordinate is.
+    /// Kinds of the coordinates.
     pub coordinates: Coordinates,
-    /// Units of the hidden layers.
+    /// Numbers of units in the hidden layers.
     #[serde(default = "hidden", deserialize_with = "fields::widths")]
     pub hidden: Vec<u16>,
     /// Activation of the hidden layers.
     #[serde(default = "activation", with = "fields::ActivationName")]
     pub activation: Activation,
-    /// The inertia matrix; by default diagonal for one coordinate, Cholesky for two, else a factor.
+    /// Form of the inertia matrix; by default diagonal for one coordinate, Cholesky for two, otherwise a factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<InertiaKind>,
-    /// Rows of the factor; by default as many as there can be.
+    /// Number of rows of the factor; by default the largest possible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rows: Option<u8>,
-    /// ε of the Cholesky form and of the factor, ≥ 0.
+    /// Constant ε ≥ 0 of the Cholesky form and of the factor.
     #[serde(default = "epsilon", deserialize_with = "fields::epsilon")]
     pub epsilon: f32,
     /// Whether viscous damping is learned.
     #[serde(default)]
     pub damping: bool,
-    /// The run or model file, of any family, whose inertia, potential and friction training begins at.
+    /// Run or model file, of any family, whose inertia, potential and friction training begins at.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_from: Option<PathBuf>,
     /// Friction of the coordinates, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
-    /// A network that dissipates.
+    /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
-    /// A network that is added to the potential.
+    /// Network that is added to the potential.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub potential: Option<PotentialConfig>,
 }
@@ -80,7 +80,7 @@ fn epsilon() -> f32 {
 }
 
 impl InertiaNetworkConfig {
-    /// The defaults for these coordinates.
+    /// Returns the default configuration for these coordinates.
     pub fn new(coordinates: Coordinates) -> Self {
         Self {
             coordinates,
@@ -97,10 +97,10 @@ impl InertiaNetworkConfig {
         }
     }
 
-    /// The shape of the model.
+    /// Returns the shape of the model.
     ///
     /// # Errors
-    /// For rows that the factor cannot have, or rows of no factor; for friction that cannot be.
+    /// An error for an invalid number of rows, rows without a factor, or invalid friction.
     fn shape(&self) -> Result<Architecture, ShapeError> {
         let Self { coordinates, hidden, activation, damping, .. } = self;
         let (n, plain) = (coordinates.0.len(), InertiaNetworkArchitecture::new(&coordinates.0, 0));
@@ -124,7 +124,8 @@ impl InertiaNetworkConfig {
         Ok(Architecture { family: family.into(), friction, corrections })
     }
 
-    /// The shape, with the friction of the model to start from where no other is asked for.
+    /// Returns the shape with the friction numbers of the model to start from; without a `friction` or `damping` key, the friction itself
+    /// is taken from it.
     fn begun(&self, mut architecture: Architecture, origin: Option<&Origin>) -> Architecture {
         match origin {
             Some(origin) if self.friction.is_none() && !self.damping => {
@@ -136,7 +137,7 @@ impl InertiaNetworkConfig {
         architecture
     }
 
-    /// The friction of the coordinates, and the networks beside it.
+    /// Returns the friction of the coordinates and the correction networks.
     fn laws(&self) -> Result<(FrictionArchitecture, Corrections), ShapeError> {
         self.friction.check_damping("damping", self.damping)?;
         let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
@@ -145,7 +146,7 @@ impl InertiaNetworkConfig {
         Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
     }
 
-    /// The same with the rows that are asked for.
+    /// Returns the inertia with the requested number of rows.
     fn with_rows(&self, inertia: Inertia) -> Result<Inertia, ShapeError> {
         let n = self.coordinates.0.len();
         match (inertia, self.rows) {
@@ -194,7 +195,7 @@ impl FamilyConfig for InertiaNetworkConfig {
         Ok(self.begun(shape, self.origin(open)?.as_ref()))
     }
 
-    /// Weights of the network are random; damping is that of the model to start from.
+    /// The weights of the network are random; the damping is that of the model to start from.
     fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
         let shape = self.shape()?;
         let origin = self.origin(open)?;

@@ -9,14 +9,14 @@ use std::fmt;
 /// Kinds of coordinates, written as a list of names or as letters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Coordinates(
-    /// From the first to the last.
+    /// Kinds from the first coordinate to the last.
     pub Vec<Coordinate>,
 );
 
 const KINDS: [(&str, Coordinate); 3] =
     [("translation", Coordinate::Translation), ("angle", Coordinate::Angle), ("cyclic", Coordinate::Cyclic)];
 
-/// The kind of a name or of a letter.
+/// Returns the kind for a name or a letter.
 fn kind<E: Error>(name: &str) -> Result<Coordinate, E> {
     let mut letters = name.chars();
     let letter = letters.next().filter(|_| letters.next().is_none()).and_then(Coordinate::from_letter);

@@ -1,4 +1,4 @@
-//! An inertia network in words.
+//! Description of an inertia network in words.
 
 use crate::inertia_network::InertiaNetworkArchitecture;
 use crate::words::Describe;
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// The network and the form of the inertia matrix.
 #[derive(Serialize)]
 pub struct InertiaNetworkDescription {
-    /// Inputs and outputs of every layer.
+    /// Numbers of inputs and outputs of every layer.
     layers: Vec<[usize; 2]>,
     /// Name of the activation of the hidden layers.
     activation: String,

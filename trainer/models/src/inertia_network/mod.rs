@@ -1,4 +1,4 @@
-//! Learned inertia matrices: H(q) and V(q) from one network (SyMo, L-NODE, DeLaN).
+//! Learned inertia matrices: H(q) and V(q) from a single network (SyMo, L-NODE, DeLaN).
 
 pub mod config;
 pub mod coordinates;
@@ -17,16 +17,16 @@ use leastaction_programs::energies::{Energies, InertiaNetworkEnergies};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// An inertia network over host weights: its type has the compiled sizes.
+/// An inertia network over host weights; its type has the compiled sizes.
 pub type HostSystem<'w, S, const N: usize, const H: usize> =
     System<InertiaNetwork<'w, <S as Scalar>::Weight, N, H, DEPTH>, Viscous<S, N>>;
 
-/// The shape of an inertia network.
+/// Shape of an inertia network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InertiaNetworkArchitecture {
-    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    /// Kinds of the coordinates, one letter each: `t` translation, `a` angle, `c` cyclic.
     pub coordinates: String,
-    /// Units of the hidden layers.
+    /// Numbers of units in the hidden layers.
     pub widths: Vec<u16>,
     /// Activation of the hidden layers.
     pub activation: Activation,
@@ -36,16 +36,16 @@ pub struct InertiaNetworkArchitecture {
     pub damped: bool,
 }
 
-/// The rows of the largest factor B of an inertia matrix of n coordinates that a model file can hold: 2n − 1, but at most 254 entries
-/// beside V. `None` where it would have fewer than n.
+/// Number of rows of the largest factor B that a model file can hold for an inertia matrix of n coordinates: 2n − 1, but at most 254
+/// entries beside V. `None` if there would be fewer than n rows.
 pub fn largest_factor(n: usize) -> Option<u8> {
     let rows = (2 * n).saturating_sub(1).min(254 / n.max(1));
     u8::try_from(rows).ok().filter(|_| rows >= n && n > 0)
 }
 
 impl InertiaNetworkArchitecture {
-    /// The default network for coordinates of these kinds: two tanh layers, H = softplus for one coordinate and LLᵀ + 1e-9 I for two,
-    /// as SyMo; BᵀB + 1e-9 I for more, as long as a file can hold it.
+    /// Returns the default network for coordinates of these kinds: two tanh layers; H = softplus for one coordinate and LLᵀ + 1e-9 I for
+    /// two, like SyMo; BᵀB + 1e-9 I for more, as long as a file can hold it.
     pub fn new(coordinates: &[Coordinate], width: u16) -> Self {
         let epsilon = 1e-9;
         let inertia = match (coordinates.len(), largest_factor(coordinates.len())) {
@@ -62,12 +62,12 @@ impl InertiaNetworkArchitecture {
         }
     }
 
-    /// Calls `read` with the shape in the words of the model file.
+    /// Calls `read` with the shape as the model file states it.
     pub(crate) fn with_header<T>(&self, read: impl FnOnce(InertiaNetworkHeader) -> T) -> T {
         read(self.header())
     }
 
-    /// The shape in the words of the model file.
+    /// Shape as the model file states it.
     pub fn header(&self) -> InertiaNetworkHeader<'_> {
         let mut widths = [0; MAX_HIDDEN];
         for (slot, width) in widths.iter_mut().zip(&self.widths) {
@@ -81,7 +81,7 @@ impl InertiaNetworkArchitecture {
         }
     }
 
-    /// The shape that a model file has.
+    /// Returns the shape described by a model file.
     pub(crate) fn from_header(header: &InertiaNetworkHeader, laws: Laws, _: &[f64]) -> Self {
         Self {
             coordinates: header.coordinates.to_owned(),
@@ -92,16 +92,16 @@ impl InertiaNetworkArchitecture {
         }
     }
 
-    /// Numbers in the weight block, damping included.
+    /// Length of the weight block in numbers, damping included.
     ///
     /// # Errors
-    /// Where the shape is out of the format's range.
+    /// An error if the shape is outside the range of the format.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         let damping = if self.damped { self.n() } else { 0 };
         Ok(self.header().parameters()? + damping)
     }
 
-    /// Inputs and outputs of every layer, first to last.
+    /// Numbers of inputs and outputs of every layer, first to last.
     pub fn layers(&self) -> Vec<(usize, usize)> {
         let header = self.header();
         let mut sizes = vec![header.features()];
@@ -110,7 +110,7 @@ impl InertiaNetworkArchitecture {
         sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
     }
 
-    /// Makes H well-conditioned, at the weights of the network.
+    /// Changes initial weights of the network so that H is well-conditioned.
     fn condition(&self, weights: &mut [f64]) {
         let (n, layers) = (self.n(), self.layers());
         let Some((inputs, outputs)) = layers.last().copied() else { return };
@@ -129,16 +129,16 @@ impl InertiaNetworkArchitecture {
         }
     }
 
-    /// Where damping is in the weight block, if there is any.
+    /// Range of the damping in the weight block, if there is any.
     pub fn damping(&self) -> Option<Range<usize>> {
         let start = self.header().parameters().ok().filter(|_| self.damped)?;
         Some(start..start + self.n())
     }
 
-    /// The system of this shape over a weight block.
+    /// Returns the system of this shape over a weight block.
     ///
     /// # Errors
-    /// Where the block or the compiled sizes do not fit.
+    /// An error if the block or the compiled sizes do not fit.
     pub fn system<'w, S: Scalar, const N: usize, const H: usize>(
         &self,
         weights: &'w [S::Weight],
@@ -157,7 +157,7 @@ impl Family for InertiaNetworkArchitecture {
     }
 
     /// # Errors
-    /// [`ModelError::OutOfRange`] where a coordinate is of no kind, or the network has a width of 0.
+    /// [`ModelError::OutOfRange`] if a coordinate has no valid kind or the network has a width of 0.
     fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
         self.header().parameters()?;
         let kinds = self.coordinates.chars().map(Coordinate::from_letter).collect::<Option<Vec<_>>>();
@@ -171,10 +171,10 @@ impl Family for InertiaNetworkArchitecture {
         )))
     }
 
-    /// Random weights: uniform with Glorot's variance, biases and damping zero. H is well-conditioned whatever the number of
-    /// coordinates, for a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are
-    /// divided by n − 1, since the condition of a random triangular matrix grows exponentially with n (Viswanath and Trefethen,
-    /// SIAM J. Matrix Anal. Appl. 19, 1998); those of B are too, and its bias is the unit matrix above zeros.
+    /// Returns random weights: uniform with Glorot's variance, biases and damping zero. H is made well-conditioned for any number of
+    /// coordinates, since a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are divided
+    /// by n − 1, because the condition number of a random triangular matrix grows exponentially with n (Viswanath and Trefethen, SIAM J.
+    /// Matrix Anal. Appl. 19, 1998). The weights of B are divided likewise, and its bias is the unit matrix above zeros.
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = random_layers(self.layers(), seed);
         self.condition(&mut weights);

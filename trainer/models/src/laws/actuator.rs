@@ -1,25 +1,25 @@
-//! The actuator of a model: from commands to the forces that act.
+//! Actuator of a model: from commands to the forces that act.
 
 use leastaction_core::forces::{self, ControlKind};
 use leastaction_core::model::{ActuatorBytes, ModelError};
 use serde::Serialize;
 
-/// Bytes of the delay in a model file.
+/// Number of bytes of the delay in a model file.
 const DELAY_BYTES: usize = 4;
 
 /// Gain, offset and delay of a drive: τ_i(t) = g_i u_i(t − d) + o_i.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Actuator {
-    /// g of every coordinate, not 0: N or N m a unit of command.
+    /// Gain g of every coordinate, not 0, N or N m per unit of command.
     pub gain: Vec<f64>,
-    /// o of every coordinate, N or N m.
+    /// Offset o of every coordinate, N or N m.
     pub offset: Vec<f64>,
-    /// d ≥ 0, s.
+    /// Delay d ≥ 0, s.
     pub delay: f64,
 }
 
 impl Actuator {
-    /// The command is the force: g = 1, o = 0, d = 0, on n coordinates.
+    /// Returns the actuator whose command is the force: g = 1, o = 0, d = 0, on n coordinates.
     pub fn ideal(n: usize) -> Self {
         Self { gain: vec![1.0; n], offset: vec![0.0; n], delay: 0.0 }
     }
@@ -31,10 +31,10 @@ impl Actuator {
             && self.offset.iter().all(|offset| *offset == 0.0)
     }
 
-    /// Actuator that a model file has in these bytes; none: the command is the force on n coordinates.
+    /// Reads the actuator from the bytes of a model file; without bytes, the command is the force on n coordinates.
     ///
     /// # Errors
-    /// As [`ActuatorBytes::new`]; [`ModelError::Shape`] where it is of another number of coordinates.
+    /// See [`ActuatorBytes::new`]; [`ModelError::Shape`] if it has another number of coordinates.
     pub fn from_bytes(bytes: &[u8], n: usize) -> Result<Self, ModelError> {
         if bytes.is_empty() {
             return Ok(Self::ideal(n));
@@ -56,7 +56,7 @@ impl Actuator {
         })
     }
 
-    /// Bytes of a model file: d, then g and o of every coordinate, in single precision; none where the command is the force.
+    /// Bytes for a model file: d, then g and o of every coordinate, in single precision; empty if the command is the force.
     pub fn to_bytes(&self) -> Vec<u8> {
         if self.is_ideal() {
             return Vec::new();
@@ -65,10 +65,10 @@ impl Actuator {
         std::iter::once(self.delay).chain(pairs).flat_map(|x| (x as f32).to_le_bytes()).collect()
     }
 
-    /// τ_i at the start and at the end of the step of h seconds from sample k on, linear between: as core has it
-    /// ([`forces::Actuator`]), of the same impulse and moment as what acts.
+    /// Returns τ_i at the start and at the end of the step of h seconds from sample k on, with τ_i linear between them: as in core
+    /// ([`forces::Actuator`]), with the same impulse and moment as the force that acts.
     ///
-    /// `command` gives u_i at a sample; samples below 0 were before the first.
+    /// `command` gives u_i at a sample; negative samples precede the first one.
     pub fn over_step(
         &self,
         (h, kind): (f64, ControlKind),
@@ -85,7 +85,7 @@ impl Actuator {
         [start, end]
     }
 
-    /// τ_i at sample k: of the command that acts there or, where it changes there, from there on.
+    /// Returns τ_i at sample k, from the command that acts there; if it changes there, from the new one.
     pub fn at_sample(
         &self,
         (h, kind): (f64, ControlKind),
@@ -103,22 +103,22 @@ impl Actuator {
         self.output(i, arrived)
     }
 
-    /// g_i u + o_i, N or N m: the force of a command that has arrived.
+    /// Force g_i u + o_i of a command that has arrived, N or N m.
     pub fn output(&self, i: usize, u: f64) -> f64 {
         self.gain(i) * u + self.offset(i)
     }
 
-    /// g_i; 1 where nothing is said of a coordinate.
+    /// Gain g_i; 1 for a coordinate without an entry.
     pub fn gain(&self, i: usize) -> f64 {
         self.gain.get(i).copied().unwrap_or(1.0)
     }
 
-    /// o_i, N or N m; 0 where nothing is said of a coordinate.
+    /// Offset o_i, N or N m; 0 for a coordinate without an entry.
     pub fn offset(&self, i: usize) -> f64 {
         self.offset.get(i).copied().unwrap_or(0.0)
     }
 
-    /// Whole steps of h seconds that a command is late, and the part of a step beside them.
+    /// Delay of a command as whole steps of h seconds and a fraction of a step.
     fn steps(&self, h: f64) -> (usize, f64) {
         let steps = if self.delay > 0.0 { self.delay / h } else { 0.0 };
         (steps as usize, steps.fract())

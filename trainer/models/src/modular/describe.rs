@@ -1,4 +1,4 @@
-//! Trees of elements in words.
+//! Description of trees of elements in words.
 
 use crate::modular::ModularArchitecture;
 use crate::words::{Describe, layers};
@@ -15,7 +15,7 @@ pub struct ModularDescription {
     pair: Option<String>,
     /// All trees.
     trees: Vec<Tree>,
-    /// Name of the tree that coordinates and cost are of.
+    /// Name of the tree that coordinates and cost refer to.
     tree: String,
 }
 
@@ -32,7 +32,7 @@ struct ElementType {
     damping: f64,
 }
 
-/// A tree of elements: names of types, and what each hangs from.
+/// A tree of elements: names of their types, and the parent of each.
 #[derive(Serialize)]
 struct Tree {
     name: String,

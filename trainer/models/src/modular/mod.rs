@@ -1,4 +1,4 @@
-//! The shape of a tree of elements on the host.
+//! Host-side shape of a tree of elements.
 
 pub mod config;
 pub mod describe;
@@ -15,15 +15,15 @@ use leastaction_core::model::{Law, Laws, MAX_TREES, ModelError, ModularHeader, T
 use leastaction_programs::energies::{Energies, ModularEnergies};
 use serde::{Deserialize, Serialize};
 
-/// The smallest mass, kg, that training may reach.
+/// Smallest mass that training may reach, kg.
 const LEAST_MASS: f64 = 1e-6;
 
-/// Numbers of an element type: its parameters, and its damping.
+/// Count of the numbers of an element type: its parameters and its damping.
 pub const TYPE_NUMBERS: usize = ELEMENT_PARAMETERS + 1;
-/// c₁ and c₂.
+/// Number of the coefficients c₁ and c₂.
 const COEFFICIENTS: usize = 2;
 
-/// An element type's name and numbers.
+/// Name and numbers of an element type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedType {
     /// Name.
@@ -32,23 +32,23 @@ pub struct NamedType {
     pub numbers: [Number; TYPE_NUMBERS],
 }
 
-/// A tree by its name.
+/// A tree with its name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedTree {
     /// Name.
     pub name: String,
-    /// As in [`TreeHeader::elements`].
+    /// Encoded elements, see [`TreeHeader::elements`].
     pub elements: Vec<u8>,
 }
 
 impl NamedTree {
-    /// A tree in which every element of these types hangs from the one before it.
+    /// Returns a tree of elements of these types, each of which hangs from the one before it.
     pub fn chain(name: &str, kinds: &[u8]) -> Self {
         let elements = kinds.iter().zip(0..).flat_map(|(kind, parent)| [*kind, parent]).collect();
         Self { name: name.to_owned(), elements }
     }
 
-    /// Elements of these types, none of which hangs from another.
+    /// Returns a tree of elements of these types, none of which hangs from another.
     pub fn apart(name: &str, kinds: &[u8]) -> Self {
         Self { name: name.to_owned(), elements: kinds.iter().flat_map(|kind| [*kind, 0]).collect() }
     }
@@ -58,26 +58,26 @@ impl NamedTree {
     }
 }
 
-/// The shape of a modular model: its element types, its trees, and the tree that is meant.
+/// Shape of a modular model: its element types, its trees, and the selected tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModularArchitecture {
     /// Networks and types.
     pub shape: ModularShape,
-    /// The names and numbers of the types.
+    /// Names and numbers of the types.
     pub types: Vec<NamedType>,
-    /// Names of the types as the file has them.
+    /// Comma-separated names of the types, as in the file.
     names: String,
-    /// c₁ and c₂.
+    /// Coefficients c₁ and c₂.
     pub coefficients: [Number; 2],
-    /// Whether element types have viscous damping of their own, which ends the weight block.
+    /// Whether the element types have viscous damping, whose numbers end the weight block.
     pub damped: bool,
     /// All trees.
     pub trees: Vec<NamedTree>,
-    /// The tree that is trained or evaluated.
+    /// Position of the selected tree, which is trained or evaluated.
     pub tree: usize,
 }
 
-/// Names and units of an element type's numbers.
+/// Names and units of the numbers of an element type.
 const NUMBERS_OF_TYPE: [(&str, &str); TYPE_NUMBERS] = [
     ("mass", "kg"),
     ("inertia about the centre of mass", "kg m²"),
@@ -87,7 +87,7 @@ const NUMBERS_OF_TYPE: [(&str, &str); TYPE_NUMBERS] = [
 ];
 
 impl ModularArchitecture {
-    /// A model of these types and trees, of which the first tree is meant, with damping of its own.
+    /// Returns a model of these types and trees with damping of its own; the first tree is selected.
     pub fn new(
         shape: ModularShape,
         types: Vec<NamedType>,
@@ -98,12 +98,12 @@ impl ModularArchitecture {
         Self { shape, types, names, coefficients, damped: true, trees, tree: 0 }
     }
 
-    /// Calls `read` with the shape in the words of the model file.
+    /// Calls `read` with the shape as the model file states it.
     pub(crate) fn with_header<T>(&self, read: impl FnOnce(ModularHeader) -> T) -> T {
         read(self.header())
     }
 
-    /// The shape in the words of the model file.
+    /// Shape as the model file states it.
     pub fn header(&self) -> ModularHeader<'_> {
         let mut trees = [TreeHeader::default(); MAX_TREES];
         for (slot, tree) in trees.iter_mut().zip(&self.trees) {
@@ -112,7 +112,7 @@ impl ModularArchitecture {
         ModularHeader { shape: self.shape, names: &self.names, trees }
     }
 
-    /// The shape that a model file has; all numbers are known, as in the file.
+    /// Returns the shape described by a model file; all numbers are known, as in the file.
     pub(crate) fn from_header(header: &ModularHeader, laws: Laws, weights: &[f64]) -> Self {
         let named =
             |name: &str| NamedType { name: name.to_owned(), numbers: [Number::known(0.0); TYPE_NUMBERS] };
@@ -127,47 +127,47 @@ impl ModularArchitecture {
         Self { damped: laws.contains(Law::Viscous), ..new }.with_numbers(weights)
     }
 
-    /// The same with another tree in place of all others.
+    /// Returns the shape with this tree in place of all others.
     #[must_use]
     pub fn with_tree(&self, tree: NamedTree) -> Self {
         Self { trees: vec![tree], tree: 0, ..self.clone() }
     }
 
-    /// The same with the tree of that name in mind; `None` where there is none.
+    /// Returns the shape with the tree of that name selected; `None` if there is none.
     #[must_use]
     pub fn with_tree_named(&self, name: &str) -> Option<Self> {
         let mut own = self.clone();
         own.mean_part(name).then_some(own)
     }
 
-    /// The tree in the words of the model file; without elements where there is none.
+    /// The selected tree as the model file states it; without elements if there is none.
     pub fn tree_header(&self) -> TreeHeader<'_> {
         self.trees.get(self.tree).map(NamedTree::header).unwrap_or_default()
     }
 
-    /// What the tree is called.
+    /// Name of the selected tree.
     pub fn tree_name(&self) -> &str {
         self.tree_header().name
     }
 
-    /// The numbers after the networks, in the order of the weight block.
+    /// Numbers after the networks, in the order of the weight block.
     pub fn numbers(&self) -> impl Iterator<Item = Number> {
         let parameters = self.types.iter().flat_map(|kind| kind.numbers.into_iter().take(ELEMENT_PARAMETERS));
         let damping = self.types.iter().flat_map(|kind| kind.numbers.into_iter().skip(ELEMENT_PARAMETERS));
         parameters.chain(self.coefficients).chain(damping.filter(|_| self.damped))
     }
 
-    /// Where the numbers begin in the weight block, after the networks.
+    /// Position of the first of these numbers in the weight block, after the networks.
     pub fn numbers_start(&self) -> usize {
         self.shape.networks.iter().filter_map(NetworkShape::parameters).sum()
     }
 
-    /// The type of every element of the tree.
+    /// Types of the elements of the selected tree.
     pub fn kinds(&self) -> impl Iterator<Item = usize> {
         self.tree_header().elements.iter().step_by(2).map(|kind| usize::from(*kind))
     }
 
-    /// The same with the numbers (masses and so on) that a weight block has.
+    /// Returns the shape with the numbers (masses and so on) of a weight block.
     #[must_use]
     pub fn with_numbers(mut self, weights: &[f64]) -> Self {
         let start = self.numbers_start();
@@ -184,8 +184,8 @@ impl ModularArchitecture {
         self
     }
 
-    /// Whether every mass of the tree is learned and no moment of inertia is known: then a common factor of all of them is in
-    /// no free motion.
+    /// Whether every mass of the tree is learned and no moment of inertia is known: free motion then does not determine a common factor of
+    /// all of them.
     pub fn learns_every_mass(&self) -> bool {
         self.kinds().filter_map(|kind| self.types.get(kind)).all(|named| {
             let [mass, inertia, ..] = named.numbers;

@@ -6,11 +6,11 @@ use super::{Body, Joint, Tree};
 use super::{INERTIAL, Inertia};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// The motion of a body's frame, in that frame.
+/// Motion of a body's frame, expressed in that frame.
 struct Motion {
-    /// Of the body on its parent.
+    /// Rotation of the body relative to its parent.
     rotation: Matrix3<f64>,
-    /// Of its origin on the parent's, in the parent's frame (m).
+    /// Position of the body's origin relative to the parent's, in the parent's frame (m).
     offset: Vector3<f64>,
     /// Angular velocity (rad/s).
     angular: Vector3<f64>,
@@ -36,14 +36,14 @@ impl Wrench {
 }
 
 impl Motion {
-    /// What the base does: it rests in a field of gravity.
+    /// Motion of the base, which rests in a gravity field.
     fn of_base(gravity: Vector3<f64>) -> Self {
         let zero = Vector3::zeros();
         let (rotation, offset) = (Matrix3::identity(), zero);
         Self { rotation, offset, angular: zero, linear: zero, angular_rate: zero, linear_rate: -gravity }
     }
 
-    /// Of a body on this one, its joint at q with velocity v and acceleration a.
+    /// Motion of a body carried by this one, with its joint at q, velocity v and acceleration a.
     fn carried(&self, body: &Body, [q, v, a]: [f64; 3]) -> Self {
         let (turn, slide, [turn_v, turn_a], [slide_v, slide_a]) = match body.joint {
             Joint::Revolute(axis) => {
@@ -72,7 +72,7 @@ impl Motion {
         }
     }
 
-    /// What moves this body so.
+    /// Wrench that causes this motion of a body.
     fn wrench(&self, inertia: &Inertia) -> Wrench {
         let (moment, rotational, w) = (inertia.moment(), inertia.rotational(), &self.angular);
         Wrench {
@@ -85,7 +85,7 @@ impl Motion {
         }
     }
 
-    /// A wrench on this body as one on its parent.
+    /// Converts a wrench on this body into one on its parent.
     fn on_parent(&self, wrench: &Wrench) -> Wrench {
         let force = self.rotation * wrench.force;
         Wrench { force, moment: self.rotation * wrench.moment + self.offset.cross(&force) }
@@ -93,7 +93,7 @@ impl Motion {
 }
 
 impl Body {
-    /// What the coordinate feels of a wrench on the body.
+    /// Force of a wrench on the body along its coordinate.
     fn felt(&self, wrench: &Wrench) -> f64 {
         self.ratio
             * match self.joint {
@@ -134,16 +134,16 @@ impl Tree {
         forces
     }
 
-    /// τ (N m, N) under which the tree at q, v accelerates by a: M a + C v + ∂V/∂q, without friction.
+    /// Force τ (N m, N) under which the tree at q, v accelerates by a: M a + C v + ∂V/∂q, without friction.
     ///
     /// # Panics
-    /// Where q, v or a is of another length than there are coordinates, as of all functions here.
+    /// If the length of q, v or a differs from the number of coordinates. All functions here panic then.
     #[must_use]
     pub fn inverse_dynamics(&self, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
         self.forces([q, v, a], self.gravity)
     }
 
-    /// Y(q, v, a), \[n\]\[parameters\]: τ = Y π, π = [`Tree::parameters`].
+    /// Regressor Y(q, v, a), \[n\]\[parameters\]: τ = Y π, π = [`Tree::parameters`].
     #[must_use]
     pub fn regressor(&self, q: &[f64], v: &[f64], a: &[f64]) -> Vec<Vec<f64>> {
         let motions = self.motions([q, v, a], self.gravity);
@@ -165,7 +165,7 @@ impl Tree {
         rows
     }
 
-    /// M(q), \[n\]\[n\], kg m²: a column is the force of a unit acceleration from rest without gravity.
+    /// Mass matrix M(q), \[n\]\[n\], kg m²: each column is the force for a unit acceleration from rest without gravity.
     #[must_use]
     pub fn mass_matrix(&self, q: &[f64]) -> Vec<Vec<f64>> {
         let n = self.coordinates();
@@ -174,7 +174,8 @@ impl Tree {
         (0..n).map(|j| self.forces([q, &rest, &unit(j)], Vector3::zeros())).collect()
     }
 
-    /// Kinetic energy T with that of the rotors, and potential energy V, 0 for a body whose centre of mass is at the origin of the base (J).
+    /// Kinetic energy T including that of the rotors, and potential energy V (J); V is 0 for a body whose centre of mass is at the origin
+    /// of the base.
     #[must_use]
     pub fn energies(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
         let motions = self.motions([q, v, &vec![0.0; v.len()]], self.gravity);

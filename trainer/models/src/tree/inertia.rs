@@ -1,18 +1,20 @@
-//! The inertial numbers of a body, and those of them that can be.
+//! Inertial numbers of a body, and the condition for their physical consistency.
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-/// Inertial numbers of a body.
+/// Count of the inertial numbers of a body.
 pub const INERTIAL: usize = 10;
 
-/// m, m c (x, y, z), and the rotational inertia xx, xy, yy, xz, yz, zz about the origin of the body's frame, in that frame: kg, kg m, kg m².
+/// Inertial numbers m, m c (x, y, z), and the rotational inertia xx, xy, yy, xz, yz, zz about the origin of the body's frame, in that
+/// frame: kg, kg m, kg m².
 ///
 /// I = ∫ (|x|² 1 − x xᵀ) dm, so that the products of inertia are −∫ x y dm. The order is that of Pinocchio's `toDynamicParameters`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inertia(pub [f64; INERTIAL]);
 
 impl Inertia {
-    /// Of mass m (kg), centre of mass c (m) and the inertia about the centre of mass, along the axes of the frame (kg m²).
+    /// Creates the numbers from mass m (kg), centre of mass c (m), and the inertia about the centre of mass along the axes of the frame (kg
+    /// m²).
     #[must_use]
     pub fn of_centre(mass: f64, centre: Vector3<f64>, inertia: Matrix3<f64>) -> Self {
         let about_origin =
@@ -25,27 +27,27 @@ impl Inertia {
         Self([mass, x, y, z, i[(0, 0)], i[(0, 1)], i[(1, 1)], i[(0, 2)], i[(1, 2)], i[(2, 2)]])
     }
 
-    /// m, kg.
+    /// Mass m, kg.
     #[must_use]
     pub fn mass(&self) -> f64 {
         self.0[0]
     }
 
-    /// m c, kg m.
+    /// First moment m c, kg m.
     #[must_use]
     pub fn moment(&self) -> Vector3<f64> {
         let [_, x, y, z, ..] = self.0;
         Vector3::new(x, y, z)
     }
 
-    /// I about the origin, kg m².
+    /// Rotational inertia I about the origin, kg m².
     #[must_use]
     pub fn rotational(&self) -> Matrix3<f64> {
         let [_, _, _, _, xx, xy, yy, xz, yz, zz] = self.0;
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// The pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm: a body can be exactly where it is positive semidefinite.
+    /// Pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm: the numbers are physically consistent exactly if it is positive semidefinite.
     ///
     /// Source: Wensing, Kim and Slotine, "Linear matrix inequalities for physically consistent inertial parameter identification", 2018.
     #[must_use]
@@ -60,7 +62,7 @@ impl Inertia {
         pseudo
     }
 
-    /// The numbers of a pseudo-inertia; only its symmetric part counts.
+    /// Creates the numbers from a pseudo-inertia; only its symmetric part counts.
     #[must_use]
     pub fn of_pseudo(pseudo: &Matrix4<f64>) -> Self {
         let pseudo = (pseudo + pseudo.transpose()) / 2.0;
@@ -69,7 +71,7 @@ impl Inertia {
         Self::of_parts(pseudo[(3, 3)], moment, Matrix3::identity() * second.trace() - second)
     }
 
-    /// The same body in a frame where its own frame is at rotation R and translation p.
+    /// Returns the same body relative to a frame in which its own frame has rotation R and translation p.
     #[must_use]
     pub fn placed(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
         let mut motion = Matrix4::identity();
@@ -78,14 +80,14 @@ impl Inertia {
         Self::of_pseudo(&(motion * self.pseudo() * motion.transpose()))
     }
 
-    /// Both bodies as one.
+    /// Returns both bodies as one.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
     }
 
-    /// The least eigenvalue of the pseudo-inertia, after its rows and columns were scaled so that its diagonal is 1: above 0 where the body
-    /// is physically consistent. NaN where the diagonal is not positive.
+    /// Smallest eigenvalue of the pseudo-inertia after its rows and columns are scaled to a unit diagonal: positive if the body is
+    /// physically consistent. NaN if the diagonal is not positive.
     #[must_use]
     pub fn consistency(&self) -> f64 {
         let pseudo = self.pseudo();
@@ -95,9 +97,9 @@ impl Inertia {
     }
 }
 
-/// Log-Cholesky numbers of a body relative to another one, the prior: its pseudo-inertia is U₀ U(θ) U(θ)ᵀ U₀ᵀ, U₀ that of the prior, U(θ) upper
-/// triangular with the diagonal e^θ₀ … e^θ₃ and θ₄ … θ₉ above it, row by row. Every θ is a body that can be, every body of positive
-/// definite pseudo-inertia has one θ, the prior's is 0, and θ has no unit.
+/// Log-Cholesky parameters θ of a body relative to another one, the prior: its pseudo-inertia is U₀ U(θ) U(θ)ᵀ U₀ᵀ, where U₀ is that of the
+/// prior, and U(θ) is upper triangular with the diagonal e^θ₀ … e^θ₃ and θ₄ … θ₉ above it, row by row. Every θ is a physically consistent
+/// body, every body with a positive definite pseudo-inertia has exactly one θ, that of the prior is 0, and θ has no unit.
 ///
 /// Source: Rucker and Wensing, "Smooth parameterization of rigid-body inertia", 2022.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,17 +107,17 @@ pub struct LogCholesky {
     root: Matrix4<f64>,
 }
 
-/// Where θ₄ … θ₉ stand.
+/// Positions of θ₄ … θ₉.
 const ABOVE: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 impl LogCholesky {
-    /// Relative to this body; `None` where its pseudo-inertia is not positive definite.
+    /// Creates parameters relative to this body; `None` if its pseudo-inertia is not positive definite.
     #[must_use]
     pub fn around(prior: &Inertia) -> Option<Self> {
         upper_root(&prior.pseudo()).map(|root| Self { root })
     }
 
-    /// The body of these numbers.
+    /// Returns the body for these parameters.
     #[must_use]
     pub fn inertia(&self, theta: &[f64; INERTIAL]) -> Inertia {
         let root = self.root * triangle(theta);
@@ -136,7 +138,7 @@ impl LogCholesky {
         })
     }
 
-    /// The numbers of a body; `None` where its pseudo-inertia is not positive definite.
+    /// Returns the parameters of a body; `None` if its pseudo-inertia is not positive definite.
     #[must_use]
     pub fn numbers(&self, inertia: &Inertia) -> Option<[f64; INERTIAL]> {
         let upper = self.root.try_inverse()? * upper_root(&inertia.pseudo())?;
@@ -150,7 +152,7 @@ fn triangle(theta: &[f64; INERTIAL]) -> Matrix4<f64> {
     upper
 }
 
-/// U of P = U Uᵀ with a positive diagonal: the Cholesky factor of P in reversed order.
+/// Returns U of P = U Uᵀ with a positive diagonal: the Cholesky factor of P in reversed order.
 fn upper_root(pseudo: &Matrix4<f64>) -> Option<Matrix4<f64>> {
     let reversed = |m: &Matrix4<f64>| Matrix4::from_fn(|i, j| m[(3 - i, 3 - j)]);
     let root = reversed(pseudo).cholesky().map(|factor| reversed(&factor.l()))?;

@@ -1,8 +1,8 @@
-//! Trees of rigid bodies on revolute and prismatic joints, of any size, in f64, and their recursions.
+//! Trees of rigid bodies on revolute and prismatic joints, of any size, in f64, and the recursions on them.
 //!
-//! Conventions. Body i has one joint to its parent, a body before it, or to the base. The joint's frame stands on the parent's frame
-//! at a constant pose, parent_x = R x + p at q = 0; the axis is a unit vector in the joint's frame, and the body's frame is the joint's
-//! frame moved by q. SI units; gravity is a vector in the base frame, normally (0, 0, −9.81) m/s².
+//! Conventions. Body i has one joint, to its parent (a body before it) or to the base. The joint's frame has a constant pose in the
+//! parent's frame, parent_x = R x + p at q = 0; the axis is a unit vector in the joint's frame, and the body's frame is the joint's frame
+//! moved by q. SI units; gravity is a vector in the base frame, normally (0, 0, −9.81) m/s².
 
 mod dynamics;
 mod inertia;
@@ -15,27 +15,28 @@ use thiserror::Error;
 /// A constant pose: parent_x = R x + p.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// R.
+    /// Rotation R.
     pub rotation: Matrix3<f64>,
-    /// p, m.
+    /// Translation p, m.
     pub translation: Vector3<f64>,
 }
 
 impl Pose {
-    /// That of the parent itself.
+    /// Returns the pose of the parent itself.
     #[must_use]
     pub fn identity() -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
     }
 
-    /// Translation, and roll, pitch and yaw about the fixed axes x, y and z in that order (rad), as URDF has them.
+    /// Creates a pose from a translation, and from roll, pitch and yaw about the fixed axes x, y and z in that order (rad), as in URDF.
     #[must_use]
     pub fn of_rpy(translation: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Self {
         let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
         Self { rotation, translation: translation.into() }
     }
 
-    /// By the modified Denavit–Hartenberg numbers α, a and d (rad, m): Rot_x(α) Trans_x(a) Trans_z(d), before the turn about z.
+    /// Creates a pose from the modified Denavit–Hartenberg parameters α, a and d (rad, m): Rot_x(α) Trans_x(a) Trans_z(d), before the turn
+    /// about z.
     ///
     /// Source: Craig, "Introduction to Robotics", chapter 3.
     #[must_use]
@@ -44,7 +45,7 @@ impl Pose {
         Self { rotation, translation: Vector3::new(a, 0.0, 0.0) + rotation * Vector3::new(0.0, 0.0, d) }
     }
 
-    /// A pose on this one.
+    /// Returns the pose `inner` composed with this one: that of a frame placed on this frame.
     #[must_use]
     pub fn then(&self, inner: &Self) -> Self {
         Self {
@@ -54,28 +55,28 @@ impl Pose {
     }
 }
 
-/// How a body moves on its parent, with a unit axis in the joint's frame.
+/// Joint between a body and its parent, with a unit axis in the joint's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint {
-    /// Turns about the axis; q in rad. Also a continuous joint.
+    /// Turns about the axis; q in rad. Continuous joints are revolute too.
     Revolute(Unit<Vector3<f64>>),
     /// Slides along the axis; q in m.
     Prismatic(Unit<Vector3<f64>>),
 }
 
-/// What a joint may do, in rad or m; infinite where nothing is said.
+/// Limits of a joint, in rad or m; infinite if not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Positions, from and to.
+    /// Lowest and highest position.
     pub position: [f64; 2],
-    /// |v| at most.
+    /// Largest |v|.
     pub velocity: f64,
-    /// |τ| at most, N m or N.
+    /// Largest |τ|, N m or N.
     pub effort: f64,
 }
 
 impl Limits {
-    /// None.
+    /// Returns no limits.
     #[must_use]
     pub fn none() -> Self {
         let all = f64::INFINITY;
@@ -90,45 +91,46 @@ pub struct Body {
     pub name: String,
     /// Name of its joint.
     pub joint_name: String,
-    /// The body that carries it, one before it; `None` for the base.
+    /// Number of the body that carries it, which precedes it; `None` for the base.
     pub parent: Option<usize>,
-    /// How it moves.
+    /// Joint between the body and its parent.
     pub joint: Joint,
-    /// The joint's frame on the parent's.
+    /// Pose of the joint's frame in the parent's.
     pub pose: Pose,
-    /// Which coordinate moves it. Its joint is at ratio q + offset; ratio 1 and offset 0 but for joints that follow another one.
+    /// Number of the coordinate that moves it. Its joint is at ratio q + offset; ratio 1 and offset 0 except for joints that follow another
+    /// one.
     pub coordinate: usize,
     /// See `coordinate`.
     pub ratio: f64,
     /// See `coordinate`, rad or m.
     pub offset: f64,
-    /// Its inertial numbers.
+    /// Inertial numbers of the body.
     pub inertia: Inertia,
-    /// Of the joint itself.
+    /// Limits of the joint itself.
     pub limits: Limits,
 }
 
-/// A tree of rigid bodies with rotors, on a base that rests.
+/// A tree of rigid bodies with rotors, on a resting base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     bodies: Vec<Body>,
     /// Rotor inertia J reflected to every coordinate, kg m² or kg: ½ J v² of kinetic energy.
     pub rotors: Vec<f64>,
-    /// In the base frame, m/s².
+    /// Gravity in the base frame, m/s².
     pub gravity: Vector3<f64>,
 }
 
-/// What cannot be a tree.
+/// Reason why bodies do not form a tree.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TreeError {
-    /// A parent that does not stand before its child.
+    /// A parent that does not precede its child.
     #[error("body {body} ({name}): its parent {parent} does not stand before it")]
     Parent {
-        /// Which.
+        /// Number of the child.
         body: usize,
-        /// Its name.
+        /// Name of the child.
         name: String,
-        /// As given.
+        /// Parent as given.
         parent: usize,
     },
     /// A coordinate that moves nothing.
@@ -143,7 +145,7 @@ pub enum TreeError {
 }
 
 impl Tree {
-    /// A tree under the usual gravity, (0, 0, −9.81) m/s², without rotors.
+    /// Creates a tree under the usual gravity, (0, 0, −9.81) m/s², without rotors.
     ///
     /// # Errors
     /// [`TreeError`].
@@ -159,7 +161,7 @@ impl Tree {
                 return Err(TreeError::NotFinite(body.name.clone()));
             }
         }
-        // A far coordinate would make room for all below it.
+        // A large coordinate number would allocate room for all below it.
         let is_used = |k: &usize| bodies.iter().any(|body| body.coordinate == *k);
         if let Some(k) = (0..coordinates).find(|k| !is_used(k)) {
             return Err(TreeError::Unused(k));
@@ -167,13 +169,13 @@ impl Tree {
         Ok(Self { bodies, rotors: vec![0.0; coordinates], gravity: Vector3::new(0.0, 0.0, -9.81) })
     }
 
-    /// Coordinates n.
+    /// Number of coordinates n.
     #[must_use]
     pub fn coordinates(&self) -> usize {
         self.rotors.len()
     }
 
-    /// The bodies, every one after its parent.
+    /// Bodies, each after its parent.
     #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
@@ -185,16 +187,16 @@ impl Tree {
         self.bodies.iter().flat_map(|body| body.inertia.0).chain(self.rotors.iter().copied()).collect()
     }
 
-    /// How many there are.
+    /// Count of the inertial parameters.
     #[must_use]
     pub fn parameter_count(&self) -> usize {
         INERTIAL * self.bodies.len() + self.coordinates()
     }
 
-    /// The same tree of other bodies and rotors.
+    /// Returns this tree with other bodies and rotors.
     ///
     /// # Panics
-    /// Where the number of parameters is another one.
+    /// If the number of parameters differs.
     #[must_use]
     pub fn with_parameters(&self, parameters: &[f64]) -> Self {
         assert_eq!(parameters.len(), self.parameter_count(), "parameters of another tree");
@@ -206,7 +208,7 @@ impl Tree {
         tree
     }
 
-    /// The names of the parameters, for messages and tables.
+    /// Names of the parameters, for messages and tables.
     #[must_use]
     pub fn parameter_names(&self) -> Vec<String> {
         const NUMBERS: [&str; INERTIAL] = ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
@@ -215,7 +217,8 @@ impl Tree {
         self.bodies.iter().flat_map(of_body).chain(rotors).collect()
     }
 
-    /// The joint that coordinate k is of: the first one that it moves with ratio 1 and offset 0, or else at all.
+    /// Name of the joint that coordinate k belongs to: the first one that it moves with ratio 1 and offset 0, or else the first one that it
+    /// moves.
     #[must_use]
     pub fn coordinate_name(&self, k: usize) -> &str {
         let mut moved = self.bodies.iter().filter(|body| body.coordinate == k);
@@ -223,8 +226,8 @@ impl Tree {
         own.or_else(|| moved.next()).map_or("", |body| &body.joint_name)
     }
 
-    /// The same kinematics with guessed bodies where one has no mass: `mass` (kg) shared in proportion to length among all bodies without
-    /// mass, each spread evenly between its frame and the frames that it carries, `radius` (m) wide in all directions.
+    /// Returns the same kinematics with guessed bodies in place of those without mass: `mass` (kg) is shared among them in proportion to
+    /// their lengths, and each is spread evenly between its frame and the frames that it carries, `radius` (m) wide in all directions.
     #[must_use]
     pub fn with_guessed_inertias(&self, mass: f64, radius: f64) -> Self {
         let mut tree = self.clone();
@@ -234,7 +237,7 @@ impl Tree {
         let total: f64 = unknown.iter().map(|i| length(*i)).sum();
         for i in unknown {
             let (mass, centre) = (mass * length(i) / total, ends[i] / 2.0);
-            // Second moments about the centre: of a rod, and of a ball around every point of it.
+            // Second moments about the centre: that of a rod, plus that of a ball around every point of it.
             let second = ends[i] * ends[i].transpose() / 12.0 + Matrix3::identity() * (radius * radius / 5.0);
             let inertia = mass * (Matrix3::identity() * second.trace() - second);
             tree.bodies[i].inertia = Inertia::of_centre(mass, centre, inertia);
@@ -242,14 +245,14 @@ impl Tree {
         tree
     }
 
-    /// The mean place of the joints that a body carries, in its frame; its own origin where it carries none.
+    /// Mean position of the joints that a body carries, in its frame; its own origin if it carries none.
     fn end(&self, body: usize) -> Vector3<f64> {
         let carried = || self.bodies.iter().filter(move |other| other.parent == Some(body));
         let sum: Vector3<f64> = carried().map(|other| other.pose.translation).sum();
         sum / carried().count().max(1) as f64
     }
 
-    /// Limits of a coordinate: those of all joints that it moves; the effort is that of the joint that it is of.
+    /// Limits of a coordinate: those of all joints that it moves; the effort is that of the joint that it belongs to.
     #[must_use]
     pub fn limits(&self, coordinate: usize) -> Limits {
         let mut all = Limits::none();

@@ -1,21 +1,21 @@
-//! What can be wrong with a robot description.
+//! Errors of a robot description.
 
 use crate::tree::TreeError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// A robot description that cannot be used. Links and joints are named as in the file.
+/// Reason why a robot description cannot be used. Links and joints are named as in the file.
 #[derive(Debug, Error)]
 pub enum UrdfError {
-    /// The operating system says why.
+    /// The file cannot be read.
     #[error("{}: {error}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason given by the operating system.
         error: std::io::Error,
     },
-    /// Not XML, or XML with a document type, which no robot needs and which entities of any size come from.
+    /// Not XML, or XML with a document type, which no robot needs and which can contain entities of any size.
     #[error("not XML that a robot can be read from: {0}")]
     Xml(#[from] roxmltree::Error),
     /// More text than any robot has.
@@ -24,10 +24,10 @@ pub enum UrdfError {
     /// More links than any robot has.
     #[error("{0} links; at most {MOST_LINKS} are read")]
     Links(usize),
-    /// The outermost element is another one.
+    /// The outermost element is not `<robot>`.
     #[error("the outermost element is <{0}>, not <robot>; a xacro file must be expanded first")]
     NotRobot(String),
-    /// An attribute or element that is needed.
+    /// A missing attribute or element.
     #[error("{at}: {what} is missing")]
     Missing {
         /// Link or joint.
@@ -35,59 +35,59 @@ pub enum UrdfError {
         /// Element or attribute.
         what: &'static str,
     },
-    /// Text that is not the numbers it should be.
+    /// Text other than the expected numbers.
     #[error("{at}: {what} = \"{found}\" should be {expected} finite number{}", if *expected == 1 { "" } else { "s" })]
     Number {
         /// Link or joint.
         at: String,
         /// Attribute.
         what: &'static str,
-        /// As written.
+        /// Text as written.
         found: String,
-        /// How many.
+        /// Expected count of numbers.
         expected: usize,
     },
-    /// Two of a name.
+    /// Two links or joints of the same name.
     #[error("{0} stands twice")]
     Twice(String),
-    /// A joint with a link that is not there.
+    /// A joint with a link that does not exist.
     #[error("joint {joint}: there is no link {link}")]
     NoLink {
-        /// Which joint.
+        /// Name of the joint.
         joint: String,
-        /// As named.
+        /// Name of the link as given.
         link: String,
     },
     /// A link with two parents.
     #[error("link {link} is the child of two joints, {first} and {second}")]
     TwoParents {
-        /// Which link.
+        /// Name of the link.
         link: String,
-        /// A joint.
+        /// First of the joints.
         first: String,
-        /// The other.
+        /// Second of the joints.
         second: String,
     },
     /// No link is without a parent.
     #[error("every link is the child of a joint: the joints go round in a circle, and there is no base")]
     NoRoot,
-    /// Links without a parent.
+    /// Two or more links without a parent.
     #[error("links {first} and {second} are both the child of no joint; one base must carry all")]
     TwoRoots {
-        /// A link.
+        /// First of the links.
         first: String,
-        /// Another one.
+        /// Second of the links.
         second: String,
     },
-    /// A circle beside the base.
+    /// A cycle of joints that is not connected to the base.
     #[error("link {0} hangs on no base: its joints go round in a circle")]
     Cycle(String),
     /// A joint of a kind that has no single coordinate.
     #[error("joint {joint}: type {kind}; revolute, continuous, prismatic and fixed joints are known")]
     Kind {
-        /// Which.
+        /// Name of the joint.
         joint: String,
-        /// As written.
+        /// Kind as written.
         kind: String,
     },
     /// An axis without direction.
@@ -96,12 +96,12 @@ pub enum UrdfError {
     /// A mass below 0.
     #[error("link {link}: its mass is {mass} kg")]
     NegativeMass {
-        /// Which.
+        /// Name of the link.
         link: String,
-        /// As written, kg.
+        /// Mass as written, kg.
         mass: f64,
     },
-    /// An inertia of no body.
+    /// A physically impossible inertia.
     #[error(
         "link {0}: no body has this inertia (a principal moment is negative or larger than the sum of the others)"
     )]
@@ -111,27 +111,27 @@ pub enum UrdfError {
         "link {link}, moved by joint {joint}, has no mass, and nothing fixed to it has: <inertial> is missing"
     )]
     NoInertia {
-        /// Which link.
+        /// Name of the link.
         link: String,
-        /// Its joint.
+        /// Name of its joint.
         joint: String,
     },
-    /// A joint that follows one that is not there, or itself.
+    /// A joint that follows one that does not exist, does not move, or follows another one.
     #[error("joint {joint} follows {leader}, which {why}")]
     Mimic {
-        /// Which.
+        /// Name of the joint.
         joint: String,
-        /// The other one.
+        /// Name of the joint that it follows.
         leader: String,
-        /// What is wrong.
+        /// Reason, in words.
         why: &'static str,
     },
-    /// What is left is no tree.
+    /// The remaining bodies form no tree.
     #[error(transparent)]
     Tree(#[from] TreeError),
 }
 
-/// Bytes of a description at most.
+/// Maximum size of a description, in bytes.
 pub const MOST_BYTES: usize = 1 << 24;
-/// Links at most.
+/// Maximum number of links.
 pub const MOST_LINKS: usize = 4096;

@@ -1,9 +1,9 @@
-//! A tree from a robot description (URDF).
+//! Construction of a tree from a robot description (URDF).
 //!
-//! The root link is fixed to the base, whose frame it is. Links on fixed joints become one body with what carries them; links fixed to the base
-//! vanish. Joints that follow another one (`<mimic>`) move with its coordinate. Coordinates are in the order in which a walk from the base
-//! meets their joints, the children of a link in the order of the file. Meshes, colours, transmissions and everything else is passed
-//! over. A document type is refused, and so entities that grow; nothing here recurses, however deep the file.
+//! The root link is fixed to the base, and its frame is that of the base. Links on fixed joints are merged with the body that carries them;
+//! links fixed to the base vanish. Joints that follow another one (`<mimic>`) move with its coordinate. Coordinates are in the order in
+//! which a walk from the base meets their joints, with the children of a link in the order of the file. Meshes, colours, transmissions and
+//! everything else are ignored. A document type is refused, and with it entities that grow; nothing here recurses, however deep the file.
 
 mod error;
 mod parts;
@@ -21,11 +21,11 @@ use std::path::Path;
 pub enum Inertias {
     /// Every moving body has a mass.
     Required,
-    /// A body without one has zeros, for [`Tree::with_guessed_inertias`].
+    /// A body without mass gets zeros, for [`Tree::with_guessed_inertias`].
     Optional,
 }
 
-/// Reads a file.
+/// Reads a robot description from a file.
 ///
 /// # Errors
 /// [`UrdfError`].
@@ -38,7 +38,7 @@ pub fn read(path: &Path, inertias: Inertias) -> Result<Tree, UrdfError> {
     parse(&std::fs::read_to_string(path).map_err(failed)?, inertias)
 }
 
-/// Reads the text of a description.
+/// Reads a robot description from its text.
 ///
 /// # Errors
 /// [`UrdfError`].
@@ -61,11 +61,11 @@ pub fn parse(text: &str, inertias: Inertias) -> Result<Tree, UrdfError> {
     Description::new(links, joints)?.tree(inertias)
 }
 
-/// Links and joints with who carries whom.
+/// Links and joints, and their connections.
 struct Description {
     links: Vec<Link>,
     joints: Vec<JointElement>,
-    /// Joints on every link, with the link that each moves.
+    /// Joints on every link, each with the link that it moves.
     carried: Vec<Vec<(usize, usize)>>,
     root: usize,
 }
@@ -97,10 +97,10 @@ impl Description {
 
     fn tree(&self, inertias: Inertias) -> Result<Tree, UrdfError> {
         let mut bodies: Vec<Body> = Vec::new();
-        // The body that each joint moves.
+        // Body that each joint moves.
         let mut moved: HashMap<&str, usize> = HashMap::new();
         let mut is_met = vec![false; self.links.len()];
-        // Links to be walked through: on which body, and where on it.
+        // Links still to be visited: the body that each belongs to, and its pose there.
         let mut open = vec![(self.root, None, Pose::identity())];
         while let Some((link, body, pose)) = open.pop() {
             is_met[link] = true;
@@ -109,7 +109,7 @@ impl Description {
                 let own = self.links[link].inertia.placed(&pose.rotation, &pose.translation);
                 body.inertia = body.inertia.with(&own);
             }
-            // The last one pushed is walked through first.
+            // The last link pushed is visited first.
             for (k, child) in self.carried[link].iter().rev() {
                 let at = pose.then(&self.joints[*k].pose);
                 if self.joints[*k].kind == "fixed" {
@@ -136,7 +136,7 @@ impl Description {
         Ok(Tree::new(bodies)?)
     }
 
-    /// A coordinate for every joint that follows no other, and to those that do that of the one they follow.
+    /// Gives every independent joint a coordinate, and a joint that follows another one the coordinate of that joint.
     fn give_coordinates(&self, bodies: &mut [Body], moved: &HashMap<&str, usize>) -> Result<(), UrdfError> {
         let followed: HashMap<&str, &(String, f64, f64)> = self
             .joints
@@ -162,7 +162,7 @@ impl Description {
 }
 
 impl JointElement {
-    /// The body that the joint moves, without its inertia.
+    /// Returns the body that the joint moves, without its inertia.
     fn body(&self, link: &str, parent: Option<usize>, pose: Pose) -> Result<Body, UrdfError> {
         let axis = || Unit::try_new(self.axis, 1e-12).ok_or_else(|| UrdfError::Axis(self.name.clone()));
         let joint = match self.kind.as_str() {
@@ -185,7 +185,7 @@ impl JointElement {
     }
 }
 
-/// Names with their places.
+/// Positions of names in their list.
 fn numbered<'n>(
     kind: &str,
     names: impl Iterator<Item = &'n String>,

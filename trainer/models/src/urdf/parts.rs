@@ -1,4 +1,4 @@
-//! Links and joints as they are written.
+//! Links and joints as written in the file.
 
 use super::error::UrdfError;
 use crate::tree::{Inertia, Limits, Pose};
@@ -20,18 +20,18 @@ pub(super) struct JointElement {
     pub pose: Pose,
     pub axis: Vector3<f64>,
     pub limits: Limits,
-    /// The joint that it follows, with multiplier and offset.
+    /// Name of the joint that it follows, with multiplier and offset.
     pub mimic: Option<(String, f64, f64)>,
 }
 
-/// An element with what it is called in messages.
+/// An element with its name in messages.
 struct Element<'a, 'i> {
     node: Node<'a, 'i>,
     at: String,
 }
 
 impl<'a, 'i> Element<'a, 'i> {
-    /// A link or joint.
+    /// Reads the name of a link or joint.
     fn named(node: Node<'a, 'i>) -> Result<(Self, String), UrdfError> {
         let kind = node.tag_name().name();
         let missing = || UrdfError::Missing { at: format!("a {kind}"), what: "its name" };
@@ -56,7 +56,7 @@ impl<'a, 'i> Element<'a, 'i> {
         self.node.attribute(what).map(str::to_owned).ok_or_else(|| self.missing(what))
     }
 
-    /// So many numbers; `None` where the attribute is missing.
+    /// Reads N numbers; `None` if the attribute is missing.
     fn numbers<const N: usize>(&self, what: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
         let Some(text) = self.node.attribute(what) else { return Ok(None) };
         let wrong = || UrdfError::Number {
@@ -82,7 +82,7 @@ impl<'a, 'i> Element<'a, 'i> {
         self.number(what)?.ok_or_else(|| self.missing(what))
     }
 
-    /// Of its `<origin>`.
+    /// Reads the pose of its `<origin>`.
     fn pose(&self) -> Result<Pose, UrdfError> {
         let Some(origin) = self.child("origin") else { return Ok(Pose::identity()) };
         let of = |what| Ok::<_, UrdfError>(origin.numbers(what)?.unwrap_or_default());
@@ -116,10 +116,10 @@ impl Link {
     }
 }
 
-/// Part of the largest moment by which the last digits of a file may be wrong.
+/// Tolerance for rounding in the file, as a fraction of the largest moment.
 const ROUNDING: f64 = 1e-3;
 
-/// Whether second moments ½ tr(I) 1 − I are not negative, but for rounding.
+/// Whether the second moments ½ tr(I) 1 − I are nonnegative up to rounding.
 fn is_of_a_body(inertia: &Matrix3<f64>) -> bool {
     let second = Matrix3::identity() * (inertia.trace() / 2.0) - inertia;
     second.symmetric_eigenvalues().min() >= -ROUNDING * inertia.norm()
@@ -151,7 +151,7 @@ impl JointElement {
         let none = f64::INFINITY;
         let lower = limit.number("lower")?;
         let upper = limit.number("upper")?;
-        // One that is left out is 0 where the other is given.
+        // If only one limit is given, the other is 0.
         let position = match (kind, lower, upper) {
             ("continuous", ..) | (_, None, None) => [-none, none],
             (_, lower, upper) => [lower.unwrap_or(0.0), upper.unwrap_or(0.0)],

@@ -1,4 +1,4 @@
-//! Planar bodies in words.
+//! Description of planar bodies in words.
 
 use crate::bodies::plane::BodiesArchitecture;
 use crate::words::{self, Describe};

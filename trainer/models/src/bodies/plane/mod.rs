@@ -1,4 +1,4 @@
-//! The shape of a tree of rigid bodies on the host.
+//! Host-side shape of a tree of planar rigid bodies.
 
 pub mod config;
 pub mod describe;
@@ -14,27 +14,28 @@ use leastaction_core::model::{BodiesHeader, Laws, ModelError};
 use leastaction_programs::energies::{BodiesEnergies, Energies};
 use serde::{Deserialize, Serialize};
 
-/// The numbers of a body, in the order of [`BodyParameters`].
+/// Numbers of a body, in the order of [`BodyParameters`].
 pub type BodyNumbers = [Number; BODY_PARAMETERS];
 
-/// The shape of a tree of rigid bodies on joints in the plane, with the numbers that are known and those that are learned.
+/// Shape of a tree of rigid bodies on joints in the plane, with its known and its learned numbers.
 ///
-/// A number that is known to be 0 is no part of the programs of training, which are shorter for it.
+/// Numbers that are known to be 0 are left out of the training programs, which makes them shorter.
 ///
-/// Motion does not show all numbers. Of a chain of revolute joints it shows, of each body, ml of what it carries, mc and I + mc² in
-/// sums over bodies, and J and g of a drive on a moving body as J(g² − g) alone. What it does not show stays near where it begins.
+/// Motion does not determine all numbers. For a chain of revolute joints it shows only sums over bodies: for each body, m l of what it
+/// carries, m c and I + m c²; J and g of a drive on a moving body appear only as J(g² − g). Whatever it does not show stays near its
+/// initial value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodiesArchitecture {
-    /// As in [`BodiesHeader::bodies`].
+    /// Encoded tree, see [`BodiesHeader::bodies`].
     pub tree: Vec<u8>,
     /// γ, m/s².
     pub gravity: [Number; GRAVITY_PARAMETERS],
-    /// Of every body.
+    /// Numbers of every body.
     pub numbers: Vec<BodyNumbers>,
 }
 
 impl BodiesArchitecture {
-    /// A tree of these bodies with their numbers; `None` where a body sits on body 255 or beyond.
+    /// Returns a tree of these bodies with their numbers; `None` if a body sits on body 255 or beyond.
     pub fn new(
         gravity: [Number; GRAVITY_PARAMETERS],
         bodies: impl IntoIterator<Item = (TreeBody, BodyParameters<Number>)>,
@@ -47,17 +48,17 @@ impl BodiesArchitecture {
         Some(Self { tree, gravity, numbers })
     }
 
-    /// Calls `read` with the shape in the words of the model file.
+    /// Calls `read` with the shape as the model file states it.
     pub(crate) fn with_header<T>(&self, read: impl FnOnce(BodiesHeader) -> T) -> T {
         read(self.header())
     }
 
-    /// The shape in the words of the model file.
+    /// Shape as the model file states it.
     pub fn header(&self) -> BodiesHeader<'_> {
         BodiesHeader::planar(&self.tree)
     }
 
-    /// The shape that a model file has; all numbers are known, as in the file.
+    /// Returns the shape described by a model file; all numbers are known, as in the file.
     pub(crate) fn from_header(header: &BodiesHeader, _: Laws, weights: &[f64]) -> Self {
         let known = weights.iter().map(|weight| Number::known(*weight)).collect::<Vec<_>>();
         let (gravity, numbers) = known.split_at(known.len().min(GRAVITY_PARAMETERS));
@@ -68,7 +69,7 @@ impl BodiesArchitecture {
         }
     }
 
-    /// The bodies in order; none that a model file cannot hold.
+    /// Bodies in order, without any that a model file cannot hold.
     pub fn bodies(&self) -> impl Iterator<Item = TreeBody> {
         self.header().bodies().flatten()
     }

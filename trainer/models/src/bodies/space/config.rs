@@ -1,4 +1,4 @@
-//! `[model]` of the family of arms: rigid bodies in space, from a robot description.
+//! `[model]` of the arm family: rigid bodies in space, from a robot description.
 
 use crate::architecture::Architecture;
 use crate::bodies::letters_of_joints;
@@ -18,27 +18,27 @@ use leastaction_core::energy::arm::Joint as JointKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Whether numbers are learned.
+/// Whether a group of numbers is learned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Learning {
-    /// From the logs.
+    /// Learned from the logs.
     #[default]
     Learned,
-    /// They are those of the description.
+    /// Known: the values of the description.
     Known,
 }
 
-/// Which bodies are learned.
+/// Choice of the bodies that are learned.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(
     untagged,
     expecting = "\"learned\", \"known\", or the names of the joints whose bodies are learned, as [\"joint7\"]"
 )]
 pub enum LearnedBodies {
-    /// All of them or none.
+    /// All bodies or none.
     All(Learning),
-    /// Those on the joints of these names; the others are known.
+    /// Bodies on the joints with these names; all others are known.
     On(Vec<String>),
 }
 
@@ -52,33 +52,33 @@ impl Default for LearnedBodies {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "family", rename = "arm")]
 pub struct ArmConfig {
-    /// The description; relative to the configuration file.
+    /// Robot description; the path is relative to the configuration file.
     pub urdf: PathBuf,
-    /// γ in the frame of the base, m/s².
+    /// Gravity γ in the frame of the base, m/s².
     #[serde(default = "gravity")]
     pub gravity: [f64; 3],
-    /// Of all links together that have no mass in the description, kg: their bodies are guessed from it.
+    /// Total mass of all links that have none in the description, kg; their bodies are guessed from it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Of guessed bodies about their lines, m.
+    /// Width of the guessed bodies around the line that they are spread along, m.
     #[serde(default = "radius")]
     pub radius: f64,
-    /// The run or model file of the same arm whose bodies, rotors and friction training begins at in place of the description's.
+    /// Run or model file of the same arm whose bodies, rotors and friction replace the description's at the start of training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_from: Option<PathBuf>,
-    /// Which bodies are learned; the description is where training begins, and where it stays in what the log does not show.
+    /// Choice of the learned bodies. Training begins at the description and stays there in whatever the log does not show.
     #[serde(default)]
     pub bodies: LearnedBodies,
-    /// Whether inertias of rotors are learned; a known one is that of `start_from`, else 0.
+    /// Whether the inertias of the rotors are learned; a known one is that of `start_from`, or else 0.
     #[serde(default)]
     pub rotors: Learning,
     /// Friction of the joints.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
-    /// A network that dissipates.
+    /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
-    /// A network that is added to the potential.
+    /// Network that is added to the potential.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub potential: Option<PotentialConfig>,
 }
@@ -91,13 +91,13 @@ fn radius() -> f64 {
     0.1
 }
 
-/// Where a learned rotor begins, kg m².
+/// Initial inertia of a learned rotor, kg m².
 const FIRST_ROTOR: f64 = 1e-3;
-/// Frames and axes of the same joint differ by less, m or 1.
+/// Tolerance within which two frames or axes belong to the same joint, m or 1.
 const SAME: f64 = 1e-4;
 
 impl ArmConfig {
-    /// An arm of this description with the usual gravity, everything learned.
+    /// Returns an arm with this description, the usual gravity, and everything learned.
     pub fn new(urdf: impl Into<PathBuf>) -> Self {
         Self {
             urdf: urdf.into(),
@@ -113,7 +113,7 @@ impl ArmConfig {
         }
     }
 
-    /// Refuses numbers out of their range.
+    /// Refuses numbers outside their range.
     fn check(&self) -> Result<(), ShapeError> {
         let range = "finite and above 0";
         for (key, value) in [("mass", self.mass), ("radius", Some(self.radius))] {
@@ -127,7 +127,7 @@ impl ArmConfig {
         Ok(())
     }
 
-    /// The tree of the description, its bodies guessed where that is asked for.
+    /// Returns the tree of the description, with guessed bodies if a mass is given.
     fn described(&self) -> Result<Tree, ShapeError> {
         self.check()?;
         let inertias = if self.mass.is_some() { Inertias::Optional } else { Inertias::Required };
@@ -149,7 +149,7 @@ impl ArmConfig {
         problem.at(["urdf".into()])
     }
 
-    /// The shape with what of it is learned.
+    /// Returns the shape, with the choice of its learned numbers.
     fn family(&self, tree: &Tree) -> Result<ArmArchitecture, ShapeError> {
         let learned = self.learned_bodies(tree)?;
         let cannot_be =
@@ -165,7 +165,7 @@ impl ArmConfig {
             .ok_or_else(|| self.at_urdf(Problem::Follows { file: self.urdf.clone() }))
     }
 
-    /// Of every body whether it is learned.
+    /// Whether each body is learned.
     fn learned_bodies(&self, tree: &Tree) -> Result<Vec<bool>, ShapeError> {
         let names = || tree.bodies().iter().map(|body| body.joint_name.as_str());
         let joints = match &self.bodies {
@@ -181,7 +181,7 @@ impl ArmConfig {
         Ok(names().map(|name| joints.iter().any(|joint| joint == name)).collect())
     }
 
-    /// The tree with the bodies and rotors of a model, which must stand on the same joints.
+    /// Returns the tree with the bodies and rotors of a model, which must have the same joints.
     fn begun(&self, tree: &Tree, origin: &Origin) -> Result<Tree, ShapeError> {
         let other = || {
             let file = self.start_from.clone().unwrap_or_default();
@@ -224,7 +224,7 @@ impl FamilyConfig for ArmConfig {
     }
 }
 
-/// How a body moves.
+/// Kind of a body's joint.
 fn kind(body: &Body) -> JointKind {
     match body.joint {
         Joint::Revolute(_) => JointKind::Revolute,
@@ -232,7 +232,7 @@ fn kind(body: &Body) -> JointKind {
     }
 }
 
-/// Whether joints differ by no more than what single precision rounds away.
+/// Whether two joints differ only by the rounding of single precision.
 fn is_same_joint(a: &Body, b: &Body) -> bool {
     let (axis_a, axis_b) = (axis(a), axis(b));
     let rotation = (a.pose.rotation - b.pose.rotation).amax();

@@ -1,4 +1,4 @@
-//! An arm in words.
+//! Description of an arm in words.
 
 use crate::bodies::space::ArmArchitecture;
 use crate::family::Family;

@@ -1,4 +1,4 @@
-//! The shape of a tree of rigid bodies in space on the host.
+//! Host-side shape of a tree of rigid bodies in space.
 
 pub mod config;
 pub mod describe;
@@ -17,10 +17,10 @@ use leastaction_core::model::{ArmHeader, Laws, ModelError};
 use leastaction_programs::energies::{ArmEnergies, ArmJoint, Energies};
 use serde::{Deserialize, Serialize};
 
-/// Numbers of a body that are its joint's frame and axis.
+/// Count of a body's numbers that describe its joint's frame and axis.
 const FRAME: usize = ARM_PARAMETERS - INERTIAL - 1;
 
-/// Names and units of a body's numbers that can be learned, and of its rotor.
+/// Names and units of the numbers of a body that can be learned, and of its rotor.
 const NUMBERS_OF_BODY: [(&str, &str); 11] = [
     ("mass", "kg"),
     ("mass times centre x", "kg m"),
@@ -38,33 +38,33 @@ const NUMBERS_OF_BODY: [(&str, &str); 11] = [
 /// A body of an arm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArmBody {
-    /// Of its joint; empty where a model file has none.
+    /// Name of its joint; empty for a model file, which has none.
     pub name: String,
-    /// R, p and the axis of its joint, as in a model file.
+    /// R, p and axis of its joint, as in a model file.
     pub frame: Vec<f64>,
-    /// Its ten inertial numbers, where they are known or where training begins: then also the prior, and the body that its numbers are
-    /// learned in relation to.
+    /// Ten inertial numbers of the body: its known values, or those at which training begins. The latter are also the prior, and the body
+    /// relative to which the numbers are learned.
     pub inertia: [f64; INERTIAL],
-    /// Whether these are learned.
+    /// Whether the inertial numbers are learned.
     pub is_learned: bool,
-    /// J of its rotor, kg m² or kg.
+    /// Inertia J of its rotor, kg m² or kg.
     pub rotor: Number,
 }
 
-/// The shape of a tree of rigid bodies on joints in space: its kinematics are known, its bodies and rotors known or learned.
+/// Shape of a tree of rigid bodies on joints in space: its kinematics are known, its bodies and rotors known or learned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArmArchitecture {
-    /// As in [`ArmHeader::bodies`].
+    /// Encoded tree, see [`ArmHeader::bodies`].
     pub tree: Vec<u8>,
     /// γ, m/s².
     pub gravity: [f64; ARM_GRAVITY_PARAMETERS],
-    /// Of every coordinate.
+    /// One body per coordinate.
     pub bodies: Vec<ArmBody>,
 }
 
 impl ArmArchitecture {
-    /// That of a tree in which every coordinate moves one body, in the same order; `None` for another one (a joint that follows another), or
-    /// where a body sits on body 255 or beyond.
+    /// Returns the shape of a tree in which every coordinate moves one body, in the same order; `None` for any other tree (a joint that
+    /// follows another one), or if a body sits on body 255 or beyond.
     pub fn new(
         tree: &Tree,
         learned: impl Fn(usize) -> bool,
@@ -89,17 +89,17 @@ impl ArmArchitecture {
         Some(Self { tree: bytes, gravity: tree.gravity.into(), bodies })
     }
 
-    /// Calls `read` with the shape in the words of the model file.
+    /// Calls `read` with the shape as the model file states it.
     pub(crate) fn with_header<T>(&self, read: impl FnOnce(ArmHeader) -> T) -> T {
         read(self.header())
     }
 
-    /// The shape in the words of the model file.
+    /// Shape as the model file states it.
     pub fn header(&self) -> ArmHeader<'_> {
         ArmHeader { bodies: &self.tree }
     }
 
-    /// The shape that a model file has; all numbers are known, as in the file.
+    /// Returns the shape described by a model file; all numbers are known, as in the file.
     pub(crate) fn from_header(header: &ArmHeader, _: Laws, weights: &[f64]) -> Self {
         let (gravity, numbers) = weights.split_at(weights.len().min(ARM_GRAVITY_PARAMETERS));
         let of = |numbers: &[f64; ARM_PARAMETERS]| ArmBody {
@@ -116,7 +116,7 @@ impl ArmArchitecture {
         }
     }
 
-    /// The joints and what they stand on, in order; none that a model file cannot hold.
+    /// Joints and their parents in order, without any that a model file cannot hold.
     pub fn tree_bodies(&self) -> impl Iterator<Item = TreeBody> {
         self.header().bodies().flatten()
     }
@@ -131,27 +131,27 @@ impl ArmArchitecture {
         self.gravity.iter().map(|x| Number::known(*x)).chain(self.bodies.iter().flat_map(of_body))
     }
 
-    /// Where the numbers of a body begin in the weight block.
+    /// Position of the first number of a body in the weight block.
     fn start(body: usize) -> usize {
         ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * body
     }
 
-    /// Where the ten inertial numbers of a body begin in the weight block.
+    /// Position of the first of the ten inertial numbers of a body in the weight block.
     pub fn inertia_position(body: usize) -> usize {
         Self::start(body) + FRAME
     }
 
-    /// Where the rotor of a coordinate stands in the weight block.
+    /// Position of the rotor of a coordinate in the weight block.
     pub fn rotor_position(coordinate: usize) -> usize {
         Self::start(coordinate + 1) - 1
     }
 
-    /// The numbers of the k-th body in a weight block; `None` where it is too short.
+    /// Numbers of the k-th body in a weight block; `None` if the block is too short.
     pub fn body_of(weights: &[f64], k: usize) -> Option<ArmParameters<f64>> {
         Some(ArmParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
     }
 
-    /// These bodies and rotors put into a weight block of this shape, where they are learned.
+    /// Writes the bodies and rotors of `tree` into a weight block of this shape, where they are learned.
     pub fn put(&self, tree: &Tree, weights: &mut [f64]) {
         for (k, ((own, body), rotor)) in self.bodies.iter().zip(tree.bodies()).zip(&tree.rotors).enumerate() {
             let Some(numbers) = weights.get_mut(Self::start(k)..Self::start(k + 1)) else { continue };
@@ -164,7 +164,7 @@ impl ArmArchitecture {
         }
     }
 
-    /// The host's tree of this shape with the bodies and rotors of a weight block.
+    /// Returns the host's tree of this shape with the bodies and rotors of a weight block.
     pub fn host_tree(&self, weights: &[f64]) -> Option<Tree> {
         let body = |(k, (body, own)): (usize, (TreeBody, &ArmBody))| {
             let numbers = Self::body_of(weights, k)?;

@@ -1,4 +1,4 @@
-//! From a configuration to the shape of a model.
+//! Conversion of a configuration into the shape of a model.
 
 use super::{EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig};
 use crate::config::parts::{Networks, NumberConfig, Range};
@@ -14,16 +14,16 @@ use leastaction_core::energy::graph::{
 use leastaction_core::model::{MAX_GRAPHS, ORIGIN, Rod};
 use leastaction_core::network::Activation;
 
-/// The key of the node types.
+/// Key of the node types.
 const NODE_TYPES: &str = "node_types";
-/// The key of the edge types.
+/// Key of the edge types.
 const EDGE_TYPES: &str = "edge_types";
 
 impl GraphConfig {
-    /// The model that these types and graphs are; the graph that is trained is its first.
+    /// Returns the model with these types and graphs; its first graph is the one to be trained.
     ///
     /// # Errors
-    /// [`ShapeError`]: what cannot be, and where.
+    /// [`ShapeError`]: what is invalid, and where.
     pub fn assemble(&self) -> Result<GraphArchitecture, ShapeError> {
         let mut networks = Networks::default();
         let dimension = self.dimension.into();
@@ -43,7 +43,7 @@ impl GraphConfig {
         Ok(architecture)
     }
 
-    /// The graphs, the chosen one first.
+    /// Returns all graphs, the chosen one first.
     fn named_graphs(&self) -> Result<Vec<NamedGraph>, ShapeError> {
         check_count("graphs", "graphs", self.graphs.len(), MAX_GRAPHS)?;
         let named = self.graphs.iter().map(|(name, layout)| self.named_graph(name, layout));
@@ -53,7 +53,7 @@ impl GraphConfig {
         Ok(graphs)
     }
 
-    /// The position of the graph that is trained.
+    /// Position of the graph that is trained.
     fn chosen(&self) -> Result<usize, Problem> {
         let known = || list(self.graphs.keys());
         match &self.graph {
@@ -75,7 +75,7 @@ impl GraphConfig {
             return Err(at(Problem::EmptyGraph));
         }
         let count = layout.nodes.len();
-        // The last number stands for the origin.
+        // The largest number stands for the origin.
         if count > usize::from(ORIGIN) {
             let (what, most) = ("nodes in a graph", ORIGIN.into());
             return Err(at(Problem::TooMany { what, found: count, most }));
@@ -102,10 +102,10 @@ impl GraphConfig {
     }
 }
 
-/// The key, and what is wrong there.
+/// A problem and the key it occurs at.
 type Misfit = (&'static str, Problem);
 
-/// Every entry of a list of a graph, made by `of`.
+/// Converts every entry of a list of a graph by `of`.
 fn each<T, U>(
     (name, key): (&str, &str),
     list: &[T],
@@ -115,11 +115,11 @@ fn each<T, U>(
     list.iter().enumerate().map(|(i, entry)| of(entry).map_err(|problem| at(i, problem))).collect()
 }
 
-/// The number of the type of that name.
+/// Number of the type with that name.
 fn position<T: Named>(what: &'static str, name: &str, kinds: &[T]) -> Result<u8, Problem> {
     let known = || list(kinds.iter().map(Named::name));
     let found = kinds.iter().position(|kind| kind.name() == name);
-    // More types than the format holds are refused.
+    // A configuration with more types than the format holds is refused.
     let found = found.map(|kind| kind as u8);
     found.ok_or_else(|| Problem::UnknownType { what, name: name.to_owned(), known: known() })
 }
@@ -137,7 +137,7 @@ fn check_ends(from: Option<u16>, to: u16, nodes: usize) -> Result<(), Problem> {
     if from == Some(to) { Err(Problem::Loop { node: to }) } else { Ok(()) }
 }
 
-/// What has a name of its own.
+/// A type with a name.
 trait Named {
     fn name(&self) -> &str;
 }
@@ -154,7 +154,7 @@ impl Named for EdgeTypeConfig {
     }
 }
 
-/// The shape, name and numbers of every type of a list, made by `of`.
+/// Converts every type of a list by `of` into its shape and its numbers, and keeps its name.
 fn each_type<T: Named, U>(
     key: &str,
     kinds: &[T],
@@ -185,7 +185,7 @@ fn check_size(architecture: &GraphArchitecture) -> Result<(), ShapeError> {
     Err(Problem::Size { found, most }.at(["graphs".into(), name.into()]))
 }
 
-/// The numbers at a key; where nothing is given, `default`, known.
+/// Returns the numbers at a key; without given ones, `default` as known numbers.
 fn numbers(
     (key, range): (&'static str, Range),
     given: Option<(&[f64], bool)>,
@@ -196,7 +196,7 @@ fn numbers(
     values.iter().map(number).collect()
 }
 
-/// One number as a list.
+/// A single number as a list.
 fn single(given: &Option<NumberConfig>) -> Option<(&[f64], bool)> {
     given.as_ref().map(|NumberConfig { value, learned }| (std::slice::from_ref(value), *learned))
 }

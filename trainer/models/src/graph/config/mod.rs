@@ -1,4 +1,4 @@
-//! `[model]` of the graph family: node types and edge types, and graphs of them.
+//! `[model]` of the graph family: node types, edge types, and graphs of them.
 
 mod assemble;
 mod values;
@@ -17,32 +17,32 @@ use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Node types, edge types, graphs of them, and the graph that the data is of.
+/// Node types, edge types, graphs of them, and the graph that the data belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "family", rename = "graph")]
 pub struct GraphConfig {
-    /// Of space, 2 or 3.
+    /// Dimension of space, 2 or 3.
     #[serde(default = "plane", deserialize_with = "fields::dimension")]
     pub dimension: u8,
-    /// The graph that the data is of; without it the only one.
+    /// Name of the graph that the data belongs to; it may be left out if there is only one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub graph: Option<String>,
-    /// What nodes there are.
+    /// Node types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub node_types: Vec<NodeTypeConfig>,
-    /// What edges there are.
+    /// Edge types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edge_types: Vec<EdgeTypeConfig>,
     /// Graphs by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub graphs: BTreeMap<String, LayoutConfig>,
-    /// Not of graphs, whose node types have drag.
+    /// Not accepted for graphs, whose node types have drag.
     #[serde(default, skip_serializing)]
     friction: NoFriction,
-    /// Not of graphs.
+    /// Not accepted for graphs.
     #[serde(default, skip_serializing)]
     dissipation: NoCorrections,
-    /// The same.
+    /// Not accepted for graphs.
     #[serde(default, skip_serializing)]
     potential: NoCorrections,
 }
@@ -57,39 +57,39 @@ fn plane() -> u8 {
 pub struct NodeTypeConfig {
     /// Name.
     pub name: String,
-    /// m > 0, kg. (Default: 1.)
+    /// Mass m > 0, kg. (Default: 1.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<NumberConfig>,
-    /// g, N, one number for each dimension: a uniform field, which pulls with −g. (Default: none.)
+    /// Uniform field g, N, one number for each dimension; it pulls with −g. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<NumberConfig<Vec<f64>>>,
-    /// Hidden units of a potential of the position. (Default: none.)
+    /// Hidden units of a network for the potential, a function of the position. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub potential: Option<Vec<u16>>,
-    /// c ≥ 0, N s/m. (Default: none.)
+    /// Viscous drag c ≥ 0, N s/m. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drag: Option<NumberConfig>,
-    /// Hidden units of a drag that is not proportional to the velocity. (Default: none.)
+    /// Hidden units of a network for drag that is not proportional to the velocity. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub drag_network: Option<Vec<u16>>,
-    /// Of all hidden layers of the type. (Default: squareplus.)
+    /// Activation of all hidden layers of the type. (Default: squareplus.)
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
     pub activation: Option<Activation>,
 }
 
-/// An edge type: U = c₁z + c₂z² + network(z) of what it sees of its ends, z.
+/// An edge type: U = c₁z + c₂z² + network(z), with z a function of the distance of its ends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EdgeTypeConfig {
     /// Name.
     pub name: String,
-    /// z.
+    /// The variable z.
     #[serde(default)]
     pub sees: SeparationKind,
-    /// c₁ and c₂. (Default: none.)
+    /// Coefficients c₁ and c₂. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<NumberConfig<[f64; 2]>>,
-    /// Hidden units of a potential of z. (Default: none.)
+    /// Hidden units of a network for the potential, a function of z. (Default: none.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub potential: Option<Vec<u16>>,
     /// Activation of the hidden layers. (Default: squareplus.)
@@ -101,13 +101,13 @@ pub struct EdgeTypeConfig {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayoutConfig {
-    /// The type of every node, by name.
+    /// Names of the types of all nodes.
     #[serde(default)]
     pub nodes: Vec<String>,
-    /// What is learned between two nodes.
+    /// Learned interactions between two nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edges: Vec<EdgeConfig>,
-    /// What is known and keeps two nodes, or a node and the origin, apart.
+    /// Known rods that keep two nodes, or a node and the origin, at a fixed distance.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rods: Vec<RodConfig>,
 }

@@ -1,4 +1,4 @@
-//! Values that can be written in more than one way.
+//! Values that can be written in several ways.
 
 use leastaction_core::energy::graph::Separation;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -6,14 +6,14 @@ use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// What an edge sees of its ends.
+/// Variable of an edge's potential.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SeparationKind {
-    /// r = |x_a − x_b|, m.
+    /// Distance r = |x_a − x_b|, m.
     #[default]
     Distance,
-    /// r², m²: smooth where the two meet.
+    /// Squared distance r², m²: smooth where the two ends meet.
     Squared,
 }
 
@@ -29,9 +29,9 @@ impl From<SeparationKind> for Separation {
 /// An edge of a graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdgeConfig {
-    /// Name of its type; `None`: the only one, for an edge that is written as a pair of nodes.
+    /// Name of its type; `None` for the only type, in an edge written as a pair of nodes.
     pub kind: Option<String>,
-    /// The nodes that it joins, from 0.
+    /// Numbers of the nodes that it joins, from 0.
     pub between: [u16; 2],
 }
 
@@ -81,16 +81,16 @@ impl Serialize for EdgeConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RodConfig {
-    /// What it hangs from: a node from 0, or `None` for the origin, written `"origin"`.
+    /// Number of the node that it hangs from, from 0; `None` for the origin, written `"origin"`.
     #[serde(with = "origin")]
     pub from: Option<u16>,
-    /// The node at its other end.
+    /// Number of the node at its other end.
     pub to: u16,
-    /// ℓ > 0, m.
+    /// Length ℓ > 0, m.
     pub length: f64,
 }
 
-/// `"origin"` or a node.
+/// Reader and writer of `"origin"` or the number of a node.
 mod origin {
     use super::{Deserializer, Error, Serialize, Serializer, Unexpected, Visitor, fmt};
 

@@ -1,4 +1,4 @@
-//! `[model.dissipation]` and `[model.potential]`: networks that correct a model of any family whose coordinates can have them.
+//! `[model.dissipation]` and `[model.potential]`: networks that correct a model of any family whose coordinates allow it.
 
 use crate::config::fields;
 use crate::config::parts::Range;
@@ -13,17 +13,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DissipationConfig {
-    /// The coordinates that it sees and acts on, from 0. (Default: all.)
+    /// Coordinates that are inputs of the network and on which it acts, from 0. (Default: all.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordinates: Option<Vec<u64>>,
-    /// Those of them whose positions it sees. (Default: all that it sees.)
+    /// Coordinates among them whose positions are inputs too. (Default: all of them.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions: Option<Vec<u64>>,
-    /// What velocities are divided by, > 0, m/s or rad/s: the speed over which friction changes; one number, or one of each
-    /// coordinate that it sees. (Default: 1.)
+    /// Velocity scale > 0, m/s or rad/s, by which the network divides velocities: the speed over which friction changes; one number, or one
+    /// per input coordinate. (Default: 1.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<ScaleConfig>,
-    /// Units of the hidden layers. (Default: 8.)
+    /// Numbers of units in the hidden layers. (Default: 8.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub hidden: Option<Vec<u16>>,
     /// Activation of the hidden layers. (Default: tanh.)
@@ -31,14 +31,14 @@ pub struct DissipationConfig {
     pub activation: Option<Activation>,
 }
 
-/// The network of a potential V_c(q) beside that of the model.
+/// The network of a potential V_c(q) that is added to that of the model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PotentialConfig {
-    /// The coordinates that it sees, from 0. (Default: all that are not cyclic.)
+    /// Coordinates that are inputs of the network, from 0. (Default: all that are not cyclic.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordinates: Option<Vec<u64>>,
-    /// Units of the hidden layers. (Default: 8.)
+    /// Numbers of units in the hidden layers. (Default: 8.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub hidden: Option<Vec<u16>>,
     /// Activation of the hidden layers. (Default: tanh.)
@@ -50,25 +50,26 @@ pub struct PotentialConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a number above 0, or a list of them")]
 pub enum ScaleConfig {
-    /// The same of all.
+    /// One scale for all coordinates.
     All(f64),
-    /// One of each coordinate that the network sees.
+    /// One scale per input coordinate of the network.
     Each(Vec<f64>),
 }
 
-/// Units of the hidden layer of a network that does not say.
+/// Default number of units in the hidden layer of a network.
 const WIDTH: u16 = 8;
 
-/// Coordinates that networks can see, by a letter each, and how many of them every tree of the model has.
+/// Kinds of the coordinates that may be inputs of networks, one letter each, and how many of them every tree of the model has.
 pub(crate) struct Known<'k> {
     pub letters: &'k str,
     pub common: usize,
 }
 
-/// The networks of a model of these coordinates.
+/// Returns the networks of a model with these coordinates.
 ///
 /// # Errors
-/// [`ShapeError`]: a coordinate that does not exist, stands twice or cannot be seen, a scale out of its range, or another number of them.
+/// [`ShapeError`]: a coordinate that does not exist, is given twice or is not allowed, a scale out of its range, or a wrong number of
+/// scales.
 pub(crate) fn assemble(
     dissipation: Option<&DissipationConfig>,
     potential: Option<&PotentialConfig>,
@@ -139,7 +140,7 @@ impl Known<'_> {
         self.letters.chars().nth(i).unwrap_or('c')
     }
 
-    /// The coordinates of these numbers in order, at least one.
+    /// Returns the coordinates with these numbers in order, at least one.
     fn chosen(&self, given: &[u64]) -> Result<Vec<usize>, Problem> {
         if given.is_empty() { Err(Problem::NothingSeen) } else { self.chosen_if_any(given) }
     }
@@ -159,7 +160,7 @@ impl Known<'_> {
     }
 }
 
-/// Refuses positions of coordinates that the network does not see.
+/// Refuses positions of coordinates that are no inputs of the network.
 fn within(places: Vec<usize>, seen: &[usize]) -> Result<Vec<usize>, Problem> {
     match places.iter().find(|place| !seen.contains(place)) {
         Some(coordinate) => Err(Problem::Unseen { coordinate: *coordinate }),
@@ -167,7 +168,7 @@ fn within(places: Vec<usize>, seen: &[usize]) -> Result<Vec<usize>, Problem> {
     }
 }
 
-/// Refuses more coordinates than a model file has for a network.
+/// Refuses more coordinates than a model file allows for a network.
 fn check_count(seen: &[usize]) -> Result<(), Problem> {
     let (what, found, most) = ("coordinates of a network", seen.len(), MAX_COORDINATES);
     if found <= most { Ok(()) } else { Err(Problem::TooMany { what, found, most }) }
@@ -191,7 +192,7 @@ fn at(table: &str, key: &str, problem: Problem) -> ShapeError {
     ShapeError { place: ["model", table, key].map(Step::from).into(), problem }
 }
 
-/// `dissipation` or `potential` of a family whose coordinates have no such networks, to say so.
+/// `dissipation` or `potential` of a family whose coordinates allow no such networks; reading it gives the error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NoCorrections;
 

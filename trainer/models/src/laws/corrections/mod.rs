@@ -1,4 +1,4 @@
-//! Networks that correct a model: dissipation and a potential of a few coordinates.
+//! Correction networks of a model: dissipation and a potential of a few coordinates.
 
 pub mod config;
 
@@ -11,28 +11,28 @@ use leastaction_programs::energies::{Energies, LawNetwork as HostNetwork, WithNe
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Every diagonal entry of L where training begins: Q = −0.01 v, N s/m or N m s/rad. At 0 no entry would have a derivative.
+/// Initial diagonal entries of L: Q = −0.01 v, N s/m or N m s/rad. At 0 no entry would have a derivative.
 const FIRST_ENTRY: f64 = 0.1;
-/// By how much outputs of networks are smaller than random ones where training begins.
+/// Factor on the random initial outputs of the networks.
 const FIRST_OUTPUTS: f64 = 0.1;
 
-/// Networks beside a model's energies and friction: Q = −L(q, v)Lᵀv, which only takes energy away, and V + V_c(q). Their numbers end
-/// the weight block as those laws of a model file do.
+/// Networks beside a model's energies and friction: Q = −L(q, v)Lᵀv, which only takes energy away, and V + V_c(q). Their numbers end the
+/// weight block, in the order of the laws of a model file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Corrections {
-    /// L.
+    /// The network for L.
     pub dissipation: Option<DissipationNetwork>,
-    /// V_c.
+    /// The network for V_c.
     pub potential: Option<CorrectionNetwork>,
 }
 
-/// What a network sees, and its hidden layers.
+/// Inputs of a network, and its hidden layers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionNetwork {
-    /// One letter a coordinate, up to the last that it sees: `t` by its length, `a` by its angle, `c` not by its position, `-` not at
-    /// all.
+    /// Input of each coordinate as a letter, up to the last coordinate that is an input: `t` its length, `a` its angle, `c` no position,
+    /// `-` not at all.
     pub coordinates: String,
-    /// Units of the hidden layers.
+    /// Numbers of units in the hidden layers.
     pub widths: Vec<u16>,
     /// Activation of the hidden layers.
     pub activation: Activation,
@@ -41,9 +41,9 @@ pub struct CorrectionNetwork {
 /// The network of a dissipation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DissipationNetwork {
-    /// Its positions and layers.
+    /// Inputs and layers.
     pub network: CorrectionNetwork,
-    /// What each velocity that it sees is divided by, > 0, m/s or rad/s; known.
+    /// Scale > 0 that each input velocity is divided by, m/s or rad/s; known.
     pub scales: Vec<f64>,
 }
 
@@ -56,14 +56,14 @@ impl CorrectionNetwork {
         }
     }
 
-    /// In the words of a model file.
+    /// The network as a model file states it.
     pub fn header(&self) -> LawNetwork<'_> {
         let mut widths = [0; MAX_HIDDEN];
         widths.iter_mut().zip(&self.widths).for_each(|(slot, width)| *slot = *width);
         LawNetwork { coordinates: &self.coordinates, widths, activation: self.activation }
     }
 
-    /// The numbers of the coordinates that it sees.
+    /// Numbers of the coordinates that are inputs.
     pub fn seen(&self) -> impl Iterator<Item = usize> {
         self.coordinates.char_indices().filter(|(_, letter)| *letter != '-').map(|(i, _)| i)
     }
@@ -76,12 +76,12 @@ impl CorrectionNetwork {
         }
     }
 
-    /// Numbers of its layers; 0 of a network that cannot be.
+    /// Count of the numbers of its layers; 0 for an invalid network.
     fn count(&self, law: Law) -> usize {
         self.header().network(law).ok().and_then(|shape| shape.parameters()).unwrap_or(0)
     }
 
-    /// Random weights, the outputs small.
+    /// Returns random weights that give small outputs.
     fn initial_weights(&self, law: Law, seed: u64) -> Vec<f64> {
         let Ok(shape) = self.header().network(law) else { return Vec::new() };
         let mut weights = random_layers(layers(&shape), seed);
@@ -93,7 +93,7 @@ impl CorrectionNetwork {
 }
 
 impl DissipationNetwork {
-    /// Scales, and a network that hardly dissipates.
+    /// Returns the scales, and weights of a network that hardly dissipates.
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = self.scales.clone();
         weights.extend(self.network.initial_weights(Law::Dissipation, seed));
@@ -105,12 +105,12 @@ impl DissipationNetwork {
 }
 
 impl Corrections {
-    /// Whether there are none.
+    /// Whether there are no networks.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Those of a model file, whose numbers end the weight block.
+    /// Returns the networks of a model file, whose numbers end the weight block.
     pub(crate) fn from_laws(laws: Laws, weights: &[f64]) -> Self {
         let potential = laws.network(Law::Potential).map(|law| CorrectionNetwork::from_header(&law));
         let dissipation = laws.network(Law::Dissipation).map(|law| {
@@ -124,21 +124,21 @@ impl Corrections {
         own
     }
 
-    /// These laws with the networks.
+    /// Returns these laws together with those of the networks.
     pub(crate) fn laws<'a>(&'a self, friction: Laws<'a>) -> Laws<'a> {
         let laws =
             self.dissipation.as_ref().map_or(friction, |of| friction.with_dissipation(of.network.header()));
         self.potential.as_ref().map_or(laws, |of| laws.with_potential(of.header()))
     }
 
-    /// How many numbers.
+    /// Count of the numbers of all networks.
     pub fn count(&self) -> usize {
         let of = |of: &DissipationNetwork| of.scales.len() + of.network.count(Law::Dissipation);
         self.dissipation.as_ref().map_or(0, of)
             + self.potential.as_ref().map_or(0, |of| of.count(Law::Potential))
     }
 
-    /// Where the numbers of the dissipation and of the potential are in a weight block of this length, which they end.
+    /// Ranges of the numbers of the dissipation and of the potential in a weight block of this length, which they end.
     fn places(&self, length: usize) -> [Range<usize>; 2] {
         let start = length.saturating_sub(self.count());
         let potential = self.potential.as_ref().map_or(0, |of| of.count(Law::Potential));
@@ -146,12 +146,12 @@ impl Corrections {
         [start..middle, middle..length]
     }
 
-    /// The numbers of the dissipation and of the potential, which end a weight block.
+    /// Splits off the numbers of the dissipation and of the potential, which end a weight block.
     pub fn split<'w>(&self, weights: &'w [f64]) -> [&'w [f64]; 2] {
         self.places(weights.len()).map(|place| weights.get(place).unwrap_or_default())
     }
 
-    /// Puts numbers of the dissipation and of the potential at the end of a weight block; where there are none it stays.
+    /// Writes numbers of the dissipation and of the potential to the end of a weight block; an empty list changes nothing.
     pub fn put(&self, numbers: &[Vec<f64>; 2], weights: &mut [f64]) {
         for (place, own) in self.places(weights.len()).into_iter().zip(numbers) {
             let slots = weights.get_mut(place).unwrap_or_default();
@@ -159,15 +159,15 @@ impl Corrections {
         }
     }
 
-    /// Random weights, such that they hardly act.
+    /// Returns random weights that hardly act.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let dissipation = self.dissipation.iter().flat_map(|of| of.initial_weights(seed));
-        // Another stream than that of the dissipation.
+        // Another random stream than that of the dissipation.
         let potential = self.potential.iter().flat_map(|of| of.initial_weights(Law::Potential, !seed));
         dissipation.chain(potential).collect()
     }
 
-    /// Numbers with which they do not act at all: scales, and zeros.
+    /// Returns numbers with which the networks do not act at all: scales, and zeros.
     pub fn without_effect(&self) -> Vec<f64> {
         let mut numbers = vec![0.0; self.count()];
         let scales = self.dissipation.iter().flat_map(|of| &of.scales);
@@ -175,30 +175,30 @@ impl Corrections {
         numbers
     }
 
-    /// The numbers that training must leave as they are, the first of all being at `start`: scales, and the last bias of a potential,
-    /// which has no effect.
+    /// Positions of the numbers that training must leave unchanged, with the first number at `start`: the scales, and the last bias of a
+    /// potential, which has no effect.
     pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
         let scales = start..start + self.dissipation.as_ref().map_or(0, |of| of.scales.len());
         let constant = self.potential.iter().map(|_| (start + self.count()).saturating_sub(1));
         scales.chain(constant).collect()
     }
 
-    /// Units of all hidden layers.
+    /// Numbers of units in all hidden layers.
     pub fn widths(&self) -> impl Iterator<Item = usize> {
         self.networks().flat_map(|network| &network.widths).map(|width| usize::from(*width))
     }
 
-    /// Hidden layers of the deeper network.
+    /// Number of hidden layers of the deeper network.
     pub fn depth(&self) -> usize {
         self.networks().map(|network| network.widths.len()).max().unwrap_or(0)
     }
 
-    /// Both networks, where they are there.
+    /// The networks that are present.
     pub fn networks(&self) -> impl Iterator<Item = &CorrectionNetwork> {
         self.dissipation.iter().map(|of| &of.network).chain(&self.potential)
     }
 
-    /// The model with them, written down.
+    /// Returns the energies of the model with the networks, as a program.
     pub(crate) fn energies(&self, model: Box<dyn Energies>) -> Result<Box<dyn Energies>, ModelError> {
         if self.is_none() {
             return Ok(model);

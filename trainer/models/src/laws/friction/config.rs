@@ -1,4 +1,4 @@
-//! `[model.friction]`, of any family whose coordinates can have it.
+//! `[model.friction]` of any family whose coordinates allow it.
 
 use crate::config::parts::Range;
 use crate::config::problem::{Problem, ShapeError, Step};
@@ -10,61 +10,61 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// Friction of the coordinates, Q = −(b v + (c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε)); a part that is left out is not there.
-/// `friction = "learned"` is `viscous` and `coulomb` learned.
+/// Friction of the coordinates, Q = −(b v + (c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε)); a part that is left out is absent. `friction =
+/// "learned"` means that `viscous` and `coulomb` are learned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrictionConfig {
-    /// b, N s/m or N m s/rad. (Learned from 0.01.)
+    /// Viscous damping b, N s/m or N m s/rad. (Start if learned: 0.01.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscous: Option<FrictionNumbers>,
-    /// c, N or N m. (Learned from 0.1.)
+    /// Coulomb friction c, N or N m. (Start if learned: 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<FrictionNumbers>,
-    /// c_load. (Learned from 0.1.)
+    /// Growth c_load of friction with the load. (Start if learned: 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<FrictionNumbers>,
-    /// ε, m/s or rad/s. (Where there is dry friction: learned from 0.1.)
+    /// Width ε of the change of sign, m/s or rad/s. (With dry friction by default learned, from 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<FrictionNumbers>,
-    /// τ_s, N or N m. (Learned from 0.1; where there is dry friction known to be that.)
+    /// Smoothing load τ_s, N or N m. (Start if learned: 0.1; with dry friction by default known to be 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<FrictionNumbers>,
 }
 
-/// The same number of every coordinate.
+/// One number for all coordinates, or one for each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrictionNumbers {
-    /// Written once, for all of them; learned ones differ in the end.
+    /// One number for all of them; if it is learned, the coordinates end with different values.
     All(FrictionNumberConfig),
-    /// One of each coordinate of an inertia network or of bodies, or of each element type.
+    /// One number per coordinate of an inertia network or of bodies, or per element type.
     Each(Vec<FrictionNumberConfig>),
 }
 
 /// A number of friction: `"learned"`, `0.1`, or `{ learn = 0.1 }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionNumberConfig {
-    /// Learned from the start value of the documentation.
+    /// Learned, starting at the documented default.
     Learned,
-    /// Learned from here.
+    /// Learned, starting at this value.
     LearnedFrom(f64),
-    /// It is this.
+    /// Known value.
     Known(f64),
 }
 
 const LEARNED: &str = "learned";
 
-/// A key with the numbers that it takes, known and to begin with.
+/// A key with its allowed numbers, both as known values and as starts of learning.
 struct Rule {
     key: &'static str,
     known: Range,
     start: Range,
-    /// Where training begins that is not told where to.
+    /// Start of learning if none is given.
     default: f64,
 }
 
 const ABOVE_WORDS: &str = "a finite number above 0 where it is learned";
 
-/// Of b, c, c_load, τ_s and ε.
+/// Rules for b, c, c_load, τ_s and ε.
 const RULES: [Rule; 5] = {
     const START: Range = Range { holds: |x| x > 0.0, words: ABOVE_WORDS };
     [
@@ -103,7 +103,7 @@ impl FrictionNumberConfig {
 }
 
 impl FrictionConfig {
-    /// Whether there is none.
+    /// Whether there is no friction.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
@@ -114,10 +114,10 @@ impl FrictionConfig {
         Self { viscous: learned.clone(), coulomb: learned, ..Self::default() }
     }
 
-    /// The friction of so many groups of coordinates, which `what` names.
+    /// Returns the friction of `groups` groups of coordinates; `what` is the word for a group.
     ///
     /// # Errors
-    /// [`ShapeError`]: a number that is out of its range, a list of another length, or a key that means nothing.
+    /// [`ShapeError`]: a number out of its range, a list of the wrong length, or a key without a meaning.
     pub(crate) fn assemble(
         &self,
         groups: usize,
@@ -148,7 +148,7 @@ impl FrictionConfig {
         Ok(friction)
     }
 
-    /// Refuses damping that stands at another key too.
+    /// Refuses damping that is given by another key too.
     pub(crate) fn check_damping(&self, key: &'static str, is_given: bool) -> Result<(), ShapeError> {
         if is_given && self.viscous.is_some() {
             return Err(at("viscous", None, Problem::DampingTwice { key }));
@@ -296,7 +296,7 @@ impl<'de> Deserialize<'de> for FrictionNumbers {
     }
 }
 
-/// The table `[model.friction]`.
+/// Contents of the table `[model.friction]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -337,7 +337,7 @@ impl<'de> Deserialize<'de> for FrictionConfig {
     }
 }
 
-/// `friction` of a family whose coordinates have none of this kind, to say so.
+/// `friction` of a family whose coordinates allow none; reading it gives the error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NoFriction;
 

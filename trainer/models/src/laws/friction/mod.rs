@@ -1,4 +1,4 @@
-//! Friction beside a family's energies.
+//! Friction in addition to a family's energies.
 
 pub mod config;
 
@@ -9,35 +9,36 @@ use leastaction_core::model::{FrictionNumber, Law, Laws, ModelError};
 use leastaction_programs::energies::{DryLaw, FrictionLaws};
 use serde::{Deserialize, Serialize};
 
-/// A learned width ε is between these, m/s or rad/s: a narrower one is as good as a jump at the steps that are learned from, a wider
+/// Bounds of a learned width ε, m/s or rad/s: at the steps that are learned from, a narrower one is indistinguishable from a jump; a wider
 /// one is viscous damping.
 pub const WIDTHS: [f64; 2] = [0.02, 1.0];
-/// A learned c_load is below.
+/// Upper bound of a learned c_load.
 pub const MOST_LOAD: f64 = 0.95;
 
-/// Numbers of one group of dry friction.
+/// Count of the numbers of dry friction of one group.
 const DRY_NUMBERS: usize = FrictionNumber::ALL.len();
 
-/// Friction of every group of coordinates, beside whatever forces the family has of its own:
+/// Friction of every group of coordinates, in addition to any forces of the family's own:
 ///
 /// Q = −(b v + (c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε)), N or N m.
 ///
-/// Its numbers end the weight block as the laws of a model file do: b of every group, then c, c_load, τ_s and ε group after group.
+/// The numbers end the weight block in the order of the laws of a model file: b of every group, then c, c_load, τ_s and ε group after
+/// group.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionArchitecture {
-    /// b ≥ 0 of every group, N s/m or N m s/rad; empty where there is no viscous damping beside the family's own.
+    /// Damping b ≥ 0 of every group, N s/m or N m s/rad; empty if there is no viscous damping beside the family's own.
     pub viscous: Vec<Number>,
     /// c ≥ 0, 0 ≤ c_load < 1, τ_s > 0 and ε > 0 of every group, in the order of [`FrictionNumber::ALL`]; empty without dry friction.
     pub dry: Vec<[Number; DRY_NUMBERS]>,
 }
 
 impl FrictionArchitecture {
-    /// Viscous damping and dry friction of every group, either empty where there is none.
+    /// Creates viscous damping and dry friction of every group; either is empty if absent.
     pub fn new(viscous: Vec<Number>, dry: Vec<[Number; DRY_NUMBERS]>) -> Self {
         Self { viscous, dry }
     }
 
-    /// Takes the laws that are given in place of what was; the others stay.
+    /// Replaces the laws that are given; the others stay.
     pub(crate) fn take(&mut self, given: Self) {
         let Self { viscous, dry } = given;
         if !viscous.is_empty() {
@@ -48,12 +49,12 @@ impl FrictionArchitecture {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there is no friction.
     pub fn is_none(&self) -> bool {
         self.viscous.is_empty() && self.dry.is_empty()
     }
 
-    /// Those of a model file's laws that the family has not of its own, at the numbers that end the weight block; all are known.
+    /// Returns the friction laws of a model file that are not the family's own, with the numbers that end the weight block; all are known.
     pub(crate) fn from_laws(laws: Laws, own: Laws, groups: usize, weights: &[f64]) -> Self {
         let known = |law: Law| laws.contains(law) && !own.contains(law);
         let viscous = if known(Law::Viscous) { groups } else { 0 };
@@ -65,7 +66,7 @@ impl FrictionArchitecture {
         Self::new(viscous.to_vec(), dry.as_chunks().0.to_vec())
     }
 
-    /// The laws of a family of `own` laws with this friction beside them.
+    /// Returns the laws of a family with the laws `own` and this friction.
     pub(crate) fn laws(&self, own: Laws<'static>) -> Laws<'static> {
         let viscous = own.contains(Law::Viscous) || !self.viscous.is_empty();
         match (viscous, self.dry.is_empty()) {
@@ -76,7 +77,7 @@ impl FrictionArchitecture {
         }
     }
 
-    /// Those of its own, for the host's programs: without the load where it is known to add nothing.
+    /// Laws of this friction for the host's programs; the load is left out where it is known to add nothing.
     pub(crate) fn laws_beside(&self) -> FrictionLaws {
         let grows = |[_, load, ..]: &[Number; DRY_NUMBERS]| load.learned || load.value != 0.0;
         let dry = match (self.dry.is_empty(), self.dry.iter().any(grows)) {
@@ -87,7 +88,7 @@ impl FrictionArchitecture {
         FrictionLaws { viscous: !self.viscous.is_empty(), dry }
     }
 
-    /// Refuses numbers for other groups than there are, and damping beside the family's own.
+    /// Refuses a wrong number of groups, and damping beside the family's own.
     pub(crate) fn check(&self, own: Laws, groups: usize) -> Result<(), ModelError> {
         let fits = |found: usize| found == 0 || found == groups;
         let twice = own.contains(Law::Viscous) && !self.viscous.is_empty();
@@ -102,7 +103,7 @@ impl FrictionArchitecture {
         self.viscous.iter().chain(self.dry.iter().flatten()).copied()
     }
 
-    /// The same with the numbers that end a weight block.
+    /// Returns the friction with the numbers that end a weight block.
     #[must_use]
     pub fn with_numbers(mut self, weights: &[f64]) -> Self {
         let start = weights.len().saturating_sub(self.count());
@@ -113,7 +114,7 @@ impl FrictionArchitecture {
         self
     }
 
-    /// The same for more groups, of which the new ones have no friction.
+    /// Returns the friction for more groups; the new groups have none.
     #[must_use]
     pub fn with_groups(mut self, groups: usize) -> Self {
         const NONE: [Number; DRY_NUMBERS] =
@@ -127,23 +128,23 @@ impl FrictionArchitecture {
         self
     }
 
-    /// Whether the scale of L is known without a force: by a force of friction that is known.
+    /// Whether the scale of L is known without a force, because a friction force is known.
     pub fn shows_scale(&self) -> bool {
         let acts = |number: &Number| !number.learned && number.value != 0.0;
         self.viscous.iter().any(acts) || self.dry.iter().any(|[constant, ..]| acts(constant))
     }
 
-    /// How many.
+    /// Count of the numbers.
     pub fn count(&self) -> usize {
         self.viscous.len() + DRY_NUMBERS * self.dry.len()
     }
 
-    /// The positions of those that are known, the first being at `start`.
+    /// Positions of the known numbers, with the first number at `start`.
     pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
         known_positions(start, self.numbers())
     }
 
-    /// The ranges of those that are learned.
+    /// Ranges and positions of the learned numbers, with the first number at `start`.
     pub(crate) fn ranges(&self, start: usize) -> Vec<(usize, Range)> {
         let dry = self.dry.iter().flat_map(|_| FrictionNumber::ALL.map(range));
         let ranges = self.viscous.iter().map(|_| Range::Positive).chain(dry);
@@ -154,7 +155,7 @@ impl FrictionArchitecture {
     }
 }
 
-/// Where a learned number may be.
+/// Range of a learned number.
 fn range(number: FrictionNumber) -> Range {
     match number {
         FrictionNumber::Constant | FrictionNumber::Smoothing => Range::Positive,
@@ -163,16 +164,16 @@ fn range(number: FrictionNumber) -> Range {
     }
 }
 
-/// The friction of one coordinate.
+/// Friction of one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoordinateFriction {
-    /// b, N s/m or N m s/rad.
+    /// Damping b, N s/m or N m s/rad.
     pub viscous: f64,
-    /// Dry friction; `None` where the model has none.
+    /// Dry friction; `None` if the model has none.
     pub dry: Option<DryFriction<f64>>,
 }
 
-/// Of a group's four numbers.
+/// Creates dry friction from a group's four numbers.
 pub(crate) fn dry_friction([constant, load, smoothing, width]: [f64; DRY_NUMBERS]) -> DryFriction<f64> {
     DryFriction { constant, load, smoothing, width }
 }

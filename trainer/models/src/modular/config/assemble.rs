@@ -1,4 +1,4 @@
-//! From a configuration to the shape of a model.
+//! Conversion of a configuration into the shape of a model.
 
 use super::numbers::DEFAULTS;
 use super::source::Source;
@@ -25,28 +25,28 @@ use leastaction_core::network::Activation;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Units of the hidden layer of a network that does not say.
+/// Default number of units in the hidden layer of a network.
 const WIDTH: u16 = 16;
-/// Coordinates of any tree of a model file at most.
+/// Maximum number of coordinates of any tree in a model file.
 const MOST_COORDINATES: usize = 64;
 
-/// The shape of a model, and what of its weights is already trained.
+/// Shape of a model, with those of its weights that are already trained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembled {
-    /// The shape; its first tree is the one that is trained.
+    /// Shape of the trees; the first one is trained.
     pub architecture: ModularArchitecture,
-    /// The friction of the coordinates of its element types.
+    /// Friction of the coordinates, one set of numbers per element type.
     pub friction: FrictionArchitecture,
-    /// Networks beside both.
+    /// Correction networks.
     pub corrections: Corrections,
-    /// The numbers of those that come from a trained model, of the dissipation and of the potential; none of new ones.
+    /// Numbers of the correction networks that come from a trained model, for dissipation and potential; empty for new ones.
     pub trained_corrections: [Vec<f64>; 2],
-    /// The networks that come from a trained model, which are the first of the weight block.
+    /// Weights of the networks that come from a trained model, which begin the weight block.
     trained: Vec<f64>,
 }
 
 impl Assembled {
-    /// The architecture, and the weights that training begins with.
+    /// Returns the architecture, and the weights that training begins with.
     fn beginning(self, seed: u64) -> (Architecture, Vec<f64>) {
         let (weights, trained) = (self.initial_weights(seed), self.trained_corrections.clone());
         let architecture = Architecture::from(self);
@@ -55,7 +55,7 @@ impl Assembled {
         (architecture, weights)
     }
 
-    /// The trained weights, random ones where there are none. Positions of equal shape begin equal.
+    /// Returns the trained weights, and random ones for the rest. Position networks of the same shape begin equal.
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = self.architecture.initial_weights(seed);
         weights.iter_mut().zip(&self.trained).for_each(|(weight, trained)| *weight = *trained);
@@ -67,8 +67,8 @@ impl Assembled {
         weights
     }
 
-    /// Where the position network of each type is, after that of the first type whose network is of the same shape. If one of
-    /// the two began as a mirror image, no way down the loss would turn it round.
+    /// Pairs of ranges in the weight block: the position network of each type, preceded by that of the first type with a network of the
+    /// same shape. If one of the two began as a mirror image, no descent of the loss could turn it round.
     fn alike(&self) -> Vec<(Range<usize>, Range<usize>)> {
         let shape = &self.architecture.shape;
         let mut start = 0;
@@ -127,10 +127,10 @@ impl FamilyConfig for ModularConfig {
 }
 
 impl ModularConfig {
-    /// The model that these types and trees are; reads the one to go on from, where there is one.
+    /// Returns the model with these types and trees; reads the one to continue from, if any.
     ///
     /// # Errors
-    /// [`ShapeError`]: what cannot be, and where.
+    /// [`ShapeError`]: what is invalid, and where.
     pub fn assemble(&self, open: Open) -> Result<Assembled, ShapeError> {
         let mut model = match &self.from {
             None => Assembly { damped: true, ..Assembly::default() },
@@ -168,7 +168,7 @@ impl ModularConfig {
         Ok(assembled)
     }
 
-    /// Adds the networks that are given, in place of trained ones.
+    /// Adds the networks that are given, replacing trained ones.
     fn correct(&self, assembled: &mut Assembled) -> Result<(), ShapeError> {
         let architecture = &assembled.architecture;
         let (letters, common) = (architecture.coordinates(), architecture.header().fewest_coordinates());
@@ -190,7 +190,7 @@ impl ModularConfig {
         }
     }
 
-    /// The position of the tree that is trained.
+    /// Position of the tree that is trained.
     fn chosen(&self, model: &Assembly) -> Result<usize, Problem> {
         let known = || list(model.trees.iter().map(|tree| tree.name.as_str()));
         let position = |name: &str| model.trees.iter().position(|tree| tree.name == name);
@@ -207,20 +207,20 @@ impl ModularConfig {
     }
 }
 
-/// A model while it is put together.
+/// A model under construction.
 #[derive(Default)]
 struct Assembly {
     networks: Networks,
     types: Vec<(TypeShape, NamedType)>,
     pair: Option<PairShape>,
     coefficients: Option<[Number; 2]>,
-    /// Whether damping is the types' own.
+    /// Whether damping belongs to the types.
     damped: bool,
     friction: FrictionArchitecture,
     corrections: Corrections,
     trained_corrections: [Vec<f64>; 2],
     trees: Vec<NamedTree>,
-    /// Types that come from a trained model; they are the first.
+    /// Number of types that come from a trained model; they come first.
     old: usize,
     trained: Vec<f64>,
 }
@@ -249,7 +249,7 @@ impl Assembly {
         }
     }
 
-    /// Takes friction in place of what was; damping that is given is then not the types' own.
+    /// Takes the given friction in place of the old; viscous damping given here no longer belongs to the types.
     fn take(&mut self, friction: FrictionArchitecture) {
         self.damped &= friction.viscous.is_empty();
         self.friction.take(friction);
@@ -345,7 +345,7 @@ impl Assembly {
         Ok(())
     }
 
-    /// The type of an element, and 0 (the ground) or 1 + what it hangs from.
+    /// Returns the type of an element, and 0 for the ground or 1 + the number of the element that it hangs from.
     fn element(&self, e: usize, element: &ElementConfig) -> Result<(usize, usize), Problem> {
         let kind = |name: &String| {
             let known = || list(self.types.iter().map(|(_, named)| named.name.as_str()));
@@ -366,7 +366,7 @@ impl Assembly {
         }
     }
 
-    /// That the model file and this program hold it.
+    /// Checks that the model file and this program can hold the model.
     fn check(&self) -> Result<(), ShapeError> {
         check_count("element types", "types", self.types.len(), MAX_TYPES)?;
         let networks = "networks (positions, velocities, potentials, pair)";

@@ -18,21 +18,21 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Element types, trees of them, and the tree that the data is of.
+/// Element types, trees of them, and the tree that the data belongs to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "family", rename = "modular")]
 pub struct ModularConfig {
-    /// A run or a model file whose types, numbers and trees are taken, and whose weights training begins with; relative to the
-    /// configuration file.
+    /// Run or model file whose types, numbers and trees are taken, and whose weights training begins with; relative to the configuration
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<PathBuf>,
-    /// The tree that the data is of; without it the only one.
+    /// Name of the tree that the data belongs to; it may be left out if there is only one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tree: Option<String>,
     /// Element types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub types: Vec<TypeConfig>,
-    /// What every pair of elements adds.
+    /// Potential that every pair of elements adds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair: Option<PairConfig>,
     /// Trees by their names.
@@ -41,45 +41,45 @@ pub struct ModularConfig {
     /// Friction of the coordinates of every element type, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
-    /// A network that dissipates; coordinates are those of the trees.
+    /// Network that dissipates energy; its coordinates are those of the trees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
-    /// A network that is added to the potential.
+    /// Network that is added to the potential.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub potential: Option<PotentialConfig>,
 }
 
-/// An element type; what is left out has its default, or for a trained type stays as it is.
+/// An element type. Keys left out have their defaults; for a trained type they leave it unchanged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TypeConfig {
     /// Name.
     pub name: String,
-    /// How its coordinates move it.
+    /// Kind of motion by its coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transform: Option<TransformKind>,
-    /// Hidden units of a learned position; none: linear in the features. (Default: 16.)
+    /// Hidden units of a learned position; an empty list makes it linear in the features. (Default: 16.)
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub position: Option<Vec<u16>>,
-    /// Hidden units of a velocity network of its own; without it the velocity is the exact derivative of the position.
+    /// Hidden units of a separate velocity network; without it the velocity is the exact derivative of the position.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub velocity: Option<Vec<u16>>,
     /// Hidden units of the element's potential; without it there is none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
     pub potential: Option<Vec<u16>>,
-    /// Of all hidden layers of the type. (Default: tanh.)
+    /// Activation of all hidden layers of the type. (Default: tanh.)
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
     pub activation: Option<Activation>,
-    /// m > 0, kg. (Default: 1.)
+    /// Mass m > 0, kg. (Default: 1.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<NumberConfig>,
     /// Moment of inertia about the centre, ≥ 0, kg m². (Default: 0.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<NumberConfig>,
-    /// Where the centre lies, from 0 (what it hangs from) to 1 (what hangs from it). (Default: 1.)
+    /// Position of the centre, from 0 (at the parent) to 1 (at the children). (Default: 1.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre: Option<NumberConfig>,
-    /// Of a rod, > 0, m. (Default: 1.)
+    /// Length of a rod, > 0, m. (Default: 1.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length: Option<NumberConfig>,
     /// Viscous damping of its coordinates, ≥ 0, N s/m or N m s/rad. (Default: 0.)
@@ -91,7 +91,7 @@ pub struct TypeConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairConfig {
-    /// What it sees of two positions.
+    /// Input of the network, computed from the two positions.
     #[serde(default)]
     pub input: PairKind,
     /// Hidden units. (Default: 16.)

@@ -1,16 +1,16 @@
-//! The numbers of element types.
+//! Numbers of the element types.
 
 use super::{Problem, TransformKind, TypeConfig};
 use crate::config::parts::{NumberConfig, Range};
 use crate::modular::TYPE_NUMBERS;
 use crate::number::Number;
 
-/// A point of 1 kg at the end of whatever carries it.
+/// Numbers of a point of 1 kg at the end of its element.
 pub(super) const DEFAULTS: [Number; TYPE_NUMBERS] =
     [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
 
 impl TypeConfig {
-    /// What shapes networks, and whether it is given.
+    /// Keys that shape networks, each with whether it is given.
     pub(super) fn shape_keys(&self) -> impl Iterator<Item = (&'static str, bool)> {
         [
             ("transform", self.transform.is_some()),
@@ -22,7 +22,7 @@ impl TypeConfig {
         .into_iter()
     }
 
-    /// Mass, moment of inertia, centre, length and damping, `defaults` where they are left out.
+    /// Mass, moment of inertia, centre, length and damping, taken from `defaults` where they are left out.
     pub(super) fn numbers(
         &self,
         transform: TransformKind,

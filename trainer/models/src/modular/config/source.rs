@@ -10,7 +10,7 @@ use crate::modular::ModularArchitecture;
 use crate::registry::AnyFamily;
 use std::path::Path;
 
-/// A trained tree of elements: its shape, whose numbers are the trained ones, and its weights.
+/// A trained tree of elements: its shape, with the trained numbers, and its weights.
 pub(super) struct Source {
     pub architecture: ModularArchitecture,
     pub friction: FrictionArchitecture,
@@ -19,7 +19,7 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Opens a trained tree. What was learned in a run is learned on; of a model file all numbers are known.
+    /// Opens a trained tree. Numbers learned in a run stay learned; those of a model file are all known.
     pub fn read(path: &Path, open: Open) -> Result<Self, Problem> {
         let Model { architecture, weights, .. } = open(path).map_err(|message| Problem::From { message })?;
         let Architecture { family, friction, corrections } = architecture;

@@ -1,4 +1,4 @@
-//! Values that can be written in more than one way.
+//! Values that can be written in several ways.
 
 use leastaction_core::energy::modular::{Input, PairInput};
 use serde::de::value::MapAccessDeserializer;
@@ -6,7 +6,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// How the coordinates of a type move its elements.
+/// Kind of motion that the coordinates of a type give its elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TransformKind {
@@ -25,7 +25,7 @@ pub enum TransformKind {
 }
 
 impl TransformKind {
-    /// As it is written.
+    /// Word for it in a configuration.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Angle => "angle",
@@ -37,7 +37,7 @@ impl TransformKind {
         }
     }
 
-    /// What the network sees, where one is learned.
+    /// Input of the network, if the motion is learned.
     pub(super) const fn input(self) -> Option<Input> {
         match self {
             Self::Angle => Some(Input::Angle),
@@ -53,18 +53,18 @@ impl TransformKind {
     }
 }
 
-/// What the pair potential sees.
+/// Input of the pair potential.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PairKind {
     /// Both positions.
     Concat,
-    /// Their difference.
+    /// Difference of the positions.
     Difference,
-    /// Their distance.
+    /// Distance of the positions.
     #[default]
     Distance,
-    /// One over their distance.
+    /// Reciprocal of the distance.
     InverseDistance,
 }
 
@@ -82,7 +82,7 @@ impl From<PairKind> for PairInput {
 /// An element of a tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ElementConfig {
-    /// `"bob"`: hangs from the element before it; a free point from the ground.
+    /// `"bob"`: hangs from the element before it, or from the ground if it is a free point.
     Next(
         /// Name of the type.
         String,
@@ -91,7 +91,7 @@ pub enum ElementConfig {
     On {
         /// Name of the type.
         kind: String,
-        /// The element that it hangs from, from 0; `None`: the ground.
+        /// Number of the element that it hangs from, from 0; `None` for the ground.
         on: Option<u64>,
     },
 }

@@ -1,4 +1,4 @@
-//! From a configuration to the shape of a model.
+//! Conversion of a configuration into the shape of a model.
 
 use super::{BodiesConfig, BodyConfig, BodyNumber, LEARNED, ZERO};
 use crate::architecture::Architecture;
@@ -11,10 +11,10 @@ use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
 
-/// The gear ratio of a drive that nothing is known of. Of it and of the rotor motion shows J(g² − g) alone.
+/// Gear ratio assumed for an unknown drive. Motion shows the ratio and the rotor only together, as J(g² − g).
 const GEAR: f64 = 10.0;
 
-/// Where learned numbers begin that do not say: an arm of 0.3 m and 1 kg.
+/// Initial values of learned numbers without a given start: an arm of 0.3 m and 1 kg.
 const USUAL: BodyParameters<f64> = BodyParameters {
     place: [0.3, 0.0],
     angle: 0.0,
@@ -24,11 +24,12 @@ const USUAL: BodyParameters<f64> = BodyParameters {
     rotor: 1e-4,
     gear: GEAR,
 };
-/// γ where it is learned and does not say, m/s².
+/// Initial value of a learned γ without a given start, m/s².
 const USUAL_GRAVITY: [f64; 2] = [9.81, 0.0];
 
 impl BodyNumber {
-    /// The number at `key`; a learned one begins at `usual` where it does not say, and lies in `learned` instead of `known`.
+    /// Returns the number at `key`: a known one within `known`; a learned one within `learned`, starting at `usual` unless a start is
+    /// given.
     fn number(self, key: &'static str, usual: f64, [known, learned]: [&Range; 2]) -> Result<Number, Problem> {
         match self {
             Self::Known(value) => known.number(key, value, false),
@@ -45,13 +46,14 @@ impl BodyNumber {
     }
 }
 
-/// Two numbers at one key.
+/// Two numbers under one key.
 fn pair(key: &'static str, numbers: [BodyNumber; 2], usual: [f64; 2]) -> Result<[Number; 2], Problem> {
     Ok([numbers[0].any(key, usual[0])?, numbers[1].any(key, usual[1])?])
 }
 
 impl BodyConfig {
-    /// A link of a chain, the first one or one on another; of a drive on the ground the rotor is as good as a part of the body.
+    /// Returns a link of a chain: the first, or one on another link. The rotor of a drive on the ground acts like a part of the body, so
+    /// the first link has none.
     fn link(on: Option<u64>, gear: f64) -> Self {
         let own = Self { on, gear: BodyNumber::Known(gear), ..Self::default() };
         match on {
@@ -72,7 +74,7 @@ impl BodyConfig {
         })
     }
 
-    /// The body as the i-th of a tree.
+    /// Returns this body as number i of a tree.
     fn body(&self, i: usize) -> Result<TreeBody, Problem> {
         let parent = match self.on {
             None => None,
@@ -84,10 +86,10 @@ impl BodyConfig {
 }
 
 impl BodiesConfig {
-    /// The shape of the model, with friction.
+    /// Shape of the model, with friction and correction networks.
     ///
     /// # Errors
-    /// [`ShapeError`]: what cannot be, and where.
+    /// [`ShapeError`]: what is invalid, and where.
     pub(super) fn assemble(&self) -> Result<Architecture, ShapeError> {
         let family = self.tree()?;
         let friction = self.friction.assemble(family.n(), "body")?;
@@ -97,10 +99,10 @@ impl BodiesConfig {
         Ok(Architecture { family: family.into(), friction, corrections })
     }
 
-    /// The model that these bodies are.
+    /// Returns the tree of these bodies.
     ///
     /// # Errors
-    /// As [`BodiesConfig::architecture`].
+    /// See [`BodiesConfig::architecture`].
     fn tree(&self) -> Result<BodiesArchitecture, ShapeError> {
         let gravity = pair("gravity", self.gravity, USUAL_GRAVITY);
         let gravity = gravity.map_err(|problem| problem.at(["gravity".into()]))?;
@@ -121,11 +123,11 @@ impl BodiesConfig {
             };
             bodies.push((body.body(i).map_err(at)?, body.numbers().map_err(at)?));
         }
-        // Bodies that come before another one are few enough for a byte.
+        // A body that precedes another one has a number that fits into a byte.
         BodiesArchitecture::new(gravity, bodies).ok_or_else(|| Problem::NoBodies.at([key.into()]))
     }
 
-    /// All bodies; of a chain those that it stands for.
+    /// All bodies; for a chain, the bodies that it stands for.
     fn every(&self) -> Result<Vec<BodyConfig>, ShapeError> {
         match (self.chain, self.gear, self.bodies.is_empty()) {
             (Some(_), _, false) => Err(Problem::ChainAndBodies.at(["chain".into()])),
@@ -135,7 +137,7 @@ impl BodiesConfig {
             (Some(n), gear, true) => {
                 let gear = gear.unwrap_or(GEAR);
                 Range::ANY.number("gear", gear, false).map_err(|problem| problem.at(["gear".into()]))?;
-                // One more than there can be says enough.
+                // One link too many is enough for the error.
                 let links = 0..n.min(MAX_TREE_COORDINATES + 1) as u64;
                 Ok(links.map(|i| BodyConfig::link(i.checked_sub(1), gear)).collect())
             }

@@ -1,4 +1,4 @@
-//! `[model]` of the family of bodies: rigid bodies on joints.
+//! `[model]` of the bodies family: rigid bodies on joints.
 
 mod assemble;
 mod values;
@@ -13,29 +13,29 @@ use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
 use serde::{Deserialize, Serialize};
 
-/// A tree of rigid bodies on joints, or in short a chain.
+/// A tree of rigid bodies on joints, or a chain as a shorthand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "family", rename = "bodies")]
 pub struct BodiesConfig {
     /// γ, m/s², along the axes of the ground.
     #[serde(default = "gravity")]
     pub gravity: [BodyNumber; 2],
-    /// A chain of so many bodies on revolute joints, in place of `bodies`.
+    /// Number of bodies of a chain on revolute joints, in place of `bodies`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chain: Option<usize>,
-    /// The gear ratio of the drives in that chain. (Default: 10.)
+    /// Gear ratio of the drives in that chain. (Default: 10.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gear: Option<f64>,
-    /// The bodies, in the order of q, parents first.
+    /// Bodies in the order of q, parents first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyConfig>,
     /// Friction of the joints.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
-    /// A network that dissipates.
+    /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
-    /// A network that is added to the potential.
+    /// Network that is added to the potential.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub potential: Option<PotentialConfig>,
 }
@@ -47,28 +47,28 @@ fn gravity() -> [BodyNumber; 2] {
 const ZERO: BodyNumber = BodyNumber::Known(0.0);
 const LEARNED: BodyNumber = BodyNumber::Learned(None);
 
-/// A body and its joint; what is left out has its default.
+/// A body and its joint; keys left out have their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BodyConfig {
-    /// How it moves on its parent.
+    /// Kind of joint between the body and its parent.
     pub joint: JointKind,
-    /// The body that its joint sits on, from 0; without it the ground.
+    /// Number of the body that carries the joint, from 0; without it, the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<u64>,
-    /// Where the joint sits in the parent's frame, m. (Default: 0.)
+    /// Position of the joint in the parent's frame, m. (Default: 0.)
     pub at: [BodyNumber; 2],
-    /// How far the joint's frame is turned from the parent's, rad. (Default: 0.)
+    /// Angle of the joint's frame relative to the parent's, rad. (Default: 0.)
     pub angle: BodyNumber,
-    /// m > 0, kg. (Default: learned.)
+    /// Mass m > 0, kg. (Default: learned.)
     pub mass: BodyNumber,
-    /// The centre of mass in the body's frame, m. (Default: learned along x, 0 along y.)
+    /// Centre of mass in the body's frame, m. (Default: learned along x, 0 along y.)
     pub centre: [BodyNumber; 2],
-    /// I > 0 about the centre of mass, kg m². (Default: learned.)
+    /// Moment of inertia I > 0 about the centre of mass, kg m². (Default: learned.)
     pub inertia: BodyNumber,
-    /// J ≥ 0 of the drive's rotor, on the parent, kg m². (Default: 0.)
+    /// Inertia J ≥ 0 of the drive's rotor, which sits on the parent, kg m². (Default: 0.)
     pub rotor: BodyNumber,
-    /// How many times as fast as the joint the rotor turns. (Default: 1.)
+    /// Gear ratio: rotor speed over joint speed. (Default: 1.)
     pub gear: BodyNumber,
 }
 
@@ -89,7 +89,7 @@ impl Default for BodyConfig {
 }
 
 impl BodiesConfig {
-    /// A chain of so many bodies on revolute joints.
+    /// Returns a chain of `n` bodies on revolute joints.
     pub fn chain(n: usize) -> Self {
         Self {
             gravity: gravity(),

@@ -1,4 +1,4 @@
-//! Values that can be written in more than one way.
+//! Values that can be written in several ways.
 
 use leastaction_core::energy::bodies::Joint;
 use serde::de::value::MapAccessDeserializer;
@@ -6,14 +6,14 @@ use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// How a body moves on its parent.
+/// Kind of joint between a body and its parent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum JointKind {
-    /// It turns.
+    /// Rotation.
     #[default]
     Revolute,
-    /// It slides along x.
+    /// Translation along x.
     Prismatic,
 }
 
@@ -26,12 +26,12 @@ impl From<JointKind> for Joint {
     }
 }
 
-/// A number of a body: `0.3` is known, `{ learn = 0.3 }` is learned from there, `"learned"` from a usual value.
+/// A number of a body: `0.3` is known, `{ learn = 0.3 }` is learned from that start, `"learned"` from a usual value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BodyNumber {
-    /// It is this.
+    /// Known value.
     Known(f64),
-    /// It is learned, from this value or a usual one.
+    /// Learned, starting at this value or at a usual one.
     Learned(Option<f64>),
 }
 
