@@ -67,7 +67,7 @@ where
     black_box(step::<L, F, Galerkin, N>(system, at));
 }
 
-/// What a file says beside its mechanism.
+/// Everything in a model file besides its mechanism: the trained step, the actuator and the range.
 #[inline(never)]
 pub fn said<M, const N: usize>(model: &Model<M>) {
     let at = &black_box([0.1; N]);
@@ -129,7 +129,7 @@ impl Flash {
         Self([0; 64])
     }
 
-    /// Its bytes.
+    /// The bytes in flash.
     pub fn bytes(&'static self) -> &'static [u8] {
         black_box(&self.0)
     }

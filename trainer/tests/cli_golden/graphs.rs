@@ -19,9 +19,9 @@ pub const DIMENSION: usize = 2;
 pub const K: usize = 2;
 /// The graph.
 pub const GRAPH: &str = "pair";
-/// Its edges.
+/// Edges of the graph.
 pub const EDGES: usize = 1;
-/// Its rods.
+/// Rods of the graph.
 pub const RODS: usize = 0;
 /// All graphs in the file, their nodes and edges.
 pub const GRAPHS: [(&str, usize, usize); 2] = [("pair", 2, 1), ("three", 3, 2)];

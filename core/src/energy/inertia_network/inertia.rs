@@ -18,8 +18,8 @@ pub enum Inertia {
         epsilon: f32,
     },
     /// H = BᵀB + εI, o = (B row by row, V): T = ½|B(q)v|² + ½ε|v|², as for a mechanism whose masses m move with velocities J(q)v, B = √m J.
-    /// The entries of J are simple functions of q, unlike those of a triangular factor of the same H, so many coordinates are learned from
-    /// less data.
+    /// The entries of J are simple functions of q, unlike those of a triangular factor of the same H: with many coordinates, less data
+    /// suffices.
     Factor {
         /// Number of rows of B, from n (with fewer, H is singular up to ε) to 2n − 1 (a planar chain of n masses, the first of which moves
         /// on a circle).

@@ -314,8 +314,8 @@ impl Family for GraphArchitecture {
             .collect();
         let constants = format!(
             "/// Dimensions of space.\npub const DIMENSION: usize = {};\n/// Networks.\npub const K: usize = {};\n\
-             /// The graph.\npub const GRAPH: &str = {name:?};\n/// Its edges.\npub const EDGES: usize = {edges};\n\
-             /// Its rods.\npub const RODS: usize = {rods};\n/// All graphs in the file, their nodes and edges.\n\
+             /// The graph.\npub const GRAPH: &str = {name:?};\n/// Edges of the graph.\npub const EDGES: usize = {edges};\n\
+             /// Rods of the graph.\npub const RODS: usize = {rods};\n/// All graphs in the file, their nodes and edges.\n\
              pub const GRAPHS: [(&str, usize, usize); {}] = [{}];\n",
             self.dimension(),
             self.shape.networks.len(),
