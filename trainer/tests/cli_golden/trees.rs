@@ -39,7 +39,7 @@ pub fn load() -> Result<Model, ModelError> {
     Model::load(&FILE.0, TREE)
 }
 
-/// Like `load`, with another tree of the file; `M` is the number of its coordinates.
+/// Loads another tree of the file; `M` is the number of its coordinates.
 pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {
     Tree::load(&FILE.0, name)
 }

@@ -187,7 +187,7 @@ fn write_bytes(to: &mut String, model: &Model, bytes: &[u8]) -> fmt::Result {
     writeln!(to, "pub fn load{lifetime}({edges}) -> Result<{model_type}, ModelError> {{")?;
     writeln!(to, "    Model::load(&FILE.0{lists})\n}}")?;
     if has_trees {
-        writeln!(to, "\n/// Like `load`, with another tree of the file; `M` is the number of its coordinates.")?;
+        writeln!(to, "\n/// Loads another tree of the file; `M` is the number of its coordinates.")?;
         writeln!(to, "pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {{")?;
         writeln!(to, "    Tree::load(&FILE.0, name)\n}}")?;
     }
