@@ -45,7 +45,7 @@ fn check_energies(name: &str, drag: bool) {
     let layout = graph(&imported).graph().expect("a chain");
     let particles = Graph::new(types(&imported), &layout.nodes, &layout.edges).expect("a graph");
     let fixed: Model = Fixed::new(particles).expect("as many coordinates");
-    let mut reference = arrays(name);
+    let reference = arrays(name);
     let (q, v) = (reference.get("q"), reference.get("v"));
     let (mut kinetic, mut potential, mut l_q, mut mass, mut force) = (vec![], vec![], vec![], vec![], vec![]);
     for (q, v) in q.as_chunks::<N>().0.iter().zip(v.as_chunks::<N>().0) {
@@ -97,7 +97,7 @@ fn check_motion(name: &str, drag: bool) {
     let particles = Graph::new(types(&imported), &layout.nodes, &layout.edges).expect("a graph");
     let rods = layout.constraints::<2>();
     let driven = Driven::new(&particles, &rods).expect("rods");
-    let mut reference = arrays(name);
+    let reference = arrays(name);
     let (q, v) = (reference.get("q"), reference.get("v"));
     let (mut jacobian, mut bend, mut lambda, mut acceleration) = (vec![], vec![], vec![], vec![]);
     for (q, v) in q.chunks_exact(N).zip(v.chunks_exact(N)) {
@@ -124,7 +124,7 @@ fn rods_and_accelerations_agree() {
 }
 
 /// Their gradient in the order of our weight block; an embedding is the sum of a weight and a bias, and so would be its gradient.
-fn gradient(arrays: &mut Arrays, prefix: &str) -> Vec<f64> {
+fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     let imported = lgnn(&arrays.as_weights(prefix), BOBS, false).expect("gradient as weights");
     let embeddings: usize =
         LGNN_EMBEDDINGS.iter().map(|name| arrays.get(&format!("{prefix}{name}.0.bias")).len()).sum();
@@ -147,7 +147,7 @@ fn masses(imported: &Imported, q: &[f64], v: &[f64]) -> Vec<f64> {
 #[test]
 #[ignore = "needs LEASTACTION_REFERENCE"]
 fn losses_and_parameter_gradients_agree() {
-    let mut training = Arrays::open(&data("lgnn").join("3_pendulum_gradients.npz"));
+    let training = Arrays::open(&data("lgnn").join("3_pendulum_gradients.npz"));
     let states = ["R", "V", "F"].map(|key| training.get(key));
     let free = vec![0.0; states[0].len()];
     let samples =
@@ -161,7 +161,7 @@ fn losses_and_parameter_gradients_agree() {
     let equations = loss.gradient(&trained.weights, 0..loss.samples()).expect("finite");
     let factor = 2.0 / equations.rows as f64;
     let ours: Vec<f64> = equations.gradient.iter().map(|g| factor * g).collect();
-    assert_close("gradient", &ours, &gradient(&mut training, "grad_trained."), 1e-9);
+    assert_close("gradient", &ours, &gradient(&training, "grad_trained."), 1e-9);
     // Their initial network has negative masses: such samples count as not solved.
     let initial = lgnn(&training.as_weights("init."), BOBS, false).expect("import");
     let masses = masses(&initial, &samples.states[0], &samples.states[1]);

@@ -38,7 +38,7 @@ fn network(name: &str) -> Imported {
 }
 
 /// The gradient under this prefix in the order of our weight block, with their derivatives in co2 and in the mass.
-fn gradient(arrays: &mut Arrays, prefix: &str) -> Vec<f64> {
+fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     let imported = modlanet(&arrays.as_weights(prefix), ManyBody::Pendulum(N), Some(1.0));
     let mut gradient = imported.expect("gradient as weights").weights;
     let start = gradient.len() - TAIL;
@@ -105,13 +105,13 @@ fn modular(architecture: &Architecture) -> &ModularArchitecture {
 fn energies_and_derivatives_agree() {
     let Imported { architecture, weights, discrete } = network("2_pend_network.safetensors");
     assert!(!discrete);
-    let mut reference = Arrays::open(&path("2_pend_reference.npz"));
+    let reference = Arrays::open(&path("2_pend_reference.npz"));
     let (q, v) = (reference.get("q"), reference.get("qdot"));
     let modular = modular(&architecture);
     let double = evaluate(modular, &weights, (&q, &v), |x| x);
     let single = evaluate(modular, &in_single(&weights), (&q, &v), |x| x as f32);
     for (ours, what, bound) in [(double, "f64", EXACT), (single, "f32", SINGLE)] {
-        let mut check = |key: &str, ours: &[f64]| {
+        let check = |key: &str, ours: &[f64]| {
             assert_close(&format!("{key} {what}"), ours, &reference.get(key), bound)
         };
         check("T", &ours.kinetic);
@@ -167,13 +167,13 @@ fn acceleration_loss(architecture: &Architecture, samples: Samples) -> Box<dyn O
 #[ignore = "needs LEASTACTION_REFERENCE"]
 fn losses_and_parameter_gradients_agree() {
     let set = layout::read(path("2_pend_modlanet.npz")).expect("data");
-    let mut training = Arrays::open(&path("2_pend_training.npz"));
-    let rows: Vec<usize> = training.array::<i64>("rows").iter().map(|k| *k as usize).collect();
+    let training = Arrays::open(&path("2_pend_training.npz"));
+    let rows: Vec<usize> = training.get("rows").iter().map(|k| *k as usize).collect();
     for (name, what) in [("2_pend_initial_network", "init"), ("2_pend_network", "trained")] {
         let Imported { architecture, weights, .. } = network(&format!("{name}.safetensors"));
         let modular = modular(&architecture);
         let some = acceleration_loss(&architecture, samples(&set.train, Some(&rows)));
-        let mut check = |key: String, loss: f64| assert_close(&key, &[loss], &training.get(&key), EXACT);
+        let check = |key: String, loss: f64| assert_close(&key, &[loss], &training.get(&key), EXACT);
         check(format!("loss_{what}"), some.loss(&weights));
         for (part, rows) in [("train", &set.train), ("test", &set.test)] {
             let all = acceleration_loss(&architecture, samples(rows, None));
@@ -183,7 +183,7 @@ fn losses_and_parameter_gradients_agree() {
         let factor = 2.0 / equations.rows as f64;
         let ours: Vec<f64> = equations.gradient.iter().map(|g| factor * g).collect();
         let ours = in_their_terms(modular, &weights, &ours);
-        let theirs = gradient(&mut training, &format!("grad_{what}/"));
+        let theirs = gradient(&training, &format!("grad_{what}/"));
         let mut start = 0;
         for (k, (end, _)) in blocks(modular).into_iter().enumerate() {
             assert_close(

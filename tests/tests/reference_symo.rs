@@ -125,7 +125,7 @@ fn discrete_models_agree() {
                     1 => evaluate::<1>(&reference, &samples, single),
                     _ => evaluate::<2>(&reference, &samples, single),
                 };
-                let mut check = |key: &str, ours: &[f64]| {
+                let check = |key: &str, ours: &[f64]| {
                     assert_close(
                         &format!("{name} {key} single={single}"),
                         ours,
@@ -187,7 +187,7 @@ where
 }
 
 fn check_accelerations<const N: usize>(name: &str, coordinates: &[Coordinate], h: f64) {
-    let mut reference = Reference::open(name, coordinates, h);
+    let reference = Reference::open(name, coordinates, h);
     assert!(!reference.imported.discrete);
     let states = ["q", "qdot", "tau"].map(|key| reference.arrays.get(key));
     let theirs = reference.arrays.get("qddot");

@@ -257,6 +257,11 @@ impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
         Self { laws, numbers, groups }
     }
 
+    /// Laws not taken yet.
+    pub const fn laws(&self) -> Laws<'l> {
+        self.laws
+    }
+
     /// Takes the numbers of a law if it comes next.
     #[inline(always)]
     pub fn take(&mut self, law: Law) -> Option<&'w [W]> {

@@ -1,11 +1,9 @@
 //! Arrays that the papers' programs computed, and how near ours come.
 
-use ndarray::ArrayD;
-use ndarray_npy::{ReadNpyExt, ReadableElement};
+use leastaction_learning::data::{ShapedArray, read_arrays};
 use safetensors::tensor::{Dtype, TensorView};
-use std::fs::File;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zip::ZipArchive;
 
 /// Agreement in double precision, relative to the largest entry.
 pub const EXACT: f64 = 1e-10;
@@ -19,36 +17,28 @@ pub fn data(paper: &str) -> PathBuf {
 }
 
 /// The arrays of an `.npz` file.
-pub struct Arrays(ZipArchive<File>);
+pub struct Arrays(BTreeMap<String, ShapedArray>);
 
 impl Arrays {
     pub fn open(path: &Path) -> Self {
-        Self(ZipArchive::new(File::open(path).expect("arrays")).expect("npz"))
+        Self(read_arrays(path).unwrap_or_else(|error| panic!("{error}")))
     }
 
-    pub fn array<T: ReadableElement>(&mut self, key: &str) -> ArrayD<T> {
-        let file = self.0.by_name(&format!("{key}.npy")).unwrap_or_else(|error| panic!("{key}: {error}"));
-        ArrayD::read_npy(file).unwrap_or_else(|error| panic!("{key}: {error}"))
-    }
-
-    pub fn get(&mut self, key: &str) -> Vec<f64> {
-        self.array(key).iter().copied().collect()
+    pub fn get(&self, key: &str) -> Vec<f64> {
+        self.0.get(key).unwrap_or_else(|| panic!("{key}")).1.clone()
     }
 
     /// The arrays under this prefix as a file of weights: importing a gradient as if it were weights puts it in the order of
     /// our weight block.
-    pub fn as_weights(&mut self, prefix: &str) -> Vec<u8> {
-        let names: Vec<String> = self.0.file_names().map(|name| name.expect("name").into_owned()).collect();
-        let names = names.iter().filter_map(|name| name.trim_end_matches(".npy").strip_prefix(prefix));
-        let tensors: Vec<(&str, Vec<usize>, Vec<u8>)> = names
-            .map(|name| {
-                let array = self.array::<f64>(&format!("{prefix}{name}"));
-                let bytes = array.iter().flat_map(|x| x.to_le_bytes()).collect();
-                (name, array.shape().to_vec(), bytes)
+    pub fn as_weights(&self, prefix: &str) -> Vec<u8> {
+        let arrays = self.0.iter().filter_map(|(name, array)| Some((name.strip_prefix(prefix)?, array)));
+        let tensors: Vec<(&str, &Vec<usize>, Vec<u8>)> = arrays
+            .map(|(name, (shape, numbers))| {
+                (name, shape, numbers.iter().flat_map(|x| x.to_le_bytes()).collect())
             })
             .collect();
         let views = tensors.iter().map(|(name, shape, bytes)| {
-            (name, TensorView::new(Dtype::F64, shape.clone(), bytes).expect("tensor"))
+            (name, TensorView::new(Dtype::F64, shape.to_vec(), bytes).expect("tensor"))
         });
         safetensors::serialize(views, None).expect("safetensors")
     }

@@ -2,25 +2,14 @@
 
 use std::cell::Cell;
 use std::collections::HashSet;
-use std::io::{Cursor, Read};
+use std::io::{self, Cursor, Read};
 
-use ndarray::ArrayD;
-use ndarray_npy::npy::header::Header;
-use ndarray_npy::{ReadNpyError, ReadNpyExt, ReadableElement};
 use zip::ZipArchive;
 
 use crate::error::{Fault, Problem};
+use crate::npy::{self, BEFORE_HEADER, Element, Header, LONGEST_HEADER};
 use crate::npy_text;
 use crate::place::Place;
-
-/// Longest header, bytes. NumPy refuses longer ones, too: no honest file needs them, and they can overwhelm a parser.
-const LONGEST_HEADER: usize = 10_000;
-
-/// Largest number of bytes in an array before the text of its header.
-const BEFORE_HEADER: usize = 12;
-
-/// Largest number of opening brackets in a header; a record type has three.
-const DEEPEST_HEADER: usize = 8;
 
 /// Largest count of numbers unpacked from one archive: 8 GiB.
 const MOST: u64 = 1 << 30;
@@ -82,7 +71,7 @@ impl<'a> Archive<'a> {
     pub(crate) fn get(&self, key: &str) -> Result<Option<Array<'a>>, Fault> {
         let Some(index) = self.keys.iter().position(|other| other == key) else { return Ok(None) };
         let array = Array::new(&self.zip, index, key)?;
-        let numbers = array.shape.iter().product::<usize>() as u64;
+        let numbers = array.shape().iter().product::<usize>() as u64;
         match self.room.get().checked_sub(numbers) {
             Some(room) => self.room.set(room),
             None => return Err(array.fault(Problem::TooLarge { numbers, most: self.most })),
@@ -121,21 +110,25 @@ pub(crate) struct Array<'a> {
     key: String,
     /// Element type without its byte order, such as `f8`.
     kind: String,
-    pub(crate) shape: Vec<usize>,
+    header: Header,
 }
 
 impl<'a> Array<'a> {
     fn new(zip: &Zip<'a>, index: usize, key: &str) -> Result<Self, Fault> {
         // A reader of its own; the archive's directory is shared.
         let mut zip = zip.clone();
-        let (kind, shape) =
+        let (kind, header) =
             header(&mut zip, index).map_err(|problem| (Place::Key(key.to_owned()), problem))?;
-        Ok(Self { zip, index, key: key.to_owned(), kind, shape })
+        Ok(Self { zip, index, key: key.to_owned(), kind, header })
+    }
+
+    pub(crate) fn shape(&self) -> &[usize] {
+        &self.header.shape
     }
 
     /// Numbers of samples and columns of an array \[samples\] or \[samples, columns\]; `None` for another shape.
     pub(crate) fn samples_and_columns(&self) -> Option<(usize, usize)> {
-        match *self.shape.as_slice() {
+        match *self.shape() {
             [samples] => Some((samples, 1)),
             [samples, columns] if columns > 0 => Some((samples, columns)),
             _ => None,
@@ -151,7 +144,7 @@ impl<'a> Array<'a> {
     }
 
     pub(crate) fn wrong_shape(&self, expected: String) -> Fault {
-        self.fault(Problem::Shape { found: self.shape.clone(), expected })
+        self.fault(Problem::Shape { found: self.shape().to_vec(), expected })
     }
 
     /// The values in row-major order, whatever the element type. 64-bit integers beyond 2⁵³ are rounded.
@@ -189,34 +182,36 @@ impl<'a> Array<'a> {
         values.map_err(|value| self.fault(Problem::NotInteger(value)))
     }
 
-    fn convert<T: ReadableElement + Copy, U>(&self, into: impl Fn(T) -> U) -> Result<Vec<U>, Fault> {
-        let array = self.unpacked::<T>().map_err(|problem| self.fault(problem))?;
-        if array.is_standard_layout() {
-            // Collected in place if the elements of both types have the same size.
-            return Ok(array.into_raw_vec_and_offset().0.into_iter().map(into).collect());
-        }
-        Ok(array.iter().map(|&x| into(x)).collect())
+    fn convert<T: Element, U: Clone>(&self, into: impl Fn(T) -> U) -> Result<Vec<U>, Fault> {
+        let numbers = self.unpacked(into).map_err(|error| self.fault(Problem::NotNpz(error.to_string())))?;
+        let is_one_list = self.shape().len() < 2;
+        let is_sorted = is_one_list || !self.header.fortran_order;
+        Ok(if is_sorted { numbers } else { npy::row_major(self.shape(), &numbers) })
     }
 
-    fn unpacked<T: ReadableElement>(&self) -> Result<ArrayD<T>, Problem> {
+    /// The numbers in the order of the file.
+    fn unpacked<T: Element, U>(&self, into: impl Fn(T) -> U) -> io::Result<Vec<U>> {
         let mut zip = self.zip.clone();
-        let file = zip.by_index(self.index).map_err(|error| Problem::NotNpz(error.to_string()))?;
-        // Reading one byte beyond the end makes the container compare its checksum.
-        let size = file.size().saturating_add(1);
-        ArrayD::read_npy(file.take(size)).map_err(|error| match error {
-            ReadNpyError::Io(error) => Problem::NotNpz(error.to_string()),
-            error => Problem::NotNpy(error.to_string()),
-        })
+        let mut file = zip.by_index(self.index)?;
+        io::copy(&mut file.by_ref().take(self.header.bytes as u64), &mut io::sink())?;
+        let count = self.shape().iter().product();
+        let numbers = npy::elements(&mut file, (count, self.header.descriptor.starts_with('>')), into)?;
+        // Reading beyond the end makes the container compare its checksum.
+        let _nothing = file.read(&mut [0])?;
+        Ok(numbers)
     }
 }
 
-/// Element type and shape, checked against the stated size.
-fn header(zip: &mut Zip<'_>, index: usize) -> Result<(String, Vec<usize>), Problem> {
+/// Element type and header, checked against the stated size.
+fn header(zip: &mut Zip<'_>, index: usize) -> Result<(String, Header), Problem> {
     let (size, start) = start(zip, index)?;
-    let mut rest = start.as_slice();
-    let header = Header::from_reader(&mut rest).map_err(|error| Problem::NotNpy(error.to_string()))?;
-    let data = size.saturating_sub((start.len() - rest.len()) as u64);
+    let header = Header::read(&start).map_err(damaged)?;
+    let data = size.saturating_sub(header.bytes as u64);
     fitting(header, data)
+}
+
+fn damaged(reason: npy::Damage) -> Problem {
+    Problem::NotNpy(reason.to_owned())
 }
 
 /// The size of an array, and its first bytes; these contain the whole header if it is short enough to be parsed.
@@ -225,15 +220,13 @@ fn start(zip: &mut Zip<'_>, index: usize) -> Result<(u64, Vec<u8>), Problem> {
     let (size, mut start) = (file.size(), Vec::new());
     let longest = (LONGEST_HEADER + BEFORE_HEADER) as u64;
     file.take(longest).read_to_end(&mut start).map_err(|error| Problem::NotNpz(error.to_string()))?;
-    check_header_text(&start).map_err(|reason| Problem::NotNpy(reason.to_owned()))?;
     Ok((size, start))
 }
 
-fn fitting(header: Header, data: u64) -> Result<(String, Vec<usize>), Problem> {
-    let descriptor = header.type_descriptor.to_string();
-    let kind = descriptor.trim_matches(['\'', '"', '<', '>', '|', '=']).to_owned();
+fn fitting(header: Header, data: u64) -> Result<(String, Header), Problem> {
+    let kind = header.descriptor.trim_start_matches(['<', '>', '|', '=']).to_owned();
     if !["f8", "f4", "i8", "i4", "i2", "i1", "u8", "u4", "u2", "u1"].contains(&kind.as_str()) {
-        return Err(Problem::ElementType(descriptor));
+        return Err(Problem::ElementType(header.descriptor));
     }
     let size = kind.chars().filter_map(|digit| digit.to_digit(10)).sum::<u32>() as u64;
     let bytes = header.shape.iter().try_fold(size, |bytes, &axis| bytes.checked_mul(axis as u64));
@@ -241,26 +234,11 @@ fn fitting(header: Header, data: u64) -> Result<(String, Vec<usize>), Problem> {
         let reason = format!("{data} bytes of data for shape {:?} of {kind}", header.shape);
         return Err(Problem::NotNpy(reason));
     }
-    Ok((kind, header.shape))
+    Ok((kind, header))
 }
 
 fn whole(x: f64) -> Result<i64, String> {
     // 2⁶³ itself does not fit; −2⁶³ does.
     let fits = x.fract() == 0.0 && (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x);
     if fits { Ok(x as i64) } else { Err(x.to_string()) }
-}
-
-/// Refuses headers that would make the parser allocate or recurse without bound.
-fn check_header_text(npy: &[u8]) -> Result<(), &'static str> {
-    let (start, length) = match *npy {
-        [_, _, _, _, _, _, 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([a, b]))),
-        [_, _, _, _, _, _, _, _, a, b, 0, 0, ..] => (12, usize::from(u16::from_le_bytes([a, b]))),
-        _ => return Err("its header is cut off, or too long"),
-    };
-    if length > LONGEST_HEADER {
-        return Err("its header is too long");
-    }
-    let text = npy.get(start..start + length).ok_or("its header is cut off")?;
-    let opening = text.iter().filter(|byte| b"([{".contains(byte)).count();
-    if opening > DEEPEST_HEADER { Err("its header is no array's") } else { Ok(()) }
 }

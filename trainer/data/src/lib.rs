@@ -65,6 +65,7 @@ mod logs;
 mod measured;
 pub mod modlanet;
 mod note;
+mod npy;
 mod npy_text;
 mod npz;
 mod npz_columns;
@@ -77,6 +78,7 @@ pub mod symo;
 mod table;
 mod time;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
@@ -311,6 +313,18 @@ pub fn decode_as(
 ) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
     located(path, || logs::even(Source::of(format_of(path)?, bytes), reading, path))
+}
+
+/// Shape of an array, and its numbers in row-major order.
+pub type ShapedArray = (Vec<usize>, Vec<f64>);
+
+/// Reads the arrays of numbers in an `.npz` archive by name, of any element type, for data other than logged motion.
+///
+/// # Errors
+/// [`DataError`] with the key, also for an array of anything but numbers.
+pub fn read_arrays(path: impl AsRef<Path>) -> Result<BTreeMap<String, ShapedArray>, DataError> {
+    let path = path.as_ref();
+    located(path, || npz::arrays(&std::fs::read(path).map_err(|error| (Place::File, error.into()))?))
 }
 
 /// Writes a data set in the format of the extension, `.npz` or `.csv`; the file is replaced atomically.

@@ -87,12 +87,12 @@ fn same_width(set: &ModlanetSet) -> Result<(), Fault> {
 
 fn read_part(archive: &Archive, keys: &Keys) -> Result<ModlanetRows, Fault> {
     let x = archive.require(keys.x)?;
-    let (rows, n) = match *x.shape.as_slice() {
+    let (rows, n) = match *x.shape() {
         [rows, n] if rows > 0 && n > 0 => (rows, n),
         _ => return Err(x.wrong_shape("[rows, n] with at least one row and n ≥ 1".to_owned())),
     };
     let table = |array: &Array<'_>| {
-        if array.shape != [rows, n] {
+        if array.shape() != [rows, n] {
             return Err(array.wrong_shape(format!("[{rows}, {n}] as of {}", keys.x)));
         }
         Rows::from_flat(n, array.finite_reals(n)?).ok_or((Place::File, Problem::Empty))
@@ -108,7 +108,7 @@ fn read_part(archive: &Archive, keys: &Keys) -> Result<ModlanetRows, Fault> {
 }
 
 fn one_each(array: &Array<'_>, rows: usize) -> Result<Vec<f64>, Fault> {
-    if array.shape != [rows, 1] && array.shape != [rows] {
+    if array.shape() != [rows, 1] && array.shape() != [rows] {
         return Err(array.wrong_shape(format!("[{rows}, 1], one for each row of x,")));
     }
     array.finite_reals(1)

@@ -1,17 +1,17 @@
 //! NPZ: a zip archive of NumPy arrays.
 
+use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 
-use ndarray::{ArrayViewD, IxDyn};
-use ndarray_npy::{WritableElement, WriteNpyExt};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::archive::{Archive, Array};
 use crate::error::{Fault, Problem};
+use crate::npy::{Element, Header};
 use crate::place::Place;
 use crate::table::{Origin, Table};
-use crate::{Dataset, Rows, control_name, control_of_name, npy_text};
+use crate::{Dataset, Rows, ShapedArray, control_name, control_of_name, npy_text};
 use leastaction_core::forces::ControlKind;
 
 const KNOWN: &str = "q, v, a, u, t, h, trajectory, control";
@@ -34,6 +34,16 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
     })
 }
 
+/// All arrays by name.
+pub(crate) fn arrays(bytes: &[u8]) -> Result<BTreeMap<String, ShapedArray>, Fault> {
+    let archive = Archive::open(bytes)?;
+    let array = |key: &String| {
+        let array = archive.get(key)?;
+        array.map(|array| Ok((key.clone(), (array.shape().to_vec(), array.reals()?)))).transpose()
+    };
+    archive.keys().iter().filter_map(|key| array(key).transpose()).collect()
+}
+
 /// A field \[samples, n\], or \[samples\] if n = 1; its size must be `size`, if given.
 fn rows(array: Option<Array<'_>>, size: Option<(usize, usize)>) -> Result<Option<Rows>, Fault> {
     let Some(array) = array else { return Ok(None) };
@@ -47,7 +57,7 @@ fn rows(array: Option<Array<'_>>, size: Option<(usize, usize)>) -> Result<Option
 }
 
 fn column(array: Option<Array<'_>>, samples: usize) -> Result<Option<Array<'_>>, Fault> {
-    let fits = |array: &Array<'_>| array.shape == [samples] || array.shape == [samples, 1];
+    let fits = |array: &Array<'_>| [&[samples][..], &[samples, 1]].contains(&array.shape());
     match array {
         Some(array) if !fits(&array) => {
             Err(array.wrong_shape(format!("[{samples}], one for each sample of q,")))
@@ -105,15 +115,11 @@ impl Writer {
         Self { zip: ZipWriter::new(Cursor::new(Vec::new())) }
     }
 
-    pub(crate) fn add<T: WritableElement>(
-        &mut self,
-        key: &str,
-        shape: &[usize],
-        values: &[T],
-    ) -> Result<(), Fault> {
-        let array = ArrayViewD::from_shape(IxDyn(shape), values).map_err(|error| failed(key, &error))?;
+    pub(crate) fn add<T: Element>(&mut self, key: &str, shape: &[usize], values: &[T]) -> Result<(), Fault> {
         self.start(key)?;
-        array.write_npy(&mut self.zip).map_err(|error| failed(key, &error))
+        let mut npy = Header::written(T::DESCRIPTOR, shape);
+        values.iter().for_each(|value| value.append_to(&mut npy));
+        self.zip.write_all(&npy).map_err(|error| failed(key, &error))
     }
 
     /// Adds a string.

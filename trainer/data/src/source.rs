@@ -17,8 +17,7 @@ use std::path::Path;
 pub(crate) enum Source<'a> {
     Npz(Cow<'a, [u8]>),
     Csv(Cow<'a, [u8]>),
-    /// Reader of the file, and its length in bytes.
-    Mcap(Box<dyn Read + 'a>, u64),
+    Mcap(Box<dyn Read + 'a>),
 }
 
 impl Source<'static> {
@@ -29,8 +28,7 @@ impl Source<'static> {
             Format::Csv => fs::read(path).map(|bytes| Self::Csv(bytes.into())).map_err(fault),
             Format::Mcap => {
                 let file = File::open(path).map_err(fault)?;
-                let length = file.metadata().map_err(fault)?.len();
-                Ok(Self::Mcap(Box::new(BufReader::with_capacity(1 << 20, file)), length))
+                Ok(Self::Mcap(Box::new(BufReader::with_capacity(1 << 20, file))))
             }
         }
     }
@@ -41,7 +39,7 @@ impl<'a> Source<'a> {
         match format {
             Format::Npz => Self::Npz(bytes.into()),
             Format::Csv => Self::Csv(bytes.into()),
-            Format::Mcap => Self::Mcap(Box::new(bytes), bytes.len() as u64),
+            Format::Mcap => Self::Mcap(Box::new(bytes)),
         }
     }
 
@@ -50,7 +48,7 @@ impl<'a> Source<'a> {
         match self {
             Self::Npz(bytes) => npz::read(&bytes),
             Self::Csv(bytes) => csv_file::read(&bytes, None),
-            Self::Mcap(..) => Err((Place::File, Problem::Unnamed)),
+            Self::Mcap(_) => Err((Place::File, Problem::Unnamed)),
         }
     }
 
@@ -63,8 +61,8 @@ impl<'a> Source<'a> {
         match self {
             Self::Npz(bytes) => npz_columns::read(&bytes, columns).map(|table| (table, Vec::new())),
             Self::Csv(bytes) => csv_file::read(&bytes, Some(columns)).map(|table| (table, Vec::new())),
-            Self::Mcap(mut source, length) => {
-                let (parts, mut notes) = Bag::read(&mut source, length)?.parts(columns)?;
+            Self::Mcap(mut source) => {
+                let (parts, mut notes) = Bag::read(&mut source)?.parts(columns)?;
                 let (table, more) = join::joined(parts, columns.widths(), control)?;
                 notes.extend(more);
                 Ok((table, notes))

@@ -91,14 +91,14 @@ struct PlacedNetwork<'a> {
 impl<'a> PlacedNetwork<'a> {
     fn find(archive: &'a Archive, (states, controls): (&'static str, &'static str)) -> Result<Self, Fault> {
         let (states, controls) = (archive.require(states)?, archive.require(controls)?);
-        let [trajectories, samples, width] = *states.shape.as_slice() else {
+        let [trajectories, samples, width] = *states.shape() else {
             return Err(states.wrong_shape("[trajectories, samples, 2n]".to_owned()));
         };
         if trajectories == 0 || samples < MIN_SAMPLES || width == 0 || width % 2 != 0 {
             let expected = format!("[trajectories, samples, 2n] with at least {MIN_SAMPLES} samples");
             return Err(states.wrong_shape(expected));
         }
-        if controls.shape != [trajectories, samples] && controls.shape != [trajectories, samples, 1] {
+        if controls.shape() != [trajectories, samples] && controls.shape() != [trajectories, samples, 1] {
             return Err(controls.wrong_shape(format!("[{trajectories}, {samples}]")));
         }
         Ok(Self { states, controls, samples, n: width / 2 })

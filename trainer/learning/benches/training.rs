@@ -3,14 +3,13 @@
 //!
 //! `cargo bench -p leastaction-learning --bench training`
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_ground_truth::{Mechanism, symo_set};
 use leastaction_learning::training::{
     Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective,
 };
 use leastaction_models::{Architecture, InertiaNetworkArchitecture};
+use nalgebra::DMatrix;
 use std::time::{Duration, Instant};
 
 /// Number of training trajectories.
@@ -73,11 +72,11 @@ fn main() {
 /// Attainable rate of this machine: multiply-adds per nanosecond in the product of two large f64 matrices, times the number of threads.
 fn peak() -> f64 {
     const SIZE: usize = 1024;
-    let a = Mat::from_fn(SIZE, SIZE, |i, j| ((i * 7 + j * 3) % 11) as f64);
-    let mut product = Mat::<f64>::zeros(SIZE, SIZE);
+    let a = DMatrix::from_fn(SIZE, SIZE, |i, j| ((i * 7 + j * 3) % 11) as f64);
+    let mut product = DMatrix::zeros(SIZE, SIZE);
     let mut once = || {
         let clock = Instant::now();
-        matmul(product.as_mut(), Accum::Replace, a.as_ref(), a.as_ref(), 1.0, Par::Seq);
+        product.gemm(1.0, &a, &a, 0.0);
         per_nanosecond(SIZE * SIZE * SIZE, clock.elapsed())
     };
     (0..5).map(|_| once()).fold(0.0, f64::max) * rayon::current_num_threads() as f64

@@ -7,6 +7,7 @@ pub mod checkpoint;
 pub mod config;
 pub mod evaluate;
 pub mod import;
+pub mod matrix;
 pub mod report;
 pub mod run;
 pub mod runge_kutta;

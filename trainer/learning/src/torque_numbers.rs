@@ -207,7 +207,8 @@ fn combinations(
     let all = architecture.number_names();
     let name = |column: usize| all.get(position(family, column)).cloned().flatten().map(|of| of.name);
     let of = |(row, own): (usize, &usize)| {
-        let factors = found.base.combination.row(row).iter().copied().enumerate();
+        let row = found.base.combination.row(row);
+        let factors = row.iter().copied().enumerate();
         let others = factors.filter(|(column, factor)| column != own && factor.abs() > NOTHING);
         others.filter_map(|(column, factor)| Some((factor, name(column)?))).collect()
     };

@@ -24,9 +24,9 @@ impl<'f, const N: usize> AnyLagrangian<'f, N> {
 
     /// The same system with its Lagrangian behind this type.
     pub(crate) fn erased<L: Lagrangian<f32, N> + Send + Sync + 'f>(
-        System { lagrangian, forces }: System<L, impl Into<ForcesOf<'f, N>>>,
+        System { lagrangian, forces }: System<L, ForcesOf<'f, N>>,
     ) -> SystemOf<'f, N> {
-        System { lagrangian: Self::new(lagrangian), forces: forces.into() }
+        System { lagrangian: Self::new(lagrangian), forces }
     }
 }
 

@@ -1,18 +1,15 @@
-use crate::forces::{AllForces, Needed};
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::{
-    AnyLagrangian, ForcesOf, Friction, INERTIA_NETWORK_UNITS, LAYERS, Replica, ReplicaError, SystemOf, UNITS,
-};
+use crate::{AnyLagrangian, ForcesOf, INERTIA_NETWORK_UNITS, LAYERS, Replica, ReplicaError, SystemOf, UNITS};
 use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::inertia_network::InertiaNetwork;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::System;
 use leastaction_core::model::{
-    ArmHeader, BodiesHeader, Family, GraphHeader, GraphLayout, InertiaNetworkHeader, Laws, LoadForces,
-    ModelError, ModularHeader, Parsed, TreeHeader, parse,
+    ArmHeader, BodiesHeader, Family, GraphHeader, GraphLayout, InertiaNetworkHeader, Laws, ModelError,
+    ModularHeader, Parsed, TreeHeader, parse,
 };
 
 /// A model file in memory, validated, its weights widened to single precision.
@@ -147,26 +144,6 @@ fn named<'p, P: 'p>(
     parts.by_ref().enumerate().find(|(_, part)| name.is_none_or(|name| name_of(part) == name))
 }
 
-/// A loader of systems with forces of a type that has all laws of the file.
-trait LoadWith<'f>: Sized {
-    /// Those of the file.
-    fn laws(&self) -> Laws<'f>;
-    /// The system in N coordinates with forces of this type.
-    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
-    where
-        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>;
-}
-
-impl<'f, L: LoadWith<'f>> Load<'f> for L {
-    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        match Needed::by(self.laws()) {
-            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
-            Needed::Friction => self.with::<N, Friction<N>>(),
-            Needed::All => self.with::<N, AllForces<N>>(),
-        }
-    }
-}
-
 /// A loader of a family whose shape and laws make its system.
 macro_rules! loader {
     ($(#[$doc:meta])* $loader:ident, $header:ident, $energies:ty) => {
@@ -177,16 +154,9 @@ macro_rules! loader {
             weights: &'f [f32],
         }
 
-        impl<'f> LoadWith<'f> for $loader<'f> {
-            fn laws(&self) -> Laws<'f> {
-                self.laws
-            }
-
-            fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
-            where
-                F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
-            {
-                let system: System<$energies, F> = self.header.system(self.laws, self.weights)?;
+        impl<'f> Load<'f> for $loader<'f> {
+            fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
+                let system: System<$energies, ForcesOf<'f, N>> = self.header.system(self.laws, self.weights)?;
                 Ok(AnyLagrangian::erased(system))
             }
         }
@@ -214,16 +184,9 @@ struct TreeLoader<'f> {
     weights: &'f [f32],
 }
 
-impl<'f> LoadWith<'f> for TreeLoader<'f> {
-    fn laws(&self) -> Laws<'f> {
-        self.laws
-    }
-
-    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
-    where
-        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
-    {
-        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, F> =
+impl<'f> Load<'f> for TreeLoader<'f> {
+    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
+        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, ForcesOf<'f, N>> =
             self.header.system(&self.tree, self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }

@@ -3,7 +3,7 @@
 use crate::{LAYERS, UNITS};
 use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Viscous};
 use leastaction_core::linear::Matrix;
-use leastaction_core::model::{Law, Laws};
+use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
 
 /// Damping and dry friction.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
@@ -22,27 +22,6 @@ pub enum ForcesOf<'f, const N: usize> {
     Friction(Friction<N>),
     /// With networks.
     All(Box<AllForces<'f, N>>),
-}
-
-/// Which laws a program must be compiled for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Needed {
-    /// Damping at most.
-    Viscous,
-    /// Damping and dry friction.
-    Friction,
-    /// Networks too.
-    All,
-}
-
-impl Needed {
-    /// By a file of these laws.
-    pub fn by(laws: Laws) -> Self {
-        if laws.contains(Law::Dissipation) || laws.contains(Law::Potential) {
-            return Self::All;
-        }
-        if laws.contains(Law::Coulomb) { Self::Friction } else { Self::Viscous }
-    }
 }
 
 /// Evaluates `$do` with `$law` the law that is there.
@@ -69,21 +48,20 @@ impl<const N: usize> ForcesOf<'_, N> {
     }
 }
 
-impl<const N: usize> From<Viscous<f32, N>> for ForcesOf<'_, N> {
-    fn from(viscous: Viscous<f32, N>) -> Self {
-        Self::Viscous(viscous)
+impl<'f, const N: usize> LoadForces<'f, f32, f32, N> for ForcesOf<'f, N> {
+    fn knows(law: Law) -> bool {
+        <AllForces<N> as LoadForces<f32, f32, N>>::knows(law)
     }
-}
 
-impl<const N: usize> From<Friction<N>> for ForcesOf<'_, N> {
-    fn from(friction: Friction<N>) -> Self {
-        Self::Friction(friction)
-    }
-}
-
-impl<'f, const N: usize> From<AllForces<'f, N>> for ForcesOf<'f, N> {
-    fn from(all: AllForces<'f, N>) -> Self {
-        Self::All(Box::new(all))
+    fn take(laws: &mut LawNumbers<'_, 'f, f32>, groups: &[u8; N]) -> Result<Self, ModelError> {
+        let present = laws.laws();
+        if present.contains(Law::Dissipation) || present.contains(Law::Potential) {
+            return Ok(Self::All(Box::new(AllForces::take(laws, groups)?)));
+        }
+        if present.contains(Law::Coulomb) {
+            return Ok(Self::Friction(Friction::take(laws, groups)?));
+        }
+        Ok(Self::Viscous(Viscous::take(laws, groups)?))
     }
 }
 

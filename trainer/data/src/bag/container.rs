@@ -3,15 +3,13 @@
 //! The file is read sequentially, at most one chunk at a time. Allocations do not trust stated lengths: records are no longer than the
 //! file, and chunks unpack to at most the size that they state.
 
+use super::record::{self, CHANNEL, CHUNK, Channel, Chunk, Damage, FOOTER, MAGIC, MESSAGE, SCHEMA, Schema};
 use crate::error::{Fault, Problem};
 use crate::place::Place;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
-use mcap::McapError;
-use mcap::read::ChannelAccumulator;
-use mcap::records::{ChunkHeader, Record, op};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::borrow::Cow;
-use std::io::{self, ErrorKind, Read};
+use std::collections::HashMap;
+use std::io::{self, Read};
 
 /// Largest size of an unpacked chunk, bytes. Recorders write chunks of some megabytes.
 const LARGEST_CHUNK: u64 = 1 << 28;
@@ -22,9 +20,6 @@ const MOST_ANYWAY: u64 = LARGEST_CHUNK;
 /// Further bytes per byte of the file: even blank images compress less.
 const MOST_PER_BYTE: u64 = 1000;
 
-/// Largest number of bytes per read.
-const BLOCK: usize = 1 << 20;
-
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
 /// A message on any topic.
@@ -33,7 +28,9 @@ pub(super) struct Message<'a> {
     pub number: u64,
     /// Bytes of the file read so far.
     pub read: u64,
-    pub channel: &'a mcap::Channel<'a>,
+    pub channel: &'a Channel,
+    /// Name of the channel's schema, empty if it has none.
+    pub schema: &'a str,
     /// Time of recording, ns.
     pub log_time: u64,
     pub content: &'a [u8],
@@ -42,52 +39,44 @@ pub(super) struct Message<'a> {
 /// Callback for every message.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(&Message<'_>) -> Result<(), Fault>;
 
-/// Passes every message of a file with this length to `visit`.
-pub(super) fn messages(source: &mut dyn Read, length: u64, visit: Visit<'_>) -> Result<(), Fault> {
-    let mut scan = Scan { channels: ChannelAccumulator::default(), messages: 0, read: 0, unpacked: 0, visit };
-    let limit = usize::try_from(length).unwrap_or(usize::MAX);
-    let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(limit);
-    let done = records(source, options, &mut |opcode, body| scan.of_file(opcode, body));
+/// Passes every message of a file to `visit`.
+pub(super) fn messages(source: &mut dyn Read, visit: Visit<'_>) -> Result<(), Fault> {
+    let mut scan = Scan::new(visit);
+    let done = scan.file(source);
     done.map_err(|fault| scan.located(fault))
 }
 
-/// Callback for every record, with its opcode and its bytes.
-type Each<'e> = &'e mut dyn FnMut(u8, &[u8]) -> Result<(), Fault>;
-
-/// Passes every record of a file or a chunk to `each`.
-fn records(source: &mut dyn Read, options: LinearReaderOptions, each: Each<'_>) -> Result<(), Fault> {
-    let mut reader = LinearReader::new_with_options(options);
-    while let Some(event) = reader.next_event() {
-        match event.map_err(broken)? {
-            LinearReadEvent::Record { opcode, data } => each(opcode, data)?,
-            LinearReadEvent::ReadRequest(wanted) => {
-                let read = source.read(reader.insert(wanted.min(BLOCK)));
-                match read {
-                    Ok(read) => reader.notify_read(read),
-                    Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                    Err(error) => return Err((Place::File, error.into())),
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
-fn broken(error: McapError) -> Fault {
-    let problem = match error {
-        McapError::UnexpectedEof => Problem::NotMcap("it ends in the middle of a record".to_owned()),
-        error => Problem::NotMcap(error.to_string()),
-    };
-    (Place::File, problem)
-}
-
-fn damaged(reason: &'static str) -> Fault {
+fn damaged(reason: Damage) -> Fault {
     (Place::File, Problem::NotMcap(reason.to_owned()))
+}
+
+const CUT: Damage = "it ends in the middle of a record";
+
+/// Fills `to` from the file.
+fn fill(source: &mut dyn Read, to: &mut [u8]) -> Result<(), Fault> {
+    source.read_exact(to).map_err(|error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => damaged(CUT),
+        _ => (Place::File, error.into()),
+    })
+}
+
+fn magic(source: &mut dyn Read) -> Result<(), Fault> {
+    let mut found = [0; MAGIC.len()];
+    fill(source, &mut found)?;
+    if found == MAGIC { Ok(()) } else { Err(damaged("it does not begin and end as one")) }
+}
+
+/// Size of the kind and the length in front of a record, bytes.
+const HEAD: usize = 9;
+
+fn head([kind, length @ ..]: [u8; HEAD]) -> (u8, u64) {
+    (kind, u64::from_le_bytes(length))
 }
 
 /// State of the scan of a file.
 struct Scan<'v> {
-    channels: ChannelAccumulator<'static>,
+    schemas: HashMap<u16, Schema>,
+    channels: HashMap<u16, Channel>,
     messages: u64,
     read: u64,
     /// Total size of the unpacked chunks so far, as they state it.
@@ -95,65 +84,105 @@ struct Scan<'v> {
     visit: Visit<'v>,
 }
 
-impl Scan<'_> {
+impl<'v> Scan<'v> {
+    fn new(visit: Visit<'v>) -> Self {
+        let (schemas, channels) = (HashMap::new(), HashMap::new());
+        Self { schemas, channels, messages: 0, read: 0, unpacked: 0, visit }
+    }
+
     /// Locates a problem of the file as a whole after the last message.
     fn located(&self, (place, problem): Fault) -> Fault {
         if place == Place::File { (Place::Message(self.messages + 1), problem) } else { (place, problem) }
     }
 
-    fn of_file(&mut self, opcode: u8, body: &[u8]) -> Result<(), Fault> {
-        self.read += body.len() as u64;
-        if opcode != op::CHUNK {
-            return self.of_chunk(opcode, body);
+    fn file(&mut self, source: &mut dyn Read) -> Result<(), Fault> {
+        magic(source)?;
+        let mut body = Vec::new();
+        loop {
+            let mut start = [0; HEAD];
+            fill(source, &mut start)?;
+            let (kind, length) = head(start);
+            body.clear();
+            let read = (&mut *source).take(length).read_to_end(&mut body);
+            if read.map_err(|error| (Place::File, error.into()))? as u64 != length {
+                return Err(damaged(CUT));
+            }
+            self.read += length;
+            match kind {
+                FOOTER => return magic(source),
+                CHUNK => self.chunk(&body)?,
+                _ => self.record(kind, &body)?,
+            }
         }
-        let Record::Chunk { header, data } = mcap::parse_record(opcode, body).map_err(broken)? else {
-            return Ok(());
-        };
-        self.unpacked = self.unpacked.saturating_add(header.uncompressed_size);
-        let most = MOST_PER_BYTE.saturating_mul(self.read).saturating_add(MOST_ANYWAY);
-        if self.unpacked > most && header.uncompressed_size <= LARGEST_CHUNK {
-            return Err((Place::File, Problem::Unpacked { bytes: self.unpacked, most }));
-        }
-        let content = unpacked(&header, &data)?;
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_emit_chunks(true)
-            .with_record_length_limit(content.len());
-        records(&mut &content[..], options, &mut |opcode, body| self.of_chunk(opcode, body))
     }
 
-    fn of_chunk(&mut self, opcode: u8, body: &[u8]) -> Result<(), Fault> {
-        // Other records are not parsed.
-        if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
-            return Ok(());
+    fn chunk(&mut self, body: &[u8]) -> Result<(), Fault> {
+        let chunk = Chunk::parse(body).map_err(damaged)?;
+        self.unpacked = self.unpacked.saturating_add(chunk.size);
+        let most = MOST_PER_BYTE.saturating_mul(self.read).saturating_add(MOST_ANYWAY);
+        if self.unpacked > most && chunk.size <= LARGEST_CHUNK {
+            return Err((Place::File, Problem::Unpacked { bytes: self.unpacked, most }));
         }
-        match mcap::parse_record(opcode, body).map_err(broken)? {
-            Record::Schema { header, data } => {
-                self.channels.add_schema_from_slice(header, &data).map_err(broken)
+        let content = unpacked(&chunk)?;
+        let mut rest = &content[..];
+        while let Some((start, behind)) = rest.split_first_chunk() {
+            let (kind, length) = head(*start);
+            let length = usize::try_from(length).unwrap_or(usize::MAX);
+            let (body, behind) = behind.split_at_checked(length).ok_or_else(|| damaged(CUT))?;
+            self.record(kind, body)?;
+            rest = behind;
+        }
+        if rest.is_empty() { Ok(()) } else { Err(damaged(CUT)) }
+    }
+
+    fn record(&mut self, kind: u8, body: &[u8]) -> Result<(), Fault> {
+        match kind {
+            SCHEMA => {
+                let schema = Schema::parse(body).map_err(damaged)?;
+                keep(&mut self.schemas, schema.id, schema, "two schemas have one number")
             }
-            Record::Channel(channel) => self.channels.add_channel(channel).map_err(broken),
-            Record::Message { header, data } => {
-                let Some(channel) = self.channels.get(header.channel_id) else {
-                    return Err(damaged("a message is of a topic that the file does not name"));
-                };
-                self.messages += 1;
-                let Self { messages: number, read, .. } = *self;
-                let (log_time, content) = (header.log_time, &data[..]);
-                (self.visit)(&Message { number, read, channel: &channel, log_time, content })
+            CHANNEL => {
+                let channel = Channel::parse(body).map_err(damaged)?;
+                if channel.schema != 0 && !self.schemas.contains_key(&channel.schema) {
+                    return Err(damaged("a topic is of a schema that the file does not name"));
+                }
+                keep(&mut self.channels, channel.id, channel, "two topics have one number")
             }
+            MESSAGE => self.message(record::Message::parse(body).map_err(damaged)?),
             _ => Ok(()),
+        }
+    }
+
+    fn message(&mut self, message: record::Message<'_>) -> Result<(), Fault> {
+        let Some(channel) = self.channels.get(&message.channel) else {
+            return Err(damaged("a message is of a topic that the file does not name"));
+        };
+        self.messages += 1;
+        let schema = self.schemas.get(&channel.schema).map_or("", |schema| &schema.name);
+        let Self { messages: number, read, .. } = *self;
+        let record::Message { log_time, content, .. } = message;
+        (self.visit)(&Message { number, read, channel, schema, log_time, content })
+    }
+}
+
+/// Keeps a definition under its number. It may be repeated, as in the summary at the end of a file; a different one is an error.
+fn keep<T: PartialEq>(all: &mut HashMap<u16, T>, id: u16, new: T, twice: Damage) -> Result<(), Fault> {
+    match all.get(&id) {
+        Some(known) if *known != new => Err(damaged(twice)),
+        _ => {
+            all.insert(id, new);
+            Ok(())
         }
     }
 }
 
-/// The contents of a chunk, after a check of its length and checksum.
-fn unpacked<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>, Fault> {
-    let size = header.uncompressed_size;
+/// The content of a chunk, after a check of its length and checksum.
+fn unpacked<'a>(chunk: &Chunk<'a>) -> Result<Cow<'a, [u8]>, Fault> {
+    let (size, data) = (chunk.size, chunk.content);
     if size > LARGEST_CHUNK {
         return Err((Place::File, Problem::LargeChunk { bytes: size, most: LARGEST_CHUNK }));
     }
-    let content = match header.compression.as_str() {
+    let content = match chunk.compression {
         "" => Cow::Borrowed(data),
         "zstd" => {
             let decoder = ruzstd::decoding::StreamingDecoder::new(data);
@@ -165,7 +194,7 @@ fn unpacked<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>, F
     if content.len() as u64 != size {
         return Err(damaged("a chunk unpacks to another size than it says"));
     }
-    if header.uncompressed_crc != 0 && CRC.checksum(&content) != header.uncompressed_crc {
+    if chunk.crc != 0 && CRC.checksum(&content) != chunk.crc {
         return Err(damaged("the checksum of a chunk is wrong"));
     }
     Ok(content)

@@ -6,6 +6,7 @@
 
 mod cdr;
 mod container;
+mod record;
 
 use crate::Rows;
 use crate::columns::Columns;
@@ -58,10 +59,10 @@ struct Time {
 type Key = (u16, String, [bool; 3]);
 
 impl Bag {
-    /// Reads a file of this length sequentially.
-    pub fn read(source: &mut dyn Read, length: u64) -> Result<Self, Fault> {
+    /// Reads a file sequentially.
+    pub fn read(source: &mut dyn Read) -> Result<Self, Fault> {
         let mut gathered = Gathered::default();
-        container::messages(source, length, &mut |message| gathered.take(message))?;
+        container::messages(source, &mut |message| gathered.take(message))?;
         let Gathered { streams, others, .. } = gathered;
         let others: Vec<String> = others.into_iter().collect();
         if streams.is_empty() {
@@ -200,9 +201,8 @@ struct Gathered {
 impl Gathered {
     fn take(&mut self, message: &Message<'_>) -> Result<(), Fault> {
         let channel = message.channel;
-        let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
-        let joints = matches!(schema, "sensor_msgs/msg/JointState" | "sensor_msgs/JointState");
-        if !joints || channel.message_encoding != "cdr" {
+        let joints = matches!(message.schema, "sensor_msgs/msg/JointState" | "sensor_msgs/JointState");
+        if !joints || channel.encoding != "cdr" {
             if !self.others.contains(&channel.topic) {
                 self.others.insert(channel.topic.clone());
             }

@@ -60,7 +60,7 @@ fn of_source(source: Source) -> Result<Vec<RawLog>, Fault> {
     match source {
         Source::Csv(bytes) => Ok(vec![of_csv(&bytes)?]),
         Source::Npz(bytes) => Ok(vec![of_npz(&bytes)?]),
-        Source::Mcap(mut source, length) => Ok(of_bag(&Bag::read(&mut source, length)?)),
+        Source::Mcap(mut source) => Ok(of_bag(&Bag::read(&mut source)?)),
     }
 }
 

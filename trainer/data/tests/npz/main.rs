@@ -2,30 +2,19 @@
 
 mod sizes;
 
+#[path = "../common/npy.rs"]
+mod npy;
+
 use std::io::{Cursor, Write};
 
 use leastaction_core::forces::ControlKind;
 use leastaction_data::{self as data, Dataset, Note};
+use npy::{f8, npy};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// Names and arrays.
 type Arrays<'a> = Vec<(&'a str, Vec<u8>)>;
-
-/// An array in version 1.0 of the `.npy` format.
-fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
-    let fortran = if fortran { "True" } else { "False" };
-    let mut header =
-        format!("{{'descr': {descr}, 'fortran_order': {fortran}, 'shape': {shape}, }}").into_bytes();
-    header.resize((header.len() + 11).next_multiple_of(64) - 11, b' ');
-    header.push(b'\n');
-    let length = u16::try_from(header.len()).unwrap().to_le_bytes();
-    [b"\x93NUMPY\x01\x00", &length[..], &header, data].concat()
-}
-
-fn f8(shape: &str, values: &[f64]) -> Vec<u8> {
-    npy("'<f8'", false, shape, &values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>())
-}
 
 fn pack(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     let files: Vec<_> = arrays.iter().map(|(name, bytes)| (format!("{name}.npy"), bytes)).collect();
@@ -272,15 +261,15 @@ fn elements_are_plain_numbers() {
     assert_refused(&[
         (
             vec![("q", npy("'|b1'", false, "(3,)", &[1; 3])), h()],
-            ", key q: elements are of type '|b1'; store float64, float32 or integers",
+            ", key q: elements are of type |b1; store float64, float32 or integers",
         ),
         (
             vec![("q", npy("'<c16'", false, "(3,)", &[0; 48])), h()],
-            ", key q: elements are of type '<c16'; store float64, float32 or integers",
+            ", key q: elements are of type <c16; store float64, float32 or integers",
         ),
         (
             vec![("q", npy("'|O'", false, "(3,)", &[0; 48])), h()],
-            ", key q: elements are of type '|O'; store float64, float32 or integers",
+            ", key q: elements are of type |O; store float64, float32 or integers",
         ),
         (
             vec![("q", npy("'<f8'", false, "(4,)", &[0; 24])), h()],

@@ -3,11 +3,11 @@
 use super::notice::Notice;
 use super::plan::Plan;
 use crate::data::Dataset;
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
+use crate::matrix::cholesky;
 use leastaction_core::discrete::Order;
 use leastaction_core::model::TrainedStep;
 use leastaction_models::{CoordinateFriction, Model};
+use nalgebra::DMatrix;
 
 /// Number of positions that are checked.
 const POSITIONS: usize = 64;
@@ -45,7 +45,7 @@ pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
 /// Stiffness a of every coordinate without load; empty if M is not positive definite.
 fn stiffness(h: f64, mass: &[f64], friction: &[CoordinateFriction]) -> Vec<f64> {
     let n = friction.len();
-    let Ok(factor) = Mat::from_fn(n, n, |i, j| mass[i * n + j]).llt(Side::Lower) else { return Vec::new() };
+    let Some(factor) = cholesky(DMatrix::from_row_slice(n, n, mass)) else { return Vec::new() };
     let inverse = factor.inverse();
     let of = |(i, friction): (usize, &CoordinateFriction)| {
         friction.dry.map_or(0.0, |dry| 0.5 * h * dry.constant * inverse[(i, i)] / dry.width)

@@ -1,8 +1,9 @@
 //! Linear least squares for the numbers in which a torque is linear, as far as a log determines them.
 
+use crate::matrix::{column, column_mut, singular};
 use crate::torque::Samples;
-use faer::{Mat, Side};
 use leastaction_models::tree::Tree;
+use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -24,7 +25,7 @@ pub struct Terms {
 pub struct Design {
     /// \[rows\]\[columns\]: the bodies' columns, then n columns each for rotors, viscous friction, Coulomb friction and offsets, as far as
     /// they are learned.
-    pub matrix: Mat<f64>,
+    pub matrix: DMatrix<f64>,
     /// The logged torques.
     pub target: Vec<f64>,
     /// Number of coordinates n.
@@ -70,7 +71,7 @@ impl Design {
             }
         }
         let columns = rows.first().map_or(0, Vec::len);
-        let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
+        let matrix = DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]);
         Self { matrix, target: samples.tau.as_flat().to_vec(), coordinates: n }
     }
 
@@ -79,9 +80,9 @@ impl Design {
     pub fn over(mut self, scales: &[f64]) -> Self {
         let n = self.coordinates;
         self.target.iter_mut().enumerate().for_each(|(i, x)| *x /= scales[i % n]);
-        self.matrix.col_iter_mut().for_each(|column| {
-            column.iter_mut().enumerate().for_each(|(i, x)| *x /= scales[i % n]);
-        });
+        for j in 0..self.matrix.ncols() {
+            column_mut(&mut self.matrix, j).iter_mut().enumerate().for_each(|(i, x)| *x /= scales[i % n]);
+        }
         self
     }
 
@@ -90,7 +91,7 @@ impl Design {
     pub fn predict(&self, numbers: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.matrix.nrows()];
         for (j, number) in numbers.iter().enumerate() {
-            sums.iter_mut().zip(self.matrix.col_as_slice(j)).for_each(|(sum, x)| *sum += number * x);
+            sums.iter_mut().zip(column(&self.matrix, j)).for_each(|(sum, x)| *sum += number * x);
         }
         sums
     }
@@ -98,42 +99,60 @@ impl Design {
     /// The condition number of some columns, each scaled to norm 1; infinite if they are linearly dependent.
     #[must_use]
     pub fn condition_of(&self, columns: &[usize]) -> f64 {
-        let chosen = Mat::from_fn(self.matrix.nrows(), columns.len(), |i, j| self.matrix[(i, columns[j])]);
-        let scales = norms(&chosen);
-        let gram = chosen.transpose() * &chosen;
-        let scaled =
-            Mat::from_fn(columns.len(), columns.len(), |i, j| gram[(i, j)] / (scales[i] * scales[j]));
-        let Ok(squares) = scaled.self_adjoint_eigenvalues(Side::Lower) else { return f64::INFINITY };
-        let (least, largest) =
-            squares.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(*x), most.max(*x)));
-        if least > TOLERANCE * TOLERANCE * largest { (largest / least).sqrt() } else { f64::INFINITY }
+        let chosen = self.matrix.select_columns(columns);
+        let found = singular(&triangle(&scaled(&chosen, &norms(&chosen))));
+        let values = found.map_or(Vec::new(), |found| found.values);
+        let [Some(largest), Some(least)] = [values.first(), values.last()] else { return f64::INFINITY };
+        if *least > TOLERANCE * largest { largest / least } else { f64::INFINITY }
     }
 
     /// The solution; `None` if a number is not finite.
     #[must_use]
     pub fn solve(&self) -> Option<Solution> {
-        let scales = norms(&self.matrix);
-        let scaled =
-            Mat::from_fn(self.matrix.nrows(), self.matrix.ncols(), |i, j| self.matrix[(i, j)] / scales[j]);
-        let svd = scaled.thin_svd().ok()?;
-        let singular: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        let largest = singular.first().copied().unwrap_or(0.0);
-        let rank = singular.iter().filter(|s| **s > TOLERANCE * largest).count();
-        let mut numbers = vec![0.0; self.matrix.ncols()];
-        for (k, s) in singular.iter().take(rank).enumerate() {
-            let part: f64 = svd.U().col(k).iter().zip(&self.target).map(|(u, y)| u * y).sum::<f64>() / s;
-            numbers.iter_mut().zip(svd.V().col(k).iter()).for_each(|(x, v)| *x += part * v);
+        let (scales, p) = (norms(&self.matrix), self.matrix.ncols());
+        // The last column of the triangle is Qᵀτ.
+        let target = self.target.iter().copied();
+        let mut with_target = scaled(&self.matrix, &scales).resize_horizontally(p + 1, 0.0);
+        column_mut(&mut with_target, p).iter_mut().zip(target).for_each(|(to, tau)| *to = tau);
+        let triangle = triangle(&with_target);
+        let svd = singular(&triangle.view((0, 0), (p, p)).into_owned())?;
+        let largest = svd.values.first().copied().unwrap_or(0.0);
+        let rank = svd.values.iter().filter(|s| **s > TOLERANCE * largest).count();
+        let mut numbers = vec![0.0; p];
+        for (k, s) in svd.values.iter().take(rank).enumerate() {
+            let part = column(&svd.left, k).iter().zip(column(&triangle, p)).map(|(u, y)| u * y).sum::<f64>();
+            numbers.iter_mut().zip(column(&svd.right, k)).for_each(|(x, v)| *x += part / (s * s) * v);
         }
         numbers.iter_mut().zip(&scales).for_each(|(x, scale)| *x /= scale);
-        let condition = largest / rank.checked_sub(1).map_or(0.0, |last| singular[last]);
+        let condition = largest / rank.checked_sub(1).map_or(0.0, |last| svd.values[last]);
         numbers.iter().all(|x| x.is_finite()).then_some(Solution { numbers, rank, condition })
     }
 }
 
 /// Norms of the columns; 1 for a zero column.
-fn norms(matrix: &Mat<f64>) -> Vec<f64> {
-    let norm = |column: usize| matrix.col_as_slice(column).iter().map(|x| x * x).sum::<f64>().sqrt();
-    (0..matrix.ncols()).map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
+fn norms(matrix: &DMatrix<f64>) -> Vec<f64> {
+    matrix.column_iter().map(|column| column.norm()).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
+}
+
+/// The matrix with every column divided by its scale.
+fn scaled(matrix: &DMatrix<f64>, scales: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] / scales[j])
+}
+
+/// Rows per factorisation.
+const ROWS: usize = 512;
+
+/// The square R of A = QR, updated by blocks of rows that fit in the cache.
+fn triangle(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let p = a.ncols();
+    let mut triangle = DMatrix::zeros(p, p);
+    for start in (0..a.nrows()).step_by(ROWS) {
+        let rows = a.rows_range(start..a.nrows().min(start + ROWS));
+        let mut stacked = triangle.resize_vertically(p + rows.nrows(), 0.0);
+        stacked.rows_range_mut(p..).copy_from(&rows);
+        triangle = stacked.qr().unpack_r();
+    }
+    triangle
 }
 
 /// The base parameters K π of a tree: the combinations of its parameters that its torques depend on. Every row of K has one independent
@@ -145,7 +164,7 @@ pub struct BaseParameters {
     /// Indices of the independent parameters, in ascending order.
     pub independent: Vec<usize>,
     /// K, \[independent\]\[parameters\]; the columns of independent parameters hold 1 and 0.
-    pub combination: Mat<f64>,
+    pub combination: DMatrix<f64>,
 }
 
 /// Seed of the random states; any would do.
@@ -168,35 +187,26 @@ impl BaseParameters {
             let mut state = || (0..n).map(|_| random.random_range(-3.0..3.0)).collect::<Vec<f64>>();
             rows.extend(tree.regressor(&state(), &state(), &state()));
         }
-        let matrix = Mat::from_fn(rows.len(), learned.len(), |i, j| rows[i][learned[j]]);
+        let matrix = DMatrix::from_fn(rows.len(), learned.len(), |i, j| rows[i][learned[j]]);
         let scales = norms(&matrix);
-        let scaled = Mat::from_fn(rows.len(), learned.len(), |i, j| matrix[(i, j)] / scales[j]);
-        let Self { independent, combination } = Self::of_columns(&scaled, &scales);
-        let mut all = Mat::zeros(combination.nrows(), p);
+        let Self { independent, combination } = Self::of_columns(scaled(&matrix, &scales), &scales);
+        let mut all = DMatrix::zeros(combination.nrows(), p);
         for (j, column) in learned.iter().enumerate() {
-            all.col_mut(*column).copy_from(combination.col(j));
+            all.column_mut(*column).copy_from(&combination.column(j));
         }
         Self { independent: independent.into_iter().map(|j| learned[j]).collect(), combination: all }
     }
 
-    fn of_columns(scaled: &Mat<f64>, scales: &[f64]) -> Self {
-        let qr = scaled.col_piv_qr();
-        let (upper, order) = (qr.thin_R(), qr.P().arrays().0);
-        let count = upper.nrows().min(upper.ncols());
-        let first = if count > 0 { upper[(0, 0)].abs() } else { 0.0 };
-        let rank = (0..count).take_while(|k| upper[(*k, *k)].abs() > TOLERANCE * first).count();
+    fn of_columns(scaled: DMatrix<f64>, scales: &[f64]) -> Self {
         let p = scaled.ncols();
-        // R₁⁻¹R₂ by back substitution.
-        let mut dependent = Mat::from_fn(rank, p - rank, |i, j| upper[(i, rank + j)]);
-        for j in 0..p - rank {
-            for i in (0..rank).rev() {
-                let later: f64 = (i + 1..rank).map(|k| upper[(i, k)] * dependent[(k, j)]).sum();
-                dependent[(i, j)] = (dependent[(i, j)] - later) / upper[(i, i)];
-            }
-        }
+        let Pivoted { upper, order, rank } = Pivoted::of(scaled);
+        // R₁⁻¹R₂.
+        let mut dependent = upper.view((0, rank), (rank, p - rank)).into_owned();
+        let independent = upper.view((0, 0), (rank, rank));
+        let _rank_is_full = independent.solve_upper_triangular_mut(&mut dependent);
         let mut rows: Vec<usize> = (0..rank).collect();
         rows.sort_by_key(|k| order[*k]);
-        let mut combination = Mat::zeros(rank, p);
+        let mut combination = DMatrix::zeros(rank, p);
         for (row, k) in rows.iter().enumerate() {
             combination[(row, order[*k])] = 1.0;
             for j in 0..p - rank {
@@ -218,5 +228,40 @@ impl BaseParameters {
     pub fn values(&self, parameters: &[f64]) -> Vec<f64> {
         let row = |i: usize| parameters.iter().enumerate().map(|(j, x)| self.combination[(i, j)] * x).sum();
         (0..self.count()).map(row).collect()
+    }
+}
+
+/// R of a QR factorisation with column pivoting, up to the numerical rank.
+struct Pivoted {
+    upper: DMatrix<f64>,
+    order: Vec<usize>,
+    /// Numerical rank: pivots above [`TOLERANCE`] of the first.
+    rank: usize,
+}
+
+impl Pivoted {
+    /// Source: Golub and Van Loan, "Matrix Computations", section 5.4 (column pivoting), by modified Gram–Schmidt.
+    fn of(mut columns: DMatrix<f64>) -> Self {
+        let p = columns.ncols();
+        let (mut upper, mut order) = (DMatrix::zeros(p, p), (0..p).collect::<Vec<_>>());
+        for k in 0..p {
+            let norms: Vec<f64> = (k..p).map(|j| columns.column(j).norm()).collect();
+            let largest = (k..p).max_by(|i, j| norms[i - k].total_cmp(&norms[j - k])).unwrap_or(k);
+            let norm = norms[largest - k];
+            if norm <= TOLERANCE * upper[(0, 0)] {
+                return Self { upper, order, rank: k };
+            }
+            columns.swap_columns(k, largest);
+            upper.swap_columns(k, largest);
+            order.swap(k, largest);
+            upper[(k, k)] = norm;
+            columns.column_mut(k).unscale_mut(norm);
+            let unit = columns.column(k).into_owned();
+            for j in k + 1..p {
+                upper[(k, j)] = unit.dot(&columns.column(j));
+                columns.column_mut(j).axpy(-upper[(k, j)], &unit, 1.0);
+            }
+        }
+        Self { upper, order, rank: p }
     }
 }

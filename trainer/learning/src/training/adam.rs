@@ -179,7 +179,7 @@ impl Adam {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::Mat;
+    use nalgebra::DMatrix;
 
     /// A loss that does not depend on the weights.
     struct Flat;
@@ -198,7 +198,12 @@ mod tests {
             None
         }
         fn gradient(&self, _: &[f64], _: Range<usize>) -> Option<NormalEquations> {
-            Some(NormalEquations { gram: Mat::new(), gradient: vec![0.0; 2], squares: 1.0, rows: 1 })
+            Some(NormalEquations {
+                gram: DMatrix::zeros(0, 0),
+                gradient: vec![0.0; 2],
+                squares: 1.0,
+                rows: 1,
+            })
         }
         fn project(&self, _: &mut [f64]) {}
     }

@@ -120,7 +120,7 @@ fn normal_equations_are_scaled_by_slopes() {
     let rows = [[1.0, 2.0, -1.0], [0.5, -3.0, 2.0]];
     let (residual, slopes) = ([0.3, -0.8], [1.0, 0.25, 4.0]);
     let of = |slopes: [f64; 3]| {
-        let jacobian = faer::Mat::from_fn(2, 3, |i, j| rows[i][j] * slopes[j]);
+        let jacobian = nalgebra::DMatrix::from_fn(2, 3, |i, j| rows[i][j] * slopes[j]);
         let mut equations = NormalEquations::zero(3);
         equations.add(&jacobian, &residual);
         equations
@@ -164,7 +164,7 @@ fn normal_equations_of_a_body_are_in_its_free_numbers() {
     let (bounds, weights) = with_a_body();
     let (theta, count) = (bounds.free(&weights), weights.len());
     let wave = |i: usize, j: usize| (1.3 * i as f64 + 2.7 * j as f64).sin();
-    let jacobian = faer::Mat::from_fn(15, count, wave);
+    let jacobian = nalgebra::DMatrix::from_fn(15, count, wave);
     let residual: Vec<f64> = (0..15).map(|i| wave(i, 40)).collect();
     let slope = |j: usize, k: usize| {
         let moved = |step: f64| {
@@ -174,7 +174,7 @@ fn normal_equations_of_a_body_are_in_its_free_numbers() {
         };
         (moved(1e-6) - moved(-1e-6)) / 2e-6
     };
-    let free = &jacobian * faer::Mat::from_fn(count, count, slope);
+    let free = &jacobian * nalgebra::DMatrix::from_fn(count, count, slope);
     let mut equations = NormalEquations::zero(count);
     equations.add(&jacobian, &residual);
     equations.bring_to_free(&bounds, &theta);

@@ -5,9 +5,8 @@
 
 use super::limits::{Limited, fall};
 use super::{NormalEquations, Objective};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
-use leastaction_models::parallel;
+use crate::matrix::cholesky;
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 /// Limit of the damping: beyond it no direction lowers the loss in double precision.
@@ -183,16 +182,13 @@ fn mean_diagonal(equations: &NormalEquations) -> f64 {
 
 /// The step −(JᵀJ + D)⁻¹Jᵀr, D diagonal; `None` if the matrix is not positive definite in double precision.
 fn damped_step(equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
-    let p = equations.gradient.len();
     let mut matrix = equations.gram.clone();
     for (i, damping) in damping.iter().enumerate() {
         matrix[(i, i)] += damping;
     }
-    // Outside this pool faer would start threads of its own.
-    let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
-    let right = Mat::from_fn(p, 1, |i, _| -equations.gradient[i]);
-    let step = factor.solve(&right);
-    Some(step.col_as_slice(0).to_vec())
+    let mut step = -DVector::from_column_slice(&equations.gradient);
+    cholesky(matrix)?.solve_mut(&mut step);
+    Some(step.data.into())
 }
 
 /// Decrease of the mean square that the linear model predicts: ½δ·(Dδ − Jᵀr)·2/rows.

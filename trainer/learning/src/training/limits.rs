@@ -3,8 +3,8 @@
 //! Source: Nocedal and Wright, "Numerical Optimization", section 16.7 (projected steps over the numbers that are free).
 
 use super::NormalEquations;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use crate::matrix::cholesky;
+use nalgebra::{DMatrix, DVector};
 
 /// Current numbers and their ranges.
 #[derive(Clone, Copy)]
@@ -51,12 +51,13 @@ impl Limited<'_> {
 
 /// The step −(JᵀJ + D)⁻¹Jᵀr over the free numbers.
 fn solved(equations: &NormalEquations, damping: &[f64], free: &[usize]) -> Option<Vec<f64>> {
-    let matrix = Mat::from_fn(free.len(), free.len(), |i, j| {
+    let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| {
         let entry = equations.entry(free[i], free[j]);
         if i == j { entry + damping[free[i]] } else { entry }
     });
-    let right = Mat::from_fn(free.len(), 1, |i, _| -equations.gradient[free[i]]);
-    Some(matrix.llt(Side::Lower).ok()?.solve(&right).col_as_slice(0).to_vec())
+    let mut step = DVector::from_iterator(free.len(), free.iter().map(|i| -equations.gradient[*i]));
+    cholesky(matrix)?.solve_mut(&mut step);
+    Some(step.data.into())
 }
 
 /// Decrease of the mean square that the linear model predicts for any step: −(2 δᵀJᵀr + δᵀJᵀJδ)/rows.

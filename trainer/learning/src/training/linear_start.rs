@@ -2,14 +2,13 @@
 
 use super::blocks::Blocks;
 use super::{Levenberg, Objective, Samples};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use crate::matrix::cholesky;
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
 use leastaction_core::model::{FrictionNumber, Law, ModelError};
-use leastaction_models::parallel;
 use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use leastaction_programs::System;
 use leastaction_programs::losses::TorqueLoss;
+use nalgebra::{DMatrix, DVector};
 
 /// Ridge of the linear fit, relative to its largest diagonal entry: it keeps numbers that the log does not show.
 const RIDGE: f64 = 1e-6;
@@ -203,14 +202,11 @@ fn solved(objective: &Blocks, weights: &[f64], linear: &[Linear]) -> Option<Vec<
         a.size * b.size * pairs.map(|(i, j, xy)| xy * gram(i, j)).sum::<f64>()
     };
     let k = linear.len();
-    let mut matrix = Mat::from_fn(k, k, |i, j| product(&linear[i], &linear[j]));
+    let mut matrix = DMatrix::from_fn(k, k, |i, j| product(&linear[i], &linear[j]));
     let ridge = RIDGE * (0..k).map(|i| matrix[(i, i)]).fold(0.0, f64::max);
     (0..k).for_each(|i| matrix[(i, i)] += ridge);
-    let right = Mat::from_fn(k, 1, |i, _| {
-        -linear[i].size * linear[i].slopes.iter().map(|(at, x)| x * equations.gradient[*at]).sum::<f64>()
-    });
-    // Outside this pool faer would start threads of its own.
-    let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
-    let step = factor.solve(&right);
-    Some(step.col_as_slice(0).iter().zip(linear).map(|(step, of)| step * of.size).collect())
+    let slope = |of: &Linear| of.slopes.iter().map(|(at, x)| x * equations.gradient[*at]).sum::<f64>();
+    let mut step = DVector::from_iterator(k, linear.iter().map(|of| -of.size * slope(of)));
+    cholesky(matrix)?.solve_mut(&mut step);
+    Some(step.iter().zip(linear).map(|(step, of)| step * of.size).collect())
 }

@@ -1,14 +1,14 @@
 use super::Bounds;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, Par};
+use crate::matrix::{add_gram, column, column_mut};
 use leastaction_programs::Row;
+use nalgebra::DMatrix;
 
 /// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (lower triangle), Jᵀr and rᵀr. Memory is that of
 /// JᵀJ, whatever the number of samples.
 #[derive(Clone, Debug)]
 pub struct NormalEquations {
     /// JᵀJ; only the lower triangle is meaningful.
-    pub gram: Mat<f64>,
+    pub gram: DMatrix<f64>,
     /// Jᵀr.
     pub gradient: Vec<f64>,
     /// rᵀr.
@@ -20,29 +20,19 @@ pub struct NormalEquations {
 impl NormalEquations {
     /// Empty equations for p parameters.
     pub fn zero(p: usize) -> Self {
-        Self { gram: Mat::zeros(p, p), gradient: vec![0.0; p], squares: 0.0, rows: 0 }
+        Self { gram: DMatrix::zeros(p, p), gradient: vec![0.0; p], squares: 0.0, rows: 0 }
     }
 
     /// Adds the rows of a chunk. It runs sequentially, and is thus identical on any number of threads.
-    pub fn add(&mut self, jacobian: &Mat<f64>, residual: &[f64]) {
-        matmul(
-            self.gram.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            jacobian.transpose(),
-            BlockStructure::Rectangular,
-            jacobian.as_ref(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+    pub fn add(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) {
+        add_gram(&mut self.gram, jacobian);
         self.add_gradient(jacobian, residual);
     }
 
     /// Adds the rows of a chunk to the gradient and the sum of squares alone.
-    pub fn add_gradient(&mut self, jacobian: &Mat<f64>, residual: &[f64]) {
+    pub fn add_gradient(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) {
         for (j, g) in self.gradient.iter_mut().enumerate() {
-            *g += jacobian.col_as_slice(j).iter().zip(residual).map(|(a, b)| a * b).sum::<f64>();
+            *g += column(jacobian, j).iter().zip(residual).map(|(a, b)| a * b).sum::<f64>();
         }
         self.squares += residual.iter().map(|r| r * r).sum::<f64>();
         self.rows += residual.len();
@@ -90,7 +80,7 @@ impl NormalEquations {
             let columns = self.gram.ncols().min(position + 1);
             (0..columns).for_each(|j| self.gram[(position, j)] *= slope);
             if columns > 0 {
-                self.gram.col_as_slice_mut(position)[position..].iter_mut().for_each(|entry| *entry *= slope);
+                column_mut(&mut self.gram, position)[position..].iter_mut().for_each(|entry| *entry *= slope);
             }
         }
     }
@@ -130,8 +120,8 @@ impl NormalEquations {
     pub fn merge(&mut self, other: &Self) {
         // `gram` is empty when only the gradient is summed.
         for j in 0..self.gram.ncols() {
-            let below = self.gram.col_as_slice_mut(j)[j..].iter_mut();
-            below.zip(&other.gram.col_as_slice(j)[j..]).for_each(|(a, b)| *a += b);
+            let below = column_mut(&mut self.gram, j)[j..].iter_mut();
+            below.zip(&column(&other.gram, j)[j..]).for_each(|(a, b)| *a += b);
         }
         for (a, b) in self.gradient.iter_mut().zip(&other.gradient) {
             *a += b;

@@ -2,10 +2,11 @@
 //! number of threads.
 
 use super::{Bounds, NormalEquations, Objective, Solved};
-use faer::Mat;
+use crate::matrix::column_mut;
 use leastaction_models::bounds;
 use leastaction_models::parallel;
 use leastaction_programs::{Row, WIDTH};
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// Samples per matrix product; not a power of two, so that columns of the Jacobian do not share cache lines.
@@ -121,12 +122,12 @@ pub trait Residuals: Sync {
 pub struct ChunkRows {
     /// Residuals r.
     pub residual: Vec<f64>,
-    jacobian: Mat<f64>,
+    jacobian: DMatrix<f64>,
 }
 
 impl ChunkRows {
     fn new() -> Self {
-        Self { residual: Vec::new(), jacobian: Mat::new() }
+        Self { residual: Vec::new(), jacobian: DMatrix::zeros(0, 0) }
     }
 
     /// Resizes to `rows` rows, filled with zeros.
@@ -134,13 +135,13 @@ impl ChunkRows {
         self.residual.clear();
         self.residual.resize(rows, 0.0);
         if self.jacobian.shape() != (rows, parameters) {
-            self.jacobian = Mat::zeros(rows, parameters);
+            self.jacobian = DMatrix::zeros(rows, parameters);
         }
     }
 
     /// The derivatives with respect to a parameter in some rows.
     pub fn column(&mut self, parameter: usize, rows: Range<usize>) -> &mut [f64] {
-        &mut self.jacobian.col_as_slice_mut(parameter)[rows]
+        &mut column_mut(&mut self.jacobian, parameter)[rows]
     }
 
     /// Stores the first lanes of a residual component and of its derivatives in these rows.
@@ -258,7 +259,8 @@ impl<R: Residuals> Objective for R {
 
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
         let p = Residuals::shared(self);
-        let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
+        let zero =
+            || NormalEquations { gram: DMatrix::zeros(0, 0), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
         sum((samples, PARTS, self.chunk()), zero, |sum, rows, chunk| {
             self.add_gradient(weights, chunk, rows, sum)
         })

@@ -1,7 +1,7 @@
 //! Identifiability of fitted numbers: the directions that samples determine, and standard errors.
 
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
+use crate::matrix::{cholesky, singular};
+use nalgebra::DMatrix;
 
 /// Precision with which samples show a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub fn student(free: usize) -> f64 {
 /// Directions, in the space of scaled numbers, that samples show.
 pub(crate) struct Directions {
     /// Orthonormal basis, as columns.
-    basis: Mat<f64>,
+    basis: DMatrix<f64>,
     /// Share of every number in the remaining directions.
     free: Vec<f64>,
 }
@@ -40,15 +40,14 @@ pub(crate) struct Directions {
 impl Directions {
     /// Eigenvectors of the scaled matrix of the normal equations with eigenvalues above `least`(largest eigenvalue); none if the
     /// decomposition fails.
-    pub fn of(scaled: &Mat<f64>, least: impl FnOnce(f64) -> f64) -> Self {
+    pub fn of(scaled: &DMatrix<f64>, least: impl FnOnce(f64) -> f64) -> Self {
         let p = scaled.nrows();
-        let Ok(eigen) = scaled.self_adjoint_eigen(Side::Lower) else {
-            return Self { basis: Mat::zeros(p, 0), free: vec![1.0; p] };
+        let Some(eigen) = singular(scaled) else {
+            return Self { basis: DMatrix::zeros(p, 0), free: vec![1.0; p] };
         };
-        let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-        let least = least(values.iter().copied().fold(0.0, f64::max));
-        let shown: Vec<usize> = (0..p).filter(|k| values[*k] > least).collect();
-        let basis = Mat::from_fn(p, shown.len(), |i, k| vectors[(i, shown[k])]);
+        let least = least(eigen.values.first().copied().unwrap_or(0.0));
+        let shown = eigen.values.iter().filter(|value| **value > least).count();
+        let basis = eigen.right.columns(0, shown).into_owned();
         let free = (0..p).map(|i| 1.0 - basis.row(i).iter().map(|x| x * x).sum::<f64>()).collect();
         Self { basis, free }
     }
@@ -64,20 +63,19 @@ impl Directions {
     }
 
     /// The inverse of a matrix within these directions; `None` if it is not positive definite there.
-    pub fn inverse(&self, of: &Mat<f64>) -> Option<Mat<f64>> {
+    pub fn inverse(&self, of: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let within = self.basis.transpose() * of * &self.basis;
-        let factor = within.llt(Side::Lower).ok()?;
-        Some(&self.basis * factor.inverse() * self.basis.transpose())
+        Some(&self.basis * cholesky(within)?.inverse() * self.basis.transpose())
     }
 
     /// Change of the numbers if a part of the samples is left out: the inverse of the rest's matrix times the part's gradient. If the part
     /// alone shows a direction, the inverse of the whole replaces that of the rest.
-    pub fn moved(&self, rest: &Mat<f64>, gradient: &Mat<f64>, whole: &Mat<f64>) -> Mat<f64> {
+    pub fn moved(&self, rest: &DMatrix<f64>, gradient: &DMatrix<f64>, whole: &DMatrix<f64>) -> DMatrix<f64> {
         self.inverse(rest).as_ref().unwrap_or(whole) * gradient
     }
 
     /// The shown number with the strongest correlation to number i by this covariance, and the correlation.
-    pub fn strongest(&self, covariance: &Mat<f64>, i: usize) -> Option<(usize, f64)> {
+    pub fn strongest(&self, covariance: &DMatrix<f64>, i: usize) -> Option<(usize, f64)> {
         let correlation = |j: usize| {
             let both = covariance[(i, i)] * covariance[(j, j)];
             (j, covariance[(i, j)] / both.sqrt())

@@ -16,12 +16,12 @@
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
+use crate::matrix::cholesky;
 use crate::training::{
     Directions, LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of, student,
 };
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
 use leastaction_models::parallel;
+use nalgebra::DMatrix;
 use std::ops;
 
 /// Number of logs that suffices for a jackknife over whole logs.
@@ -142,7 +142,7 @@ struct Spread {
     sizes: Vec<f64>,
     directions: Directions,
     /// H⁻¹ within the shown directions.
-    inverse: Mat<f64>,
+    inverse: DMatrix<f64>,
     variances: Vec<f64>,
 }
 
@@ -156,17 +156,18 @@ impl Spread {
         let data = |i, j| of(&all, i, j) - of(&prior, i, j);
         let size = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
         let sizes: Vec<f64> = (0..p).map(|i| size(data(i, i))).collect();
-        let scaled = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * data(i, j));
+        let scaled = DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * data(i, j));
         let directions = Directions::of(&scaled, |_| RANK);
         let ratio = curvature_ratio(loss, weights);
-        let own = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of(&prior, i, j)));
+        let own =
+            DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of(&prior, i, j)));
         let inverse = directions.inverse(&own)?;
-        let part = |of: &ops::Range<usize>| -> Option<(Mat<f64>, Vec<usize>)> {
+        let part = |of: &ops::Range<usize>| -> Option<(DMatrix<f64>, Vec<usize>)> {
             let log = normal_equations_of(loss, weights, of.clone())?;
-            let rest = Mat::from_fn(p, p, |i, j| {
+            let rest = DMatrix::from_fn(p, p, |i, j| {
                 own[(i, j)] - ratio * sizes[i] * sizes[j] * entry(&log, positions, i, j)
             });
-            let gradient = Mat::from_fn(p, 1, |i, _| sizes[i] * log.gradient[positions[i]]);
+            let gradient = DMatrix::from_fn(p, 1, |i, _| sizes[i] * log.gradient[positions[i]]);
             let mut moved = directions.moved(&rest, &gradient, &inverse);
             let owns = |i: &usize| entry(&log, positions, *i, *i) > OWN * data(*i, *i);
             let own: Vec<usize> = (0..p).filter(owns).collect();
@@ -174,7 +175,8 @@ impl Spread {
             own.iter().for_each(|i| moved[(*i, 0)] = 0.0);
             Some((moved, own))
         };
-        let moved: Vec<(Mat<f64>, Vec<usize>)> = clusters.parts.iter().map(part).collect::<Option<_>>()?;
+        let moved: Vec<(DMatrix<f64>, Vec<usize>)> =
+            clusters.parts.iter().map(part).collect::<Option<_>>()?;
         let mean_square = (all.squares / all.rows.saturating_sub(p).max(1) as f64).max(0.0);
         let alone = of_single_logs(loss, positions, &own, mean_square);
         let count = moved.len() as f64;
@@ -211,13 +213,13 @@ fn entry(equations: &NormalEquations, positions: &[usize], i: usize, j: usize) -
 }
 
 /// Variances of numbers that belong to a single log, given all other numbers; 0 for the rest.
-fn of_single_logs(loss: &WindowLoss, positions: &[usize], own: &Mat<f64>, mean_square: f64) -> Vec<f64> {
+fn of_single_logs(loss: &WindowLoss, positions: &[usize], own: &DMatrix<f64>, mean_square: f64) -> Vec<f64> {
     let (layout, mut variances) = (loss.layout(), vec![0.0; positions.len()]);
     for log in 0..layout.logs {
         let range = layout.zero(log, 0)..layout.zero(log + 1, 0);
         let places: Vec<usize> = (0..positions.len()).filter(|k| range.contains(&positions[*k])).collect();
-        let block = Mat::from_fn(places.len(), places.len(), |i, j| own[(places[i], places[j])]);
-        let Ok(factor) = block.llt(Side::Lower) else { continue };
+        let block = DMatrix::from_fn(places.len(), places.len(), |i, j| own[(places[i], places[j])]);
+        let Some(factor) = cholesky(block) else { continue };
         let inverse = factor.inverse();
         places.iter().enumerate().for_each(|(k, place)| variances[*place] = mean_square * inverse[(k, k)]);
     }

@@ -3,12 +3,12 @@
 use super::batch::{Batched, Derivatives, InBatches, Layers, Pass, matrix};
 use super::features::{count, fixed, inputs};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
-use faer::{Mat, Scale};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network};
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::random_layers;
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// Units of a hidden layer at most.
@@ -127,9 +127,9 @@ impl AccelerationModel for Mlp {
 struct Errors {
     mlp: Mlp,
     /// \[samples\]\[inputs\].
-    inputs: Mat<f64>,
+    inputs: DMatrix<f64>,
     /// v̇: \[samples\]\[coordinates\].
-    targets: Mat<f64>,
+    targets: DMatrix<f64>,
 }
 
 impl Batched for Errors {
@@ -147,10 +147,10 @@ impl Batched for Errors {
         self.targets.ncols()
     }
 
-    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Pass, Mat<f64>) {
-        let rows = |matrix: &'_ Mat<f64>| matrix.subrows(samples.start, samples.len()).to_owned();
+    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Pass, DMatrix<f64>) {
+        let rows = |matrix: &'_ DMatrix<f64>| matrix.rows_range(samples.clone()).into_owned();
         let pass = layers.forward(rows(&self.inputs));
-        let residuals = Scale(self.mlp.acceleration) * &pass.outputs - rows(&self.targets);
+        let residuals = &pass.outputs * self.mlp.acceleration - rows(&self.targets);
         (pass, residuals)
     }
 
@@ -158,10 +158,10 @@ impl Batched for Errors {
         &self,
         layers: &Layers,
         (pass, _): (&Pass, &Range<usize>),
-        y: &Mat<f64>,
+        y: &DMatrix<f64>,
         then: impl FnOnce(&Derivatives),
     ) {
-        then(&pass.derivatives(&layers.adjoint(pass, Scale(self.mlp.acceleration) * y)));
+        then(&pass.derivatives(&layers.adjoint(pass, y * self.mlp.acceleration)));
     }
 }
 

@@ -2,9 +2,9 @@
 //! (Savitzky and Golay 1964).
 
 use super::grid::STEP;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
 use leastaction_learning::data::Rows;
+use leastaction_learning::matrix::cholesky;
+use nalgebra::DMatrix;
 
 /// What to multiply the samples of a stretch by, and add up, for the value, the slope and the curvature in its middle.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,9 +18,9 @@ impl Polynomial {
         let count = 2 * half + 1;
         // Powers of −1 … 1 are better conditioned than those of seconds.
         let at = |k: usize| k as f64 / half as f64 - 1.0;
-        let powers = Mat::from_fn(count, degree + 1, |k, power| at(k).powi(power as i32));
+        let powers = DMatrix::from_fn(count, degree + 1, |k, power| at(k).powi(power as i32));
         let gram = powers.transpose() * &powers;
-        let solved = gram.llt(Side::Lower).map(|factor| factor.solve(powers.transpose()));
+        let solved = cholesky(gram).map(|factor| factor.solve(&powers.transpose()));
         let scale = 1.0 / (half as f64 * STEP);
         let row = |power: usize, factor: f64| -> Vec<f64> {
             let of = |k: usize| solved.as_ref().map_or(f64::NAN, |solved| factor * solved[(power, k)]);

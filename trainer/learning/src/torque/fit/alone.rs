@@ -16,8 +16,8 @@ use super::problem::{Problem, Squares, Torques};
 use super::{DETERMINED, Learned, Start, minimum};
 use crate::torque::linear::BaseParameters;
 use crate::training::{Directions, NormalEquations, Shown, normal_equations_of, student};
-use faer::Mat;
 use leastaction_models::tree::INERTIAL;
+use nalgebra::DMatrix;
 
 /// Number of blocks of time, left out in turn.
 const BLOCKS: usize = 32;
@@ -184,7 +184,7 @@ struct Spread {
     sizes: Vec<f64>,
     directions: Directions,
     /// Covariance within the shown directions.
-    covariance: Mat<f64>,
+    covariance: DMatrix<f64>,
 }
 
 impl Spread {
@@ -196,18 +196,19 @@ impl Spread {
         let rounding = ROUNDING * ROUNDING * squares.iter().copied().fold(0.0, f64::max);
         let size = |x: f64| if x > rounding { x.sqrt().recip() } else { 0.0 };
         let sizes: Vec<f64> = squares.into_iter().map(size).collect();
-        let scaled = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * sum(i, j));
+        let scaled = DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * sum(i, j));
         let directions = Directions::of(&scaled, |largest| DETERMINED * DETERMINED * largest);
-        let whole = directions.inverse(&scaled).unwrap_or_else(|| Mat::zeros(p, p));
-        let mut covariance = Mat::zeros(p, p);
+        let whole = directions.inverse(&scaled).unwrap_or_else(|| DMatrix::zeros(p, p));
+        let mut covariance = DMatrix::zeros(p, p);
         for part in parts {
-            let rest = Mat::from_fn(p, p, |i, j| scaled[(i, j)] - sizes[i] * sizes[j] * entry(part, i, j));
-            let gradient = Mat::from_fn(p, 1, |i, _| sizes[i] * part.gradient[numbers[i]]);
+            let rest =
+                DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] - sizes[i] * sizes[j] * entry(part, i, j));
+            let gradient = DMatrix::from_fn(p, 1, |i, _| sizes[i] * part.gradient[numbers[i]]);
             let moved = directions.moved(&rest, &gradient, &whole);
             covariance += &moved * moved.transpose();
         }
         let count = parts.len() as f64;
-        covariance *= faer::Scale((count - 1.0) / count);
+        covariance *= (count - 1.0) / count;
         Self { sizes, directions, covariance }
     }
 

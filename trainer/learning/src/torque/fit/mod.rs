@@ -14,10 +14,12 @@ pub use alone::{Alone, Estimate};
 pub use friction::{JOINT, JointNumber, JointNumbers, SOFTNESS};
 pub use learned::{Bodies, Learned};
 
+use crate::matrix::singular;
 use crate::torque::Samples;
 use crate::torque::linear::{Design, Terms};
 use crate::training::{Levenberg, normal_equations_of};
 use leastaction_models::tree::{INERTIAL, Tree};
+use nalgebra::DMatrix;
 use problem::{Problem, Squares, Torques, charts, joints, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;
@@ -277,12 +279,12 @@ impl<'a> Start<'a> {
         let entry = |i: usize, j: usize| equations.entry(i, j);
         let is_learned = |k: &usize| self.bounds[*k][0] < self.bounds[*k][1] && entry(*k, *k) > 0.0;
         let learned: Vec<usize> = (0..x.len()).filter(is_learned).collect();
-        let scaled = faer::Mat::from_fn(learned.len(), learned.len(), |i, j| {
+        let scaled = DMatrix::from_fn(learned.len(), learned.len(), |i, j| {
             let (i, j) = (learned[i], learned[j]);
             entry(i, j) / (entry(i, i) * entry(j, j)).sqrt()
         });
-        let Ok(values) = scaled.self_adjoint_eigenvalues(faer::Side::Lower) else { return 0 };
-        let largest = values.iter().copied().fold(0.0, f64::max);
+        let values = singular(&scaled).map_or(Vec::new(), |found| found.values);
+        let largest = values.first().copied().unwrap_or(0.0);
         values.iter().filter(|value| **value > DETERMINED * DETERMINED * largest).count()
     }
 }

@@ -1,11 +1,11 @@
 //! Networks whose units are matrices with a row a sample, and layers products of matrices.
 
 use crate::baselines::layers_of;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
 use leastaction_core::network::Dense;
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use leastaction_learning::matrix::{column, column_mut};
 use leastaction_learning::training::ChunkRows;
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// A network: hidden tanh layers and a linear output.
@@ -13,20 +13,20 @@ pub struct Layers(Vec<Layer>);
 
 struct Layer {
     /// Wᵀ: \[inputs\]\[outputs\].
-    weights: Mat<f64>,
+    weights: DMatrix<f64>,
     bias: Vec<f64>,
     /// Where it begins in the weight block.
     start: usize,
 }
 
 /// A matrix for every layer, first to last, each with a row a sample.
-type Each = Vec<Mat<f64>>;
+type Each = Vec<DMatrix<f64>>;
 
 /// What a forward pass leaves for the adjoint.
 pub struct Pass {
     /// What every layer is given.
     inputs: Each,
-    pub outputs: Mat<f64>,
+    pub outputs: DMatrix<f64>,
 }
 
 /// Adjoints of outputs.
@@ -39,15 +39,15 @@ pub struct Adjoint {
 
 impl Adjoint {
     /// x̄, of the inputs of the network.
-    pub fn of_inputs(&self) -> &Mat<f64> {
+    pub fn of_inputs(&self) -> &DMatrix<f64> {
         &self.inputs[0]
     }
 }
 
 /// Derivatives in the weights of every sample: of a layer's weights Σ z̄ᵢ aⱼ over pairs of an adjoint and inputs, of its biases z̄.
 pub struct Derivatives<'p> {
-    pairs: Vec<[&'p [Mat<f64>]; 2]>,
-    biases: &'p [Mat<f64>],
+    pairs: Vec<[&'p [DMatrix<f64>]; 2]>,
+    biases: &'p [DMatrix<f64>],
 }
 
 impl Layers {
@@ -62,25 +62,25 @@ impl Layers {
     }
 
     /// y(x).
-    pub fn forward(&self, x: Mat<f64>) -> Pass {
+    pub fn forward(&self, x: DMatrix<f64>) -> Pass {
         let mut inputs = vec![x];
         for (k, layer) in self.0.iter().enumerate() {
-            let mut units = product(inputs[k].as_ref(), layer.weights.as_ref());
+            let mut units = &inputs[k] * &layer.weights;
             each_column(&mut units, |i, z| z.iter_mut().for_each(|z| *z += layer.bias[i]));
             if k + 1 < self.0.len() {
                 each_column(&mut units, |_, z| tanh(z));
             }
             inputs.push(units);
         }
-        let outputs = inputs.pop().unwrap_or_else(Mat::new);
+        let outputs = inputs.pop().unwrap_or_default();
         Pass { inputs, outputs }
     }
 
     /// The tangents along ẋ of what every layer is given.
-    pub fn tangent(&self, pass: &Pass, x: Mat<f64>) -> Each {
+    pub fn tangent(&self, pass: &Pass, x: DMatrix<f64>) -> Each {
         let mut inputs = vec![x];
         for (k, layer) in self.0.iter().enumerate().take(self.0.len() - 1) {
-            let mut rates = product(inputs[k].as_ref(), layer.weights.as_ref());
+            let mut rates = &inputs[k] * &layer.weights;
             each_column(&mut rates, |i, z| pass.times_slope(k, i, z));
             inputs.push(rates);
         }
@@ -88,18 +88,18 @@ impl Layers {
     }
 
     /// z̄ and ā from ȳ.
-    pub fn adjoint(&self, pass: &Pass, y_bar: Mat<f64>) -> Adjoint {
+    pub fn adjoint(&self, pass: &Pass, y_bar: DMatrix<f64>) -> Adjoint {
         self.backward(y_bar, |k, units| each_column(units, |i, a| pass.times_slope(k, i, a)))
     }
 
     /// Tangents of z̄ and ā along ẋ, `rates` those of the inputs of every layer, where ȳ is constant.
-    pub fn adjoint_tangent(&self, pass: &Pass, rates: &[Mat<f64>], adjoint: &Adjoint) -> Adjoint {
-        let still = Mat::zeros(pass.outputs.nrows(), pass.outputs.ncols());
+    pub fn adjoint_tangent(&self, pass: &Pass, rates: &[DMatrix<f64>], adjoint: &Adjoint) -> Adjoint {
+        let still = DMatrix::zeros(pass.outputs.nrows(), pass.outputs.ncols());
         self.backward(still, |k, units| {
             each_column(units, |i, a| {
                 pass.times_slope(k, i, a);
                 let [bar, unit, rate] =
-                    [&adjoint.inputs[k + 1], &pass.inputs[k + 1], &rates[k + 1]].map(|x| x.col_as_slice(i));
+                    [&adjoint.inputs[k + 1], &pass.inputs[k + 1], &rates[k + 1]].map(|x| column(x, i));
                 for (((a, bar), unit), rate) in a.iter_mut().zip(bar).zip(unit).zip(rate) {
                     *a -= 2.0 * bar * unit * rate;
                 }
@@ -108,10 +108,10 @@ impl Layers {
     }
 
     /// From ȳ down to the inputs; `slope` makes z̄ of hidden layer k of ā.
-    fn backward(&self, y_bar: Mat<f64>, slope: impl Fn(usize, &mut Mat<f64>)) -> Adjoint {
+    fn backward(&self, y_bar: DMatrix<f64>, slope: impl Fn(usize, &mut DMatrix<f64>)) -> Adjoint {
         let (mut sums, mut inputs) = (vec![y_bar], Vec::new());
         for (k, layer) in self.0.iter().enumerate().rev() {
-            let bar = product(sums[sums.len() - 1].as_ref(), layer.weights.transpose());
+            let bar = &sums[sums.len() - 1] * layer.weights.transpose();
             if k > 0 {
                 let mut sum = bar.clone();
                 slope(k - 1, &mut sum);
@@ -128,14 +128,13 @@ impl Layers {
     pub fn add_gradient(&self, derivatives: &Derivatives, gradient: &mut [f64]) {
         for (k, layer) in self.0.iter().enumerate() {
             let [inputs, outputs] = [layer.weights.nrows(), layer.weights.ncols()];
-            let mut sum = Mat::zeros(inputs, outputs);
+            let mut sum = DMatrix::zeros(inputs, outputs);
             for [bars, units] in &derivatives.pairs {
-                matmul(&mut sum, Accum::Add, units[k].transpose(), &bars[k], 1.0, Par::Seq);
+                sum.gemm(1.0, &units[k].transpose(), &bars[k], 1.0);
             }
             for i in 0..outputs {
-                let column = sum.col_as_slice(i);
-                column.iter().enumerate().for_each(|(j, g)| gradient[layer.position(i, j)] += g);
-                gradient[layer.bias_position(i)] += derivatives.biases[k].col_as_slice(i).iter().sum::<f64>();
+                column(&sum, i).iter().enumerate().for_each(|(j, g)| gradient[layer.position(i, j)] += g);
+                gradient[layer.bias_position(i)] += column(&derivatives.biases[k], i).iter().sum::<f64>();
             }
         }
     }
@@ -147,7 +146,7 @@ impl Layers {
                 for j in 0..layer.weights.nrows() {
                     derivatives.weight(k, [i, j], rows.column(layer.position(i, j), range.clone()));
                 }
-                let bias = derivatives.biases[k].col_as_slice(i);
+                let bias = column(&derivatives.biases[k], i);
                 rows.column(layer.bias_position(i), range.clone()).copy_from_slice(bias);
             }
         }
@@ -163,7 +162,7 @@ impl Pass {
     /// ȳ·∂ẏ/∂θ.
     pub fn tangent_derivatives<'p>(
         &'p self,
-        rates: &'p [Mat<f64>],
+        rates: &'p [DMatrix<f64>],
         [adjoint, tangent]: [&'p Adjoint; 2],
     ) -> Derivatives<'p> {
         let pairs = vec![[&*adjoint.sums, rates], [&tangent.sums, &self.inputs]];
@@ -172,7 +171,7 @@ impl Pass {
 
     /// Multiplies by 1 − a², the slopes of unit i of hidden layer k.
     fn times_slope(&self, k: usize, i: usize, x: &mut [f64]) {
-        x.iter_mut().zip(self.inputs[k + 1].col_as_slice(i)).for_each(|(x, a)| *x *= 1.0 - a * a);
+        x.iter_mut().zip(column(&self.inputs[k + 1], i)).for_each(|(x, a)| *x *= 1.0 - a * a);
     }
 }
 
@@ -181,7 +180,7 @@ impl Derivatives<'_> {
     fn weight(&self, k: usize, [i, j]: [usize; 2], out: &mut [f64]) {
         out.fill(0.0);
         for [bars, units] in &self.pairs {
-            let factors = bars[k].col_as_slice(i).iter().zip(units[k].col_as_slice(j));
+            let factors = column(&bars[k], i).iter().zip(column(&units[k], j));
             out.iter_mut().zip(factors).for_each(|(out, (bar, unit))| *out += bar * unit);
         }
     }
@@ -191,8 +190,8 @@ impl Layer {
     fn take(block: &[f64], start: usize, [inputs, outputs]: [usize; 2]) -> Option<Self> {
         let mut rest = block.get(start..)?;
         Dense::take(&mut rest, inputs, outputs)?;
-        let mut layer = Self { weights: Mat::zeros(inputs, outputs), bias: Vec::new(), start };
-        layer.weights = Mat::from_fn(inputs, outputs, |j, i| block[layer.position(i, j)]);
+        let mut layer = Self { weights: DMatrix::zeros(inputs, outputs), bias: Vec::new(), start };
+        layer.weights = DMatrix::from_fn(inputs, outputs, |j, i| block[layer.position(i, j)]);
         layer.bias = (0..outputs).map(|i| block[layer.bias_position(i)]).collect();
         Some(layer)
     }
@@ -206,14 +205,8 @@ impl Layer {
     }
 }
 
-fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
-    let mut ab = Mat::zeros(a.nrows(), b.ncols());
-    matmul(&mut ab, Accum::Replace, a, b, 1.0, Par::Seq);
-    ab
-}
-
-fn each_column(matrix: &mut Mat<f64>, visit: impl Fn(usize, &mut [f64])) {
-    (0..matrix.ncols()).for_each(|i| visit(i, matrix.col_as_slice_mut(i)));
+fn each_column(matrix: &mut DMatrix<f64>, visit: impl Fn(usize, &mut [f64])) {
+    (0..matrix.ncols()).for_each(|i| visit(i, column_mut(matrix, i)));
 }
 
 fn tanh(z: &mut [f64]) {

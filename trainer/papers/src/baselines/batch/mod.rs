@@ -8,8 +8,9 @@ mod layers;
 pub(super) use layers::{Adjoint, Derivatives, Layers, Pass};
 
 use super::parameters_of;
-use faer::Mat;
+use leastaction_learning::matrix::column;
 use leastaction_learning::training::{ChunkRows, Failed, NormalEquations, Residuals};
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// Residuals r of samples that are found together, all by one network.
@@ -23,20 +24,20 @@ pub(super) trait Batched: Sync {
     /// Residual components of a sample.
     fn components(&self) -> usize;
     /// r: \[samples\]\[components\].
-    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Self::Trace, Mat<f64>);
+    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Self::Trace, DMatrix<f64>);
     /// Gives Σᵢ yᵢ ∂rᵢ/∂θ of every sample on to `then`, y \[samples\]\[components\].
     fn derive(
         &self,
         layers: &Layers,
         trace: (&Self::Trace, &Range<usize>),
-        y: &Mat<f64>,
+        y: &DMatrix<f64>,
         then: impl FnOnce(&Derivatives),
     );
 }
 
 /// Rows of so many numbers.
-pub(super) fn matrix(values: &[f64], width: usize) -> Mat<f64> {
-    Mat::from_fn(values.len() / width, width, |k, i| values[k * width + i])
+pub(super) fn matrix(values: &[f64], width: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(values.len() / width, width, |k, i| values[k * width + i])
 }
 
 fn layers(batched: &impl Batched, weights: &[f64]) -> Result<Layers, Failed> {
@@ -60,7 +61,7 @@ impl<B: Batched> Residuals for InBatches<B> {
     }
 
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        Ok(self.0.residuals(&layers(&self.0, weights)?, &samples).1.squared_norm_l2())
+        Ok(self.0.residuals(&layers(&self.0, weights)?, &samples).1.norm_squared())
     }
 
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
@@ -70,8 +71,8 @@ impl<B: Batched> Residuals for InBatches<B> {
         rows.reset(count * components, weights.len());
         for i in 0..components {
             let range = i * count..(i + 1) * count;
-            rows.residual[range.clone()].copy_from_slice(residuals.col_as_slice(i));
-            let y = Mat::from_fn(count, components, |_, k| f64::from(u8::from(k == i)));
+            rows.residual[range.clone()].copy_from_slice(column(&residuals, i));
+            let y = DMatrix::from_fn(count, components, |_, k| f64::from(u8::from(k == i)));
             self.0.derive(&layers, (&trace, &samples), &y, |each| layers.fill(each, rows, range));
         }
         Ok(())
@@ -87,7 +88,7 @@ impl<B: Batched> Residuals for InBatches<B> {
     ) -> Result<(), Failed> {
         let layers = layers(&self.0, weights)?;
         let (trace, residuals) = self.0.residuals(&layers, &samples);
-        sum.squares += residuals.squared_norm_l2();
+        sum.squares += residuals.norm_squared();
         sum.rows += samples.len() * self.0.components();
         self.0.derive(&layers, (&trace, &samples), &residuals, |each| {
             layers.add_gradient(each, &mut sum.gradient);

@@ -3,19 +3,19 @@
 use super::Hnn;
 use crate::baselines::batch::{Adjoint, Batched, Derivatives, Layers, Pass, matrix};
 use crate::baselines::features::{count, fixed, inputs, moving};
-use faer::{Mat, MatRef};
 use leastaction_learning::training::Samples;
+use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 use std::ops::Range;
 
 /// Residuals r_k = d_k·H_x − t_k at given inputs x of the network, directions d_k and targets t_k.
 pub(super) struct Slopes {
     units: [usize; 4],
     /// x: \[samples\]\[inputs\].
-    inputs: Mat<f64>,
+    inputs: DMatrix<f64>,
     /// Of every residual component d: \[samples\]\[inputs\].
-    directions: Vec<Mat<f64>>,
+    directions: Vec<DMatrix<f64>>,
     /// t: \[samples\]\[components\].
-    targets: Mat<f64>,
+    targets: DMatrix<f64>,
 }
 
 /// A sample as (q, v, v̇).
@@ -76,8 +76,8 @@ impl Slopes {
     }
 
     /// d of some samples, component by component.
-    fn directions(&self, samples: &Range<usize>) -> impl Iterator<Item = MatRef<'_, f64>> {
-        self.directions.iter().map(|directions| directions.subrows(samples.start, samples.len()))
+    fn directions(&self, samples: &Range<usize>) -> impl Iterator<Item = DMatrixView<'_, f64, U1, Dyn>> {
+        self.directions.iter().map(|directions| directions.rows_range(samples.clone()))
     }
 }
 
@@ -105,10 +105,10 @@ impl Batched for Slopes {
         self.targets.ncols()
     }
 
-    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Self::Trace, Mat<f64>) {
-        let pass = layers.forward(self.inputs.subrows(samples.start, samples.len()).to_owned());
-        let adjoint = layers.adjoint(&pass, Mat::full(samples.len(), 1, 1.0));
-        let mut residuals = -self.targets.subrows(samples.start, samples.len());
+    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Self::Trace, DMatrix<f64>) {
+        let pass = layers.forward(self.inputs.rows_range(samples.clone()).into_owned());
+        let adjoint = layers.adjoint(&pass, DMatrix::from_element(samples.len(), 1, 1.0));
+        let mut residuals = -self.targets.rows_range(samples.clone());
         let slope = adjoint.of_inputs();
         for (i, directions) in self.directions(samples).enumerate() {
             for (j, k) in (0..slope.ncols()).flat_map(|j| (0..samples.len()).map(move |k| (j, k))) {
@@ -123,10 +123,10 @@ impl Batched for Slopes {
         &self,
         layers: &Layers,
         ((pass, adjoint), samples): (&Self::Trace, &Range<usize>),
-        y: &Mat<f64>,
+        y: &DMatrix<f64>,
         then: impl FnOnce(&Derivatives),
     ) {
-        let mut along = Mat::zeros(samples.len(), self.units[0]);
+        let mut along = DMatrix::zeros(samples.len(), self.units[0]);
         for (i, directions) in self.directions(samples).enumerate() {
             for (j, k) in (0..self.units[0]).flat_map(|j| (0..samples.len()).map(move |k| (j, k))) {
                 along[(k, j)] += y[(k, i)] * directions[(k, j)];

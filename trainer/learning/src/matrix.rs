@@ -1,0 +1,200 @@
+//! Dense matrices in double precision: AᵀA and the Cholesky factor in blocks, and singular values.
+//!
+//! Matrices are nalgebra's, in column-major order. Its own Cholesky factorisation is not blocked, and its singular values (version 0.35) are
+//! wrong for matrices without full rank (dimforge/nalgebra, issue 1172).
+
+use nalgebra::{Cholesky, DMatrix, Dyn};
+
+/// Columns per block.
+const BLOCK: usize = 96;
+/// Largest number of sweeps of Jacobi's method; about eight are needed.
+const SWEEPS: usize = 60;
+
+/// Cosine below which two columns count as orthogonal.
+const ORTHOGONAL: f64 = 4.0 * f64::EPSILON;
+
+/// Column j.
+pub fn column(a: &DMatrix<f64>, j: usize) -> &[f64] {
+    &a.as_slice()[j * a.nrows()..][..a.nrows()]
+}
+
+/// Column j, to be written to.
+pub fn column_mut(a: &mut DMatrix<f64>, j: usize) -> &mut [f64] {
+    let rows = a.nrows();
+    &mut a.as_mut_slice()[j * rows..][..rows]
+}
+
+/// Adds AᵀA to the lower triangle of `sum`; entries above it have no meaning.
+pub fn add_gram(sum: &mut DMatrix<f64>, a: &DMatrix<f64>) {
+    let (p, rows) = (a.ncols(), a.transpose());
+    for start in (0..p).step_by(BLOCK) {
+        let end = p.min(start + BLOCK);
+        let mut block = sum.view_range_mut(start.., start..end);
+        block.gemm(1.0, &rows.rows_range(start..), &a.columns_range(start..end), 1.0);
+    }
+}
+
+/// L of A = LLᵀ from the lower triangle of A; `None` if A is not positive definite in double precision.
+pub fn cholesky(mut a: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    let n = a.nrows();
+    for start in (0..n).step_by(BLOCK) {
+        let end = n.min(start + BLOCK);
+        let corner = Cholesky::new(a.view_range(start..end, start..end).into_owned())?.unpack_dirty();
+        a.view_range_mut(start..end, start..end).copy_from(&corner);
+        if end == n {
+            break;
+        }
+        // The rows below become A L⁻ᵀ; their product is subtracted from the columns to the right.
+        let inverse = corner.solve_lower_triangular(&DMatrix::identity(end - start, end - start))?;
+        let below = a.view_range(end.., start..end) * inverse.transpose();
+        let rows = below.transpose();
+        for first in (end..n).step_by(BLOCK) {
+            let last = n.min(first + BLOCK);
+            let mut rest = a.view_range_mut(first.., first..last);
+            rest.gemm(
+                -1.0,
+                &below.rows_range(first - end..),
+                &rows.columns_range(first - end..last - end),
+                1.0,
+            );
+        }
+        a.view_range_mut(end.., start..end).copy_from(&below);
+    }
+    Some(Cholesky::pack_dirty(a))
+}
+
+/// Singular values in falling order and their vectors: A V = U Σ.
+pub struct Singular {
+    /// σ.
+    pub values: Vec<f64>,
+    /// Uσ, as columns.
+    pub left: DMatrix<f64>,
+    /// V, as columns. If A is symmetric and positive semidefinite, these are its eigenvectors, and σ its eigenvalues.
+    pub right: DMatrix<f64>,
+}
+
+/// The singular values of a matrix; `None` if an entry is not finite.
+///
+/// Source: Demmel and Veselić, "Jacobi's method is more accurate than QR", 1992 (one-sided rotations).
+pub fn singular(a: &DMatrix<f64>) -> Option<Singular> {
+    if a.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let p = a.ncols();
+    let (mut left, mut right) = (a.clone(), DMatrix::identity(p, p));
+    // Smaller columns are rounding errors.
+    let least = f64::EPSILON * f64::EPSILON * a.norm_squared();
+    for _ in 0..SWEEPS {
+        let mut turned = false;
+        for (i, j) in (0..p).flat_map(|i| (i + 1..p).map(move |j| (i, j))) {
+            let Some(rotation) = rotation([i, j].map(|k| column(&left, k)), least) else { continue };
+            turned = true;
+            [&mut left, &mut right].into_iter().for_each(|of| rotate(of, (i, j), rotation));
+        }
+        if !turned {
+            break;
+        }
+    }
+    let values: Vec<f64> = (0..p).map(|j| dot(column(&left, j), column(&left, j)).sqrt()).collect();
+    let mut order: Vec<usize> = (0..p).collect();
+    order.sort_by(|i, j| values[*j].total_cmp(&values[*i]));
+    let [left, right] = [left, right].map(|of| of.select_columns(&order));
+    Some(Singular { values: order.into_iter().map(|j| values[j]).collect(), left, right })
+}
+
+/// Rotation (cosine, sine) that makes two columns orthogonal; `None` if they are, or if the square of one is at most `least`.
+fn rotation([x, y]: [&[f64]; 2], least: f64) -> Option<(f64, f64)> {
+    let (xx, yy, xy) = (dot(x, x), dot(y, y), dot(x, y));
+    if xx.min(yy) <= least || xy.abs() <= ORTHOGONAL * (xx * yy).sqrt() {
+        return None;
+    }
+    let zeta = (yy - xx) / (2.0 * xy);
+    let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
+    let cosine = tangent.hypot(1.0).recip();
+    Some((cosine, cosine * tangent))
+}
+
+fn rotate(a: &mut DMatrix<f64>, (i, j): (usize, usize), (cosine, sine): (f64, f64)) {
+    let rows = a.nrows();
+    let (before, after) = a.as_mut_slice().split_at_mut(j * rows);
+    for (x, y) in before[i * rows..][..rows].iter_mut().zip(after) {
+        (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+    }
+}
+
+/// Σ xᵢyᵢ in four partial sums, for vector registers.
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<4>(), y.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (x, y) in x.iter().zip(y) {
+        sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
+    }
+    sums.iter().sum::<f64>() + x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers without a pattern.
+    fn wave(rows: usize, columns: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, columns, |i, j| (1.7 * i as f64 + 2.3 * (j * j) as f64 + 0.1).sin())
+    }
+
+    fn close(found: &DMatrix<f64>, expected: &DMatrix<f64>) {
+        let error = (found - expected).abs().max();
+        assert!(error < 1e-10 * expected.abs().max(), "{error}");
+    }
+
+    #[test]
+    fn a_gram_is_a_product_in_its_lower_triangle() {
+        for (rows, columns) in [(3, 2), (50, 7), (240, 97), (31, 250)] {
+            let a = wave(rows, columns);
+            let mut sum = DMatrix::from_element(columns, columns, 0.5);
+            add_gram(&mut sum, &a);
+            let expected = (a.transpose() * &a).add_scalar(0.5);
+            close(&sum.lower_triangle(), &expected.lower_triangle());
+        }
+    }
+
+    #[test]
+    fn a_factor_in_blocks_solves() {
+        for n in [1, 5, 96, 97, 250] {
+            let a = wave(n + 30, n);
+            let mut matrix = a.transpose() * &a + DMatrix::identity(n, n);
+            let (x, whole) = (wave(n, 1), matrix.clone());
+            matrix.fill_upper_triangle(f64::NAN, 1);
+            let factor = cholesky(matrix).unwrap();
+            close(&(factor.l() * factor.l().transpose()), &whole);
+            close(&factor.solve(&(&whole * &x)), &x);
+            let mut indefinite = whole;
+            indefinite[(n - 1, n - 1)] = -1.0;
+            assert!(cholesky(indefinite).is_none());
+        }
+        assert!(cholesky(DMatrix::from_element(2, 2, f64::NAN)).is_none());
+    }
+
+    #[test]
+    fn singular_values_are_found_to_the_last_one_that_counts() {
+        // Orthogonal columns of these sizes, turned.
+        let (sizes, turn) = ([4.0, 3.0, 3.0, 1e-3, 1e-9], wave(5, 5).qr().q());
+        let orthogonal = wave(40, 5).qr().q();
+        let a = &orthogonal * DMatrix::from_diagonal(&sizes.to_vec().into()) * turn.transpose();
+        let found = singular(&a).unwrap();
+        for (found, size) in found.values.iter().zip(sizes) {
+            assert!((found / size - 1.0).abs() < 1e-6, "{found} {size}");
+        }
+        close(&(&a * &found.right), &found.left);
+        close(&(found.right.transpose() * &found.right), &DMatrix::identity(5, 5));
+    }
+
+    #[test]
+    fn matrices_that_lack_rank_have_no_more_singular_values() {
+        let found = singular(&DMatrix::from_element(6, 21, 1.0)).unwrap();
+        assert!((found.values[0] - 126.0_f64.sqrt()).abs() < 1e-12);
+        assert!(found.values[1..].iter().all(|value| *value < 1e-14));
+        assert!(singular(&DMatrix::from_element(2, 2, f64::INFINITY)).is_none());
+        assert_eq!(singular(&DMatrix::zeros(3, 2)).unwrap().values, [0.0, 0.0]);
+        assert!(singular(&DMatrix::zeros(0, 0)).unwrap().values.is_empty());
+    }
+}
