@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A wheel to carry elsewhere, in DIR: for every x86-64-v2, with builds for AVX2 and AVX-512 beside it; on other machines one build.
+# Builds a portable wheel in DIR: for every x86-64-v2, with builds for AVX2 and AVX-512 beside it; on other processors one build.
 #   trainer/python/wheel.sh DIR
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

@@ -174,8 +174,8 @@ impl Motions {
         self.rows(py, |motion, to| motion.velocity(to))
     }
 
-    /// Steps every motion under forces at the start and the end of the step, or none up to the first that cannot be solved. Returns the
-    /// Newton updates and the remaining residual of every motion.
+    /// Steps every motion under forces at the start and the end of the step; if one cannot be solved, only the motions before it are
+    /// stepped. Returns the Newton updates and the remaining residual of every motion.
     fn step<'py>(
         &self,
         py: Python<'py>,

@@ -1,4 +1,4 @@
-"""Models of every family, a log, and the command that the package must agree with."""
+"""Fixtures: models of every family, a log, a run, and the command that the package must agree with."""
 
 import json
 import os
@@ -34,7 +34,7 @@ def cartpole():
 
 @pytest.fixture(scope="session")
 def command():
-    """Runs the command, `$LEASTACTION`, and gives what it prints as JSON; without the program such tests are skipped."""
+    """Runs the command `$LEASTACTION` and returns its JSON output; without `$LEASTACTION` the tests that need it are skipped."""
     program = os.environ.get("LEASTACTION")
     if not program:
         pytest.skip("LEASTACTION does not name the command")
@@ -48,7 +48,7 @@ def command():
 
 @pytest.fixture(scope="session")
 def log(command, tmp_path_factory):
-    """A cart-pole's log of 12 forced trajectories."""
+    """A log of 12 forced trajectories of a cart-pole."""
     file = tmp_path_factory.mktemp("log") / "cartpole.npz"
     command("generate", "cartpole", "-o", file, "--trajectories", 12, "--control", "held")
     return file
@@ -56,7 +56,7 @@ def log(command, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def run(log, tmp_path_factory):
-    """A short training on it."""
+    """A short training run on the log."""
     config = {"data": {"file": log}, "model": {"coordinates": "ta", "hidden": [8]}}
     config["training"] = {"iterations": 6, "warm_up": 4, "threads": 2}
     return la.train(config, tmp_path_factory.mktemp("runs") / "run", progress=False)

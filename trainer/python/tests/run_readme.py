@@ -1,4 +1,4 @@
-"""Runs the first block of Python of a page: the ten lines."""
+"""Runs the first Python block of a page, the ten lines of the README: python run_readme.py PAGE."""
 
 import re
 import sys

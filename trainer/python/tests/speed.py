@@ -1,4 +1,5 @@
-"""What 100,000 accelerations take, beside `cargo run --release -p leastaction-replica --example accelerations`, and how threads scale.
+"""Times 100,000 accelerations, for comparison with `cargo run --release -p leastaction-replica --example accelerations`, and the scaling
+with threads.
 
     RAYON_NUM_THREADS=1 python tests/speed.py m.postcard
 """

@@ -11,7 +11,7 @@ STEPS = 30
 
 @pytest.fixture(scope="module", params=[0.0, 0.013, 0.12], ids=["no delay", "part of a step", "steps and a part"])
 def driven(request, log, tmp_path_factory):
-    """A model whose file has an actuator, and its delay."""
+    """A model whose file has an actuator, and the actuator's delay, s."""
     config = {"data": {"file": log}, "model": {"coordinates": "ta", "hidden": [8]}}
     config["calibration"] = {"gain": GAIN, "offset": OFFSET, "delay": request.param}
     config["training"] = {"iterations": 1, "loss": "windows", "threads": 2}
@@ -19,7 +19,7 @@ def driven(request, log, tmp_path_factory):
 
 
 def naive_forces(commands, delay, control):
-    """The linear force of every step with the impulse and the moment of g u(t − d) + o, by a fine sum over the step."""
+    """The linear force over every step that has the impulse and the moment of g u(t − d) + o, by a fine sum over the step."""
     fine = (np.arange(20000) + 0.5) / 20000
     late, count = delay / H, len(commands)
     start, end = np.empty_like(commands), np.empty_like(commands)

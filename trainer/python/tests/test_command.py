@@ -1,4 +1,4 @@
-"""Numbers equal the command's, bit for bit."""
+"""The package gives the command's numbers, bit for bit."""
 
 import csv
 
@@ -9,7 +9,7 @@ import leastaction as la
 
 
 def total_of(numbers):
-    """One after the other, as Rust sums them; `sum` compensates from Python 3.12 on."""
+    """Sums one number after the other, as Rust does; `sum` compensates for rounding from Python 3.12 on."""
     total = 0.0
     for number in numbers:
         total += number
@@ -28,7 +28,7 @@ def test_evaluate_is_the_commands(command, run, log, tmp_path):
 
 
 def test_steps_have_the_bits_of_the_command(command, run, log):
-    """The error one step ahead, a sum of squares that would show any bit."""
+    """Compares the one-step error, a sum of squares that any differing bit would change."""
     model, errors = run.model, []
     for motion in la.Log.read(log):
         q, u = motion["q"], motion["u"]

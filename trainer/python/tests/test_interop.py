@@ -1,4 +1,4 @@
-"""Other programs: SciPy, gymnasium, PyTorch and JAX."""
+"""Interfaces to other programs: SciPy, gymnasium, PyTorch and JAX."""
 
 import numpy as np
 import pytest
@@ -49,13 +49,13 @@ def test_environment(cartpole):
 
 
 def symo_network(random, n=2, width=5):
-    """Tensors as the SyMo authors' network of inertia and potential has them, of random numbers."""
+    """A function that draws random tensors of the shape of a layer."""
     layer = lambda outputs, inputs: random.normal(size=(outputs, inputs)).astype(np.float32) * 0.4  # noqa: E731
     return layer
 
 
 def test_dictionaries_of_tensors_are_imported_as_safetensors(tmp_path):
-    """What the importer says of names that are none comes from the names in the dictionary."""
+    """The importer's message on an unknown name quotes the name in the dictionary."""
     with pytest.raises(la.InputError, match="trunk"):
         la.from_symo({"trunk": np.zeros((2, 3), np.float32)}, system="cartpole")
     with pytest.raises(la.InputError, match="numbers of type complex"):

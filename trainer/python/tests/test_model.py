@@ -1,4 +1,4 @@
-"""Evaluation and steps: bits, shapes, precision, threads."""
+"""Evaluation and steps of a model: bits, shapes, precision, threads."""
 
 import pickle
 import subprocess
@@ -14,7 +14,7 @@ import leastaction as la
 
 
 def states(model, count, seed=0):
-    """Random states; particles in a line, on their rods of length 1."""
+    """Random states; particles form a chain on their rods of length 1."""
     random = np.random.default_rng(seed)
     q, v, u = (0.4 * random.normal(size=(count, model.n)) for _ in range(3))
     if model.family == "graph":

@@ -36,7 +36,7 @@ def test_arrays_train_as_files_do(run, log, tmp_path):
 
 
 def test_progress_and_interruption(run, log, tmp_path):
-    """What stops training in a callback is raised, after all is saved; the run then goes on bit for bit."""
+    """An exception in a callback stops training and is raised after everything is saved; the run then resumes bit for bit."""
     rows, config = [], {**CONFIG, "data": {"file": log}}
 
     def stops(row):
@@ -61,7 +61,7 @@ def test_progress_and_interruption(run, log, tmp_path):
 
 
 def test_ctrl_c(log, tmp_path):
-    """SIGINT while training in another process."""
+    """SIGINT during training in another process saves the run."""
     program = (
         "import sys, leastaction as la\n"
         "la.train({'data': {'file': sys.argv[1]}, 'model': {'coordinates': 'ta', 'hidden': [8]},"

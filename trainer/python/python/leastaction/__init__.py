@@ -1,8 +1,8 @@
-"""Learn the energies of a mechanical system from logged motion, and step it with the bits of a microcontroller.
+"""Learn the energies of a mechanical system from logged motion, and step it bit for bit as a microcontroller does.
 
     import leastaction as la
 
-    run = la.train("robot.toml", "run")             # as `leastaction train robot.toml -o run`
+    run = la.train("robot.toml", "run")             # like `leastaction train robot.toml -o run`
     model = run.model                               # or la.load("m.postcard")
     a = model.acceleration(q, v, u)                 # q, v, u: […, n]; float32, the chip's bits
     t, q, v = model.rollout(q0, v0, u)              # u: […, steps, n]

@@ -1,4 +1,4 @@
-"""An environment in the manner of gymnasium, which need not be installed."""
+"""An environment with the interface of gymnasium, which need not be installed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Box:
-    """Numbers between bounds: what an environment needs of `gymnasium.spaces.Box`, which is used where it is installed."""
+    """Numbers between bounds: a stand-in for `gymnasium.spaces.Box` if gymnasium is not installed."""
 
     def __init__(self, low: Array, high: Array, dtype: Any = np.float32) -> None:
         self.low, self.high = np.asarray(low, dtype), np.asarray(high, dtype)
@@ -25,17 +25,17 @@ class Box:
         self._random = np.random.default_rng()
 
     def seed(self, seed: int | None = None) -> None:
-        """Of the samples."""
+        """Seeds the samples."""
         self._random = np.random.default_rng(seed)
 
     def sample(self) -> Array:
-        """Uniform; of numbers without bounds standard normal."""
+        """Draws a sample: uniform between the bounds, standard normal where a bound is infinite."""
         bounded = np.isfinite(self.low) & np.isfinite(self.high)
         low, high = np.where(bounded, self.low, 0.0), np.where(bounded, self.high, 1.0)
         return np.where(bounded, self._random.uniform(low, high), self._random.normal(size=self.shape)).astype(self.dtype)
 
     def contains(self, x: Any) -> bool:
-        """Whether it has the shape and lies between the bounds."""
+        """Whether x has the shape and lies between the bounds."""
         x = np.asarray(x)
         return x.shape == self.shape and bool(np.all((self.low <= x) & (x <= self.high)))
 
@@ -44,19 +44,19 @@ class Box:
 
 
 class Environment:
-    """A learned mechanism to act on: `reset` and `step` of gymnasium, by the discrete steps of the chip, bit for bit.
+    """A learned mechanism to act on: `reset` and `step` of gymnasium, computed by the discrete steps of the chip, bit for bit.
 
     model      a Model with or without friction; it is stepped in single precision
-    actuated   the coordinates that an action acts on; by default all
-    max_u      the largest force on each, N or N m; by default what the training data covered, and no bound where that is not known
-    start      a state (q, v) to begin at, or a function of a numpy Generator that gives one; by default rest at q = 0
-    reward     a function reward(q, v, u) of the new state and the force
-    done       a function done(q, v) that says whether the task has ended
-    max_steps  steps after which an episode is truncated; None: never
-    h, order   of the step; by default those of training
+    actuated   coordinates that an action drives; by default all
+    max_u      largest force on each actuated coordinate, N or N m; by default the range of the training data, or no bound if it is unknown
+    start      initial state (q, v), or a function that draws one from a numpy Generator; by default rest at q = 0
+    reward     function reward(q, v, u) of the new state and the force
+    done       function done(q, v) that says whether the task has ended
+    max_steps  number of steps after which an episode is truncated; None: never
+    h, order   step size (s) and order of the integrator; by default those of training
 
-    Observations are (q, v), 2n numbers: m or rad, m/s or rad/s. An action has a force for each actuated coordinate, and is cut to the
-    bounds; it is held over a step.
+    Observations are (q, v), 2n numbers: m or rad, m/s or rad/s. An action has one force for each actuated coordinate; it is clipped to
+    the bounds and held over a step.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -91,7 +91,7 @@ class Environment:
 
     @property
     def unwrapped(self) -> Environment:
-        """Itself."""
+        """This environment: it wraps no other."""
         return self
 
     def _bounds(self, max_u: ArrayLike | None) -> Array:
@@ -104,7 +104,7 @@ class Environment:
         return np.where(most > 0.0, most, np.inf)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
-        """Begins an episode; `options` may have q and v to begin at. Gives observation and info."""
+        """Begins an episode and returns observation and info; `options` may hold the initial q and v."""
         if seed is not None:
             self._random = np.random.default_rng(seed)
         zero = np.zeros(self.model.n)
@@ -114,7 +114,8 @@ class Environment:
         return self._observed(), {}
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Goes on by h: observation, reward, terminated, truncated, info. A step that cannot be solved ends the episode, and info says so."""
+        """Advances by one step and returns observation, reward, terminated, truncated and info. A step that cannot be solved ends the
+        episode, and info says so."""
         if self._motion is None:
             raise InputError("begin an episode with reset()")
         u = np.zeros(self.model.n, np.float32)
@@ -133,10 +134,10 @@ class Environment:
         return self._observed(), reward, terminated, truncated, info
 
     def render(self) -> None:
-        """Nothing: draw the observations."""
+        """Does nothing: plot the observations instead."""
 
     def close(self) -> None:
-        """Nothing is left open."""
+        """Does nothing: there is nothing to close."""
 
     def _observed(self) -> Array:
         assert self._motion is not None

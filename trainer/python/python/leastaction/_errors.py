@@ -1,17 +1,17 @@
-"""Exceptions, with the command's words: what, where, and what to do."""
+"""Exceptions, worded like the command's errors: what is wrong, where, and what to do."""
 
 
 class Error(Exception):
-    """Of everything that this package raises itself."""
+    """Base class of all exceptions that this package raises itself."""
 
 
 class InputError(Error, ValueError):
-    """Wrong use, or input that cannot be read: where the command exits with 2."""
+    """Wrong use or unreadable input; the command exits with code 2."""
 
 
 class WorkError(Error, RuntimeError):
-    """The work failed: where the command exits with 1."""
+    """The work itself failed; the command exits with code 1."""
 
 
 class SolveError(Error, ArithmeticError):
-    """An acceleration does not exist, or a step cannot be solved; the message has the index of the first state."""
+    """An acceleration does not exist, or a step cannot be solved; the message gives the index of the first such state."""

@@ -1,4 +1,4 @@
-"""Networks that were trained with PyTorch or JAX, by the names of their authors' programs."""
+"""Import of networks that were trained by other authors' programs in PyTorch or JAX."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _TYPES = {"float32": "F32", "float64": "F64", "float16": "F16", "int64": "I64", 
 def from_symo(
     weights: Weights, *, system: str | None = None, coordinates: str | None = None, h: float | None = None
 ) -> Model:
-    """A network of the SyMo authors' program (SyMo, E2E-SyMo or L-NODE; PyTorch).
+    """Imports a network of the SyMo authors' program (SyMo, E2E-SyMo or L-NODE; PyTorch).
 
-    weights      a .safetensors file, or a dictionary from their names of tensors to arrays: `network.state_dict()` of PyTorch as it is
-    system       pendulum, cartpole or acrobot: takes coordinates and step from this mechanism of the paper
-    coordinates  else one letter a coordinate, in the order of q: t translation, a angle
-    h            the step that it was trained with, s
+    weights      .safetensors file, or a dictionary from the program's tensor names to arrays: PyTorch's `network.state_dict()` as it is
+    system       mechanism of the paper that gives coordinates and step: pendulum, cartpole or acrobot
+    coordinates  without `system`, one letter per coordinate in the order of q: t translation, a angle
+    h            step that the network was trained with, s
     """
     return Model(_core.import_symo(*_packed(weights), system, coordinates, h))
 
@@ -36,11 +36,11 @@ def from_symo(
 def from_modlanet(
     weights: Weights, *, system: str = "pendulum", count: int | None = None, mass: float | None = None
 ) -> Model:
-    """A network of the ModLaNet authors' program (PyTorch), as a tree of `count` elements.
+    """Imports a network of the ModLaNet authors' program (PyTorch) as a tree of `count` elements.
 
-    weights  as of `from_symo`
-    system   what the elements are: "pendulum" (each hangs from the one before) or "body" (free points in the plane)
-    mass     takes this mass in place of the file's, kg
+    weights  as for `from_symo`
+    system   kind of the elements: "pendulum" (each hangs from the one before) or "body" (free points in the plane)
+    mass     mass to take instead of the file's, kg
     """
     if system not in ("pendulum", "body"):
         raise InputError(f'system={system!r}: it must be "pendulum" or "body"')
@@ -49,16 +49,16 @@ def from_modlanet(
 
 
 def from_lgnn(weights: Weights, *, count: int = 3, drag: bool = False) -> Model:
-    """A network of the LGNN authors' program (JAX) that was trained on pendulums, as a chain of `count` bobs on rods of 1 m.
+    """Imports a network that the LGNN authors' program (JAX) trained on pendulums, as a chain of `count` bobs on rods of 1 m.
 
-    weights  as of `from_symo`
-    drag     whether the drag in the file was trained (every file has one)
+    weights  as for `from_symo`
+    drag     whether the drag in the file was trained (every file has a drag)
     """
     return Model(_core.import_lgnn(*_packed(weights), count, drag))
 
 
 def _packed(weights: Weights) -> tuple[bytes, str]:
-    """Safetensors, and what to call them."""
+    """The bytes of a safetensors file, and its name for messages."""
     if isinstance(weights, (str, os.PathLike)):
         try:
             return Path(weights).read_bytes(), Path(weights).name
@@ -80,7 +80,7 @@ def _packed(weights: Weights) -> tuple[bytes, str]:
 
 
 def _as_array(tensor: Any) -> Any:
-    """A tensor of PyTorch, JAX or numpy as an array."""
+    """Turns a tensor of PyTorch, JAX or numpy into an array."""
     for step in ("detach", "cpu"):
         tensor = getattr(tensor, step)() if hasattr(tensor, step) else tensor
     return np.asarray(tensor)

@@ -1,4 +1,4 @@
-"""What the package's Python calls; its shapes and units are said there. Not a public interface."""
+"""The compiled module behind the package's Python code, which documents shapes and units. Not a public interface."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -68,7 +68,7 @@ def train_run(
     tell: Callable[[str], Any],
 ) -> str: ...
 def defaults(family: str) -> str:
-    """A configuration of a family (inertia-network, modular, graph, bodies or arm), TOML with every key explained."""
+    """The default configuration of a family (inertia-network, modular, graph, bodies or arm): TOML with every key explained."""
 
 def checked(text: str) -> str: ...
 def look_at(files: Sequence[str], output: str) -> tuple[str, str, list[str], str | None]: ...

@@ -1,7 +1,7 @@
-"""Which of several builds of the extension module this machine takes.
+"""Choice among several builds of the extension module, by the instructions of this machine.
 
-A wheel to carry elsewhere has the module for every x86-64-v2, and beside it, in folders of their own, the same for machines with AVX2
-(x86_64_v3) and AVX-512 (x86_64_v4). Single precision has the same bits in all of them; training rounds as the machine's instructions do.
+A portable wheel has the module for every x86-64-v2 and, in folders beside it, builds for machines with AVX2 (x86_64_v3) and AVX-512
+(x86_64_v4). Single precision has the same bits in all of them; training rounds as the machine's instructions do.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def choose() -> None:
-    """Puts the fastest build in place of the first one; without folders, as in a build from source, there is nothing to choose."""
+    """Replaces the portable module by the fastest build that runs here; a build from source has no folders, hence no choice."""
     here, name = Path(__file__).parent, f"{__package__}._leastaction"
     builds = {int(folder.name[-1]): folder for folder in here.glob("x86_64_v[34]") if folder.is_dir()}
     if not builds:

@@ -1,4 +1,4 @@
-"""Logged motion: arrays, files, a look at what nothing is known of, and what a model is worth on it."""
+"""Logged motion: arrays and files, a first look at unknown logs, and the evaluation of models on them."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Log:
     """Logged motion: one trajectory, or several one after another.
 
     q           positions, [samples, n], m or rad (angles wrapped or not); [samples] of one coordinate
-    t or h      stamps, [samples], s; or the time between samples, s
-    v, a, u     velocities, accelerations and generalised forces (N or N m), as q; each may be left out
-    trajectory  which trajectory a sample belongs to, [samples], integers; one where it is left out
-    control     "held" where u_k acts from t_k to t_{k+1}, as a controller's output does; "linear" where a sensor sampled it
+    t or h      time stamps, [samples], s; or the time between samples, s
+    v, a, u     velocities, accelerations and generalised forces (N or N m), shaped like q; each may be left out
+    trajectory  number of the trajectory that each sample belongs to, [samples], integers; by default all are one trajectory
+    control     "held" if u_k acts from t_k to t_{k+1}, like a controller's output; "linear" if a sensor sampled u
 
-    q, t, v, a and u may also be lists of arrays, one a trajectory. Uneven stamps are resampled and gaps split a trajectory when the log is
-    read, and notes say so.
+    q, t, v, a and u may also be lists of arrays, one per trajectory. When the log is read, uneven stamps are resampled and gaps split
+    trajectories; `notes` says so.
     """
 
     def __init__(
@@ -59,14 +59,14 @@ class Log:
         self.trajectory = None if trajectory is None else np.asarray(trajectory, np.int64)
         self.control = control
         self.notes: list[str] = []
-        """What was decided on reading."""
+        """Decisions made on reading, such as resampling; one sentence each."""
         for name, x in (("t", self.t), ("v", self.v), ("a", self.a), ("u", self.u), ("trajectory", self.trajectory)):
             if x is not None and len(x) != len(self.q):
                 raise InputError(f"{name} has {len(x)} samples, q {len(self.q)}")
 
     @classmethod
     def read(cls, files: PathLike | Sequence[PathLike] | None = None, config: PathLike | None = None) -> Log:
-        """Reads .npz, .csv or .mcap, patterns with *, ? and ** included, as the [data] of a configuration says where one is named."""
+        """Reads .npz, .csv or .mcap files (patterns may have *, ? and **), by the [data] table of `config` if it is given."""
         h, control, motions, notes = _core.read_log(_name(config), _names(files))
         field = lambda name: [motion[name] for motion in motions] if name in motions[0] else None  # noqa: E731
         log = cls([motion["q"] for motion in motions], h=h, v=field("v"), a=field("a"), u=field("u"), control=control)
@@ -84,7 +84,7 @@ class Log:
 
     @property
     def trajectories(self) -> list[dict[str, Array]]:
-        """One dictionary a trajectory, with q, t and what else there is, [samples, n]; t begins at 0 where the log has a step alone."""
+        """One dictionary per trajectory, with q, t and the other quantities of the log; t begins at 0 if the log has no stamps."""
         numbers = np.zeros(len(self.q), np.int64) if self.trajectory is None else self.trajectory
         return [self._part(numbers == number) for number in dict.fromkeys(numbers.tolist())]
 
@@ -97,7 +97,7 @@ class Log:
         return {"t": t} | {name: x[rows] for name, x in fields.items() if x is not None}
 
     def write(self, path: PathLike) -> None:
-        """Writes an .npz that every command reads. No file of another kind is replaced."""
+        """Writes an .npz file that every command reads. A file of another kind is never overwritten."""
         fields: dict[str, Any] = {"q": self.q, "t": self.t, "v": self.v, "a": self.a, "u": self.u}
         fields |= {"h": self.h, "trajectory": self.trajectory, "control": self.control}
         archive = io.BytesIO()
@@ -113,15 +113,15 @@ class Log:
 
 
 class Look:
-    """What was seen in logs: `report`, `doubts`, and a first `configuration`."""
+    """Findings in logs: `report`, `doubts`, and a first `configuration`."""
 
     def __init__(self, report: dict[str, Any], text: str, doubts: list[str], configuration: str | None) -> None:
         self.report = report
-        """Files, columns and coordinates, as `leastaction look --json` has them."""
+        """Files, columns and coordinates, as `leastaction look --json` prints them."""
         self.doubts = doubts
-        """What is odd, a sentence each."""
+        """Oddities, one sentence each."""
         self.configuration = configuration
-        """TOML that trains as it stands, its columns guessed by their names; None where they cannot be guessed."""
+        """TOML that trains as it stands, with columns guessed by their names; None if they cannot be guessed."""
         self._text = text
 
     def __str__(self) -> str:
@@ -131,12 +131,12 @@ class Look:
 
 
 class Evaluation(dict):  # type: ignore[type-arg]
-    """The measures of `leastaction evaluate --json` by their names; `notes`, and in words as text."""
+    """The measures of `leastaction evaluate --json` by name, with `notes`; as text, the measures in words."""
 
     def __init__(self, measures: dict[str, Any], text: str, notes: list[str]) -> None:
         super().__init__(measures)
         self.notes = notes
-        """What should be known, a sentence each."""
+        """Remarks on the log and the model, one sentence each."""
         self._text = text
 
     def __str__(self) -> str:
@@ -146,9 +146,9 @@ class Evaluation(dict):  # type: ignore[type-arg]
 
 
 def look(files: PathLike | Sequence[PathLike], output: PathLike | None = None) -> Look:
-    """Looks at logs of one machine of which nothing is known yet: clocks, ranges, encoder grids, noise, and what the columns may be.
+    """Examines unknown logs of one machine: clocks, ranges, encoder grids, noise, and what the columns may be.
 
-    With `output` it writes a first configuration there: check it, then train with it.
+    `output` names a file for a first configuration: check it, then train with it.
     """
     name = os.fspath(output) if output is not None else "robot.toml"
     report, text, doubts, configuration = _core.look_at(_names(files), name)
@@ -169,15 +169,16 @@ def evaluate(
     page: PathLike | None = None,
     beside: Any = None,
 ) -> Evaluation:
-    """Measures a model on logged motion: mean squared errors of accelerations, of steps, of whole trajectories, in double precision and
-    (under "chip") with the bits of the chip; torques of arms.
+    """Measures a model on logged motion: mean squared errors of accelerations, steps and whole trajectories, in double precision and
+    (under "chip") with the bits of the chip; for arms, torque errors.
 
-    model    a Model, a Run, or the name of a model file or of a run's folder
-    data     a Log, or files; by default those of the configuration
-    config   takes names and units of columns, step and control of the log from [data] of this configuration
-    order    of the steps, 2 or 4; by default that of the model, else 4
-    control  what u does between samples, "held" or "linear"; by default what the log says, else that of the model, else held
-    page     an .html to write: horizons, residuals, friction; `beside`, another model, is shown beside
+    model    Model, Run, or the name of a model file or of a run's folder
+    data     Log or files; by default the files of the configuration
+    config   configuration whose [data] gives names and units of the columns, step and control of the log
+    order    order of the steps, 2 or 4; by default that of the model, else 4
+    control  course of u between samples, "held" or "linear"; by default the log's, else the model's, else held
+    page     .html file to write: horizons, residuals, friction
+    beside   another model to show beside this one on the page
     """
     with tempfile.TemporaryDirectory(prefix="leastaction-") as folder:
         files = _names(_as_file(data, folder)) if data is not None else None
@@ -189,7 +190,7 @@ def evaluate(
 
 
 def report(model: Any, data: Any = None, page: PathLike = "report.html", **options: Any) -> Evaluation:
-    """Writes the page on what a model is worth on logged motion, and gives the measures; arguments are those of `evaluate`."""
+    """Writes the report page of a model on logged motion and returns the measures; takes the arguments of `evaluate`."""
     return evaluate(model, data, page=page, **options)
 
 
@@ -220,12 +221,12 @@ def _names(files: Any) -> Any:
 
 
 def _is_list(x: Any) -> bool:
-    """Whether it is one array a trajectory."""
+    """Whether x is a list of arrays, one per trajectory."""
     return isinstance(x, (list, tuple)) and len(x) > 0 and np.ndim(x[0]) > 0 and isinstance(x[0], np.ndarray)
 
 
 def _parts(x: Any) -> list[Array]:
-    """One array a trajectory."""
+    """Returns one array per trajectory."""
     parts = [np.asarray(part, float) for part in (x if _is_list(x) else [x])]
     if any(part.ndim == 0 for part in parts):
         raise InputError("a log has arrays of samples, not single numbers")

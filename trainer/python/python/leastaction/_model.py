@@ -24,31 +24,31 @@ class Trajectory(NamedTuple):
     """Positions and velocities at every sample of one motion, or of motions side by side."""
 
     t: Array
-    """[steps + 1], s."""
+    """Times, [steps + 1], s."""
     q: Array
-    """[…, steps + 1, n], m or rad."""
+    """Positions, […, steps + 1, n], m or rad."""
     v: Array
-    """[…, steps + 1, n], m/s or rad/s."""
+    """Velocities, […, steps + 1, n], m/s or rad/s."""
 
 
 class StepReport(NamedTuple):
-    """What a step took, of every motion."""
+    """The cost and accuracy of a step, for every motion."""
 
     iterations: Array
-    """Updates of Newton's method, […]."""
+    """Number of Newton updates, […]."""
     residual: Array
-    """The largest relative residual that was left, […]."""
+    """Largest remaining relative residual, […]."""
 
 
 class Model:
     """A learned Lagrangian L = T − V with its forces: a model file in memory.
 
-    q, v, u and a are arrays whose last axis has the model's n coordinates; all axes before it are states side by side, and follow the
-    rules of numpy's broadcasting. u is the generalised force at the output of the actuator (N or N m), 0 where it is left out.
+    q, v, u and a are arrays whose last axis has the model's n coordinates; the leading axes hold states side by side and broadcast as in
+    numpy. u is the generalised force at the output of the actuator (N or N m), 0 by default.
 
-    Everything is computed in single precision, by the code that runs on a microcontroller and with its bits, and is float32;
-    `double` is the same model in double precision (float64). Neither the number of threads nor how states are grouped changes a bit. The
-    interpreter's lock is released meanwhile; RAYON_NUM_THREADS says how many threads a call may take.
+    Everything is computed in single precision (float32), bit for bit by the code that runs on a microcontroller; `double` is the same
+    model in double precision (float64). Neither the number of threads nor the grouping of states changes a bit. The interpreter's lock
+    is released meanwhile; RAYON_NUM_THREADS limits the number of threads of a call.
     """
 
     def __init__(self, core: _core.Model, path: str | None = None, *, double: bool = False) -> None:
@@ -59,11 +59,11 @@ class Model:
         self._n: int = self._facts["n"]
         self._other: Model | None = None
 
-    # What the file says.
+    # Facts of the file.
 
     @property
     def family(self) -> str:
-        """inertia-network, modular, graph, bodies or arm."""
+        """Family of the model: inertia-network, modular, graph, bodies or arm."""
         return self._facts["family"]
 
     @property
@@ -73,7 +73,7 @@ class Model:
 
     @property
     def coordinates(self) -> str:
-        """One letter a coordinate: t translation (m), a angle (rad), c cyclic."""
+        """One letter per coordinate: t translation (m), a angle (rad), c cyclic."""
         return self._facts["coordinates"]
 
     @property
@@ -83,22 +83,22 @@ class Model:
 
     @property
     def order(self) -> int | None:
-        """Order of the step that the model was trained with, 2 or 4; None where it was trained without."""
+        """Order of the step that the model was trained with, 2 or 4; None if it was trained without a step."""
         return self._facts["order"]
 
     @property
     def h(self) -> float | None:
-        """Length of the step that the model was trained with, s; None where it was trained without."""
+        """Size of the step that the model was trained with, s; None if it was trained without a step."""
         return self._facts["h"]
 
     @property
     def control(self) -> str | None:
-        """What u did between samples in training, held or linear."""
+        """Course of u between samples in training, held or linear; None if the model was trained without a step."""
         return self._facts["control"]
 
     @property
     def parameters(self) -> int:
-        """How many numbers the weight block has."""
+        """Number of parameters in the weight block."""
         return self._facts["parameters"]
 
     @property
@@ -108,14 +108,14 @@ class Model:
 
     @property
     def range(self) -> dict[str, NDArray[np.float64]] | None:
-        """What the training data covered: the least and the most of every coordinate's q, v and u, [n, 2] each; None where the file does
-        not say."""
+        """Range of the training data: minimum and maximum of q, v and u of every coordinate, [n, 2] each; None if the file does not
+        give it."""
         covered = self._facts["range"]
         return covered and {name: np.array(ends, dtype=float) for name, ends in covered.items()}
 
     @property
     def actuator(self) -> dict[str, Any] | None:
-        """gain [n], offset [n] (N or N m) and delay (s) between a command and its force; None where the command is the force."""
+        """gain [n], offset [n] (N or N m) and delay (s) between a command and its force; None if the command is the force."""
         actuator = self._facts["actuator"]
         return actuator and {
             "gain": np.array(actuator["gain"]),
@@ -125,32 +125,32 @@ class Model:
 
     @property
     def parts(self) -> list[str]:
-        """The names of all trees or graphs in the file; empty for other families."""
+        """Names of all trees or graphs in the file; empty for other families."""
         return self._facts["parts"]
 
     @property
     def part(self) -> str | None:
-        """The tree or graph that is meant."""
+        """Name of the selected tree or graph; None for other families."""
         return self._facts["part"]
 
     @property
     def provenance(self) -> str:
-        """Where it comes from."""
+        """Origin of the model, as the file states it."""
         return self._facts["provenance"]
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """float32, or float64 of `double`."""
+        """Type of all results: float32, or float64 for `double`."""
         return np.dtype(np.float64 if self._double else np.float32)
 
     @property
     def double(self) -> Model:
-        """The same model in double precision, of any size: for studies and for adaptive integrators; not the bits of the chip."""
+        """This model in double precision, for studies and adaptive integrators: works for any size, without the bits of the chip."""
         return self._in_precision(True)
 
     @property
     def single(self) -> Model:
-        """The same model in the chip's arithmetic."""
+        """This model in the chip's arithmetic."""
         return self._in_precision(False)
 
     def _in_precision(self, double: bool) -> Model:
@@ -178,9 +178,9 @@ class Model:
         return found[..., 0], found[..., 1]
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, u: ArrayLike | None = None, *, errors: str = "raise") -> Array:
-        """v̇ = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², [..., n]; of particles on rods the acceleration on them.
+        """v̇ = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², [..., n]; for particles on rods, the constrained acceleration.
 
-        `errors="nan"` gives NaN where it does not exist, in place of SolveError.
+        `errors="nan"` gives NaN if it does not exist, instead of raising SolveError.
         """
         return self._of_states("acceleration", [q, v, self._or_zero(u)], (self._n,), errors)
 
@@ -207,8 +207,8 @@ class Model:
     ) -> tuple[Array, Array]:
         """Position and velocity after one step of the discrete Euler–Lagrange equation, [..., n] each.
 
-        u [..., n] acts over the step, or is linear from u to u_end. h (s) and order (2 or 4) are those of training where they are left
-        out. Of many steps one after another `rollout` or `motion` is more exact: they keep the momentum, and what rounding takes.
+        u [..., n] is held over the step, or goes linearly from u to u_end. h (s) and order (2 or 4) are by default those of training.
+        For many steps in a row `rollout` and `motion` are more exact: they keep the momentum and the rounding remainders.
         """
         u = self._or_zero(u)
         start = self._as_array("u", u)[..., None, :]
@@ -226,9 +226,9 @@ class Model:
         order: int | None = None,
         errors: str = "raise",
     ) -> Array:
-        """The position after two that are one step apart, [..., n]: no velocity is needed.
+        """The position one step after two positions that are one step apart, [..., n]: no velocity is needed.
 
-        u is [..., 2, n], between q0 and q1 and after q1, or [n] for both.
+        u is [..., 2, n], first between q0 and q1, then after q1; or [n] for both.
         """
         forces = self._as_array("u", self._or_zero(u))
         forces = np.broadcast_to(forces, (2, self._n)) if forces.ndim == 1 else forces
@@ -251,12 +251,12 @@ class Model:
     ) -> Trajectory:
         """Motions by the discrete Euler–Lagrange equation from a position and a velocity, or (q1) from two positions one step apart.
 
-        q, v (or q1): [..., n]. u, [..., steps, n], acts from sample k to k + 1 where `control` is "held"; where it is "linear" it has
-        steps + 1 rows, one a sample. `steps` is needed where u is left out. With `commands`, u is what the drives are told, and the file's
-        gain, offset and delay make the force of it. h (s) and order (2 or 4) are those of training where they are left out.
+        q, v (or q1): [..., n]. If `control` is "held", u has the shape [..., steps, n] and row k acts from sample k to k + 1; if it is
+        "linear", u has steps + 1 rows, one per sample. Without u, `steps` is needed. With `commands`, u holds the commands to the drives,
+        which the file's gain, offset and delay turn into forces. h (s) and order (2 or 4) are by default those of training.
 
-        `errors="nan"` gives NaN from a step on that cannot be solved, in place of SolveError. From two positions the velocity at the first
-        is NaN.
+        `errors="nan"` gives NaN from the first step that cannot be solved, instead of raising SolveError. If a motion starts from two
+        positions, its velocity at the first is NaN.
         """
         second = v if q1 is None else q1
         if second is None or (v is not None and q1 is not None):
@@ -268,7 +268,7 @@ class Model:
     def motion(
         self, q: ArrayLike, v: ArrayLike, *, h: float | None = None, order: int | None = None
     ) -> Motion:
-        """Motions side by side from q and v, [..., n], to be stepped one step after another, as firmware does."""
+        """Begins motions side by side from q and v, [..., n], to be stepped one step at a time, as firmware does."""
         return Motion(self, (q, v), None, False, h, order)
 
     def motion_from_positions(
@@ -280,19 +280,19 @@ class Model:
         h: float | None = None,
         order: int | None = None,
     ) -> Motion:
-        """As `motion`, from two positions one step apart, [..., n], and the force between them; it begins at q1."""
+        """Like `motion`, from two positions one step apart, [..., n], and the force between them; the motion begins at q1."""
         return Motion(self, (q0, q1), u, True, h, order)
 
     def forces(self, commands: ArrayLike, *, h: float | None = None, control: str = "held") -> tuple[Array, Array]:
-        """The forces at the start and at the end of the steps that begin at the samples of `commands`, [samples, n], by the file's
-        gain, offset and delay; N or N m. Before the first command it is taken to have stood."""
+        """The forces at the start and the end of each step, by the file's gain, offset and delay, N or N m: the steps begin at the
+        samples of `commands`, [samples, n]. The first command is assumed to have stood before."""
         h, _ = self._step(h, 2)
         rows = _rows(np.asarray(commands, self.dtype), self._n, "commands")
         forces = self._core.forces_double if self._double else self._core.forces
         return forces(rows, h, _is_linear(control))
 
     def inside(self, q: ArrayLike, v: ArrayLike | None = None, u: ArrayLike | None = None) -> Array:
-        """Whether the training data covered a state, [...]; always true where the file does not say what they covered."""
+        """Whether a state lies in the range of the training data, [...]; always true if the file does not give a range."""
         middle = self._facts["range"]
         if not middle:
             return np.ones(np.shape(q)[:-1], bool)
@@ -302,7 +302,7 @@ class Model:
         return (self._core.outside(*rows) < 0).reshape(lead)
 
     def observer(self, **settings: Any) -> Observer:
-        """The observer of the firmware: the state from encoders' readings alone; see `leastaction.Observer`."""
+        """The observer of the firmware: estimates the state from encoder readings alone; see `leastaction.Observer`."""
         from ._observer import Observer
 
         return Observer(self, **settings)
@@ -310,9 +310,9 @@ class Model:
     # Other programs.
 
     def scipy_rhs(self, u: Control = None) -> Callable[[float, Array], Array]:
-        """f(t, y) of ẏ = f(t, y), y = (q, v), for `scipy.integrate.solve_ivp` and its like, in double precision.
+        """The function f(t, y) of ẏ = f(t, y), y = (q, v), for `scipy.integrate.solve_ivp` and the like, in double precision.
 
-        u is None, an array [n], or a function u(t, q, v) that gives one. y may be [2n], or [2n, k] with vectorized=True.
+        u is None, an array [n], or a function u(t, q, v) that returns one. y may be [2n], or [2n, k] with vectorized=True.
         """
         model, n = self.double, self._n
 
@@ -325,15 +325,15 @@ class Model:
         return rhs
 
     def to_bytes(self) -> bytes:
-        """The model file."""
+        """The bytes of the model file."""
         return self._core.to_bytes()
 
     def save(self, path: str | os.PathLike[str], *, half: bool = False) -> None:
-        """Writes the model file, m.postcard; with `half` weights take two bytes each. No file of another kind is replaced."""
+        """Writes the model file, m.postcard; with `half`, weights take two bytes each. A file of another kind is never overwritten."""
         _core.write_file(os.fspath(path), self._core.encoded(half), "model")
 
     def save_rust(self, path: str | os.PathLike[str]) -> None:
-        """Writes a Rust module that holds the file as a constant and needs `leastaction-core` alone."""
+        """Writes a Rust module that holds the file as a constant and needs only `leastaction-core`."""
         _core.write_file(os.fspath(path), self._core.rust_source().encode(), "rust")
 
     def save_c(self, path: str | os.PathLike[str], name: str = "leastaction_model_file") -> None:
@@ -414,7 +414,7 @@ class Model:
         return Trajectory(h * np.arange(steps + 1), q, v)
 
     def _velocities(self, q: Array, p: Array) -> Array:
-        """v of p = M v; NaN where that is."""
+        """Solves p = M v for v; NaN where q or p is not finite."""
         known = np.isfinite(q).all(-1) & np.isfinite(p).all(-1)
         v = np.full_like(p, np.nan)
         if known.any():
@@ -423,7 +423,7 @@ class Model:
 
 
 class Motion:
-    """Motions side by side in the chip's arithmetic, step by step: q and p with what rounding took from them, as firmware keeps them."""
+    """Motions side by side in the chip's arithmetic, step by step: q with its rounding remainder and p, as firmware keeps them."""
 
     def __init__(
         self,
@@ -446,7 +446,7 @@ class Motion:
 
     @property
     def t(self) -> float:
-        """Seconds since the beginning."""
+        """Time since the beginning, s."""
         return self._steps * self.h
 
     @property
@@ -456,7 +456,7 @@ class Motion:
 
     @property
     def v(self) -> Array:
-        """Velocities that belong to the momenta, [..., n], m/s or rad/s."""
+        """Velocities that correspond to the momenta, [..., n], m/s or rad/s."""
         return self._core.v().reshape(self._lead + (self._model.n,))
 
     @property
@@ -465,9 +465,10 @@ class Motion:
         return self._core.p().reshape(self._lead + (self._model.n,))
 
     def step(self, u: ArrayLike | None = None, *, u_end: ArrayLike | None = None) -> StepReport:
-        """Goes on by one step under the force u [..., n] (N or N m), or one that is linear from u to u_end.
+        """Advances by one step under the force u [..., n] (N or N m), or a force that goes linearly from u to u_end.
 
-        A motion that cannot be stepped raises SolveError and is where it was; those before it have gone on.
+        If a motion cannot be stepped, SolveError is raised: that motion and those after it stay where they were, those before it have
+        been stepped.
         """
         model = self._model
         start = _flat(model._as_array("u", model._or_zero(u)), self._lead, (model.n,))
@@ -478,12 +479,12 @@ class Motion:
 
 
 def load(path: str | os.PathLike[str], part: str | None = None) -> Model:
-    """Reads a model file; of several trees or graphs the one of the name `part`, else the first."""
+    """Reads a model file; `part` names one of several trees or graphs, by default the first."""
     return Model(_core.Model.load(os.fspath(path), part), os.fspath(path))
 
 
 def from_bytes(data: bytes, part: str | None = None) -> Model:
-    """The model of a model file's bytes."""
+    """Reads a model from the bytes of a model file."""
     return Model(_core.Model.from_bytes(bytes(data), part))
 
 
@@ -511,7 +512,7 @@ def _broadcast(leads: list[tuple[int, ...]]) -> tuple[int, ...]:
 
 
 def _flat(x: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:
-    """Rows of one axis; one row stands for all."""
+    """Flattens the leading axes to one; a single row stands for all."""
     if x.size == np.prod(tail, dtype=int):
         return x.reshape((1,) + tail)
     return np.broadcast_to(x, lead + tail).reshape((-1,) + tail)

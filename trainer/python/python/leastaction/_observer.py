@@ -1,4 +1,4 @@
-"""The state of a mechanism from its encoders' readings alone."""
+"""Estimation of a mechanism's state from its encoder readings alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Estimate(NamedTuple):
-    """A state as estimated."""
+    """An estimated state."""
 
     q: Array
     """Positions, [n], m or rad."""
@@ -26,16 +26,16 @@ class Estimate(NamedTuple):
 
 
 class Observer:
-    """The observer of the firmware, with its bits: between samples the model is stepped under the force that acted, a sample corrects it.
+    """The observer of the firmware, bit for bit: the model is stepped under the acting force, and every sample corrects the estimate.
 
-    model     a Model in generalised coordinates (graphs have no observer)
-    h, order  of the step; by default those of training
-    memory    most samples in memory: more smooth the noise more and follow a wrong model longer
-    patience  samples of one encoder missing in a row after which the estimate is not trusted any more
-    zeros     learns what the encoders read more than there is: (how far off they may be, the deviation of an innovation), rad or m
+    model     Model in generalised coordinates (graphs have no observer)
+    h, order  step size (s) and order of the integrator; by default those of training
+    memory    maximum number of samples in memory: a longer memory smooths the noise more and follows a wrong model longer
+    patience  number of samples of one encoder missing in a row after which the estimate is no longer trusted
+    zeros     standard deviations (of the encoders' zeros, of an innovation), rad or m: learns the zeros; by default they are 0
 
-    One tick is `correct(y)`, then `predict(u)` with the force until the next one; or `update(y, u)`, which does both and gives the estimate
-    at the sample.
+    One tick is `correct(y)`, then `predict(u)` with the force until the next tick; or `update(y, u)`, which does both and returns the
+    estimate at the sample.
     """
 
     def __init__(
@@ -54,32 +54,33 @@ class Observer:
 
     @property
     def estimate(self) -> Estimate | None:
-        """q and v; None until every coordinate was measured."""
+        """The estimate of q and v; None until every coordinate has been measured."""
         known = self._core.estimate()
         return None if known is None else Estimate(*known)
 
     @property
     def zeros(self) -> Array:
-        """What the encoders read more than there is, [n], rad or m; 0 where it is not learned."""
+        """Zeros of the encoders, by which they read too much, [n], rad or m; 0 unless they are learned."""
         return self._core.zeros()
 
     @property
     def trusted(self) -> bool:
-        """Whether the estimate is fit to act on: three samples of every encoder, and none silent for longer than the patience."""
+        """Whether the estimate is fit to act on: every encoder has given three samples (fewer if `memory` is shorter), and none has been
+        silent for longer than `patience`."""
         return self._core.trusted()
 
     def correct(self, y: ArrayLike) -> None:
-        """Takes the samples of a step, [n], rad or m; NaN where one is missing."""
+        """Takes the samples of a step, [n], rad or m; NaN for a missing one."""
         self._core.correct(self._row(y))
 
     def predict(self, u: ArrayLike | None = None, *, u_end: ArrayLike | None = None) -> int | None:
-        """Steps the model under the force u [n] (N or N m), or one that is linear from u to u_end; says how many updates of Newton's method
-        it took, None before the first samples."""
+        """Steps the model under the force u [n] (N or N m), or a force that goes linearly from u to u_end; returns the number of Newton
+        updates, None before the first samples."""
         start = self._row(np.zeros(self._n) if u is None else u)
         return self._core.predict(start, start if u_end is None else self._row(u_end))
 
     def update(self, y: ArrayLike, u: ArrayLike | None = None) -> Estimate | None:
-        """Takes samples, gives the estimate at them, and steps under the force until the next ones."""
+        """Takes samples, steps under the force until the next ones, and returns the estimate at the samples."""
         self.correct(y)
         estimate = self.estimate
         self.predict(u)

@@ -1,4 +1,4 @@
-"""Dictionaries as TOML: what a configuration needs of it."""
+"""Dictionaries as TOML: the subset that a configuration needs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._errors import InputError
 
 
 def to_toml(config: Mapping[str, Any]) -> str:
-    """The text of a configuration: a table for every dictionary at the top, everything else inline."""
+    """Returns the text of a configuration: a table for every dictionary at the top level, everything else inline."""
     tables = [(key, value) for key, value in config.items() if isinstance(value, Mapping)]
     lines = [f"{_key(key)} = {_value(value)}" for key, value in config.items() if not isinstance(value, Mapping)]
     for name, table in tables:

@@ -24,34 +24,35 @@ if TYPE_CHECKING:
 
 
 class Progress(NamedTuple):
-    """What is known after an iteration."""
+    """The state of training after an iteration."""
 
     iteration: int
-    """Done, over all stages."""
+    """Number of iterations done, over all stages."""
     stage: str
-    """warm-up, training, …"""
+    """Name of the stage: warm-up, training, …"""
     seconds: float
-    """Of training so far."""
+    """Duration of training so far, s."""
     train: float
     """Loss on the training data."""
     validation: float | None
-    """Loss on what is held back; None where nothing is."""
+    """Loss on the held-back data; None if nothing is held back."""
 
 
 class Run:
-    """A training run in its folder: `checkpoint.postcard`, `history.csv`, `config.toml`, pictures and, over windows, a page."""
+    """A training run in its folder: `checkpoint.postcard`, `history.csv`, `config.toml`, pictures and, for losses over windows, a report
+    page."""
 
     def __init__(self, folder: PathLike, report: Mapping[str, Any] | None = None, notes: list[str] | None = None) -> None:
         self.folder = Path(folder)
         self.report = dict(report or {})
         """The command's report: ending, iterations, losses, samples, seconds."""
         self.notes = list(notes or [])
-        """What should be known of the data, and of what was not learned; a sentence each."""
+        """Remarks on the data, and on what was not learned; one sentence each."""
         self._model: Model | None = None
 
     @property
     def model(self) -> Model:
-        """The best model so far, as `leastaction export` makes it."""
+        """The best model so far, as `leastaction export` writes it."""
         if self._model is None:
             self._model = Model(_core.model_of_run(os.fspath(self.folder)))
         return self._model
@@ -63,17 +64,17 @@ class Run:
 
     @property
     def train_loss(self) -> float | None:
-        """Of the best weights."""
+        """Training loss of the best weights."""
         return self.report.get("train_loss")
 
     @property
     def validation_loss(self) -> float | None:
-        """Of the best weights; None where nothing was held back."""
+        """Validation loss of the best weights; None if nothing was held back."""
         return self.report.get("validation_loss")
 
     @property
     def history(self) -> NDArray[Any]:
-        """A row an iteration, with the fields iteration, stage, seconds, train and validation (NaN where nothing was held back)."""
+        """One row per iteration, with the fields iteration, stage, seconds, train and validation (NaN if nothing was held back)."""
         rows = (self.folder / "history.csv").read_text(encoding="utf-8").splitlines()[1:]
         fields = [line.split(",") for line in rows if line]
         types = [("iteration", np.int64), ("stage", "U32"), ("seconds", float), ("train", float), ("validation", float)]
@@ -87,12 +88,12 @@ class Run:
 
     @property
     def page(self) -> Path | None:
-        """The page on what the fit is worth; None where the loss was not over windows."""
+        """The report page of the fit; None if the loss was not over windows."""
         file = self.folder / "report.html"
         return file if file.exists() else None
 
     def evaluate(self, data: Any = None, **options: Any) -> Evaluation:
-        """As `leastaction.evaluate` of this run; by default on the log that it was trained on, read in the same way."""
+        """Evaluates this run like `leastaction.evaluate`; by default on the log that it was trained on, read in the same way."""
         return evaluate(self, data, config=self.folder / "config.toml", **options)
 
     def __repr__(self) -> str:
@@ -111,18 +112,18 @@ def train(
 ) -> Run:
     """Learns a model, as `leastaction train config.toml -o output` does, with the same bits.
 
-    config    a file, or a dictionary with the same keys: {"model": {"coordinates": "ta"}, "training": {"iterations": 50}};
-              `print(leastaction.defaults("inertia-network"))` explains all of them (inertia-network, modular, graph, bodies, arm).
-    output    the folder of the run; a temporary one where it is left out.
-    data      arrays to learn from, a `Log` or a dictionary of its arguments, in place of the configuration's files: they are written to
-              output.npz, so that the run is one as any other. A name of a file, or a pattern, is one too.
-    resume    goes on with the run in the folder, bit for bit.
-    force     replaces the run in the folder, as soon as the new one has a finite loss.
-    progress  True: a line on stderr; False: nothing; or a function that gets a `Progress` after every iteration. An exception of it
-              stops training, which saves first.
+    config    file, or a dictionary with the same keys: {"model": {"coordinates": "ta"}, "training": {"iterations": 50}};
+              `print(leastaction.defaults("inertia-network"))` explains all keys (inertia-network, modular, graph, bodies, arm).
+    output    folder of the run; a temporary folder by default.
+    data      data to learn from in place of the configuration's files: a `Log`, or a dictionary of its arguments, which is written to
+              output.npz so that the run is like any other; or the name of a file, a pattern, or a list of them.
+    resume    continues the run in the folder, bit for bit.
+    force     replaces the run in the folder as soon as the new one has a finite loss.
+    progress  True: a line on stderr; False: nothing; or a function that is called with a `Progress` after every iteration. If it raises
+              an exception, training saves and stops.
 
-    Ctrl-C finishes the iteration, saves, and raises KeyboardInterrupt: `train(..., resume=True)` goes on, and `open_run(output).model` is
-    the best model so far.
+    Ctrl-C finishes the iteration, saves, and raises KeyboardInterrupt: `train(..., resume=True)` continues, and `open_run(output).model`
+    is the best model so far.
     """
     folder = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="leastaction-")) / "run"
     file, text = _configuration(config, data, folder, replace=resume or force)
@@ -151,7 +152,7 @@ def train(
 
 
 def open_run(folder: PathLike) -> Run:
-    """The run in a folder, as far as it is."""
+    """Opens the run in a folder, finished or not."""
     if not (Path(folder) / "checkpoint.postcard").exists():
         raise InputError(f"{os.fspath(folder)}: there is no checkpoint.postcard; is this the folder of a training run?")
     return Run(folder)
@@ -160,7 +161,7 @@ def open_run(folder: PathLike) -> Run:
 def _configuration(
     config: PathLike | Mapping[str, Any] | None, data: Any, folder: Path, replace: bool
 ) -> tuple[str, str | None]:
-    """The name of a configuration, and its text where it is no file."""
+    """Returns the name of a configuration, and its text unless it is a file."""
     if data is None and isinstance(config, (str, os.PathLike)):
         return os.fspath(config), None
     if isinstance(config, (str, os.PathLike)):
@@ -185,7 +186,7 @@ def _written(data: Any, folder: Path, replace: bool) -> Any:
 
 
 class _Line:
-    """How training goes, on stderr: one line that is written again, or lines now and then where that is no terminal."""
+    """Progress on stderr: one line that is rewritten on a terminal, otherwise a new line every two seconds."""
 
     def __init__(self, _shown: bool) -> None:
         self._terminal = sys.stderr.isatty()
