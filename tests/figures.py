@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Prints what compiling, training and stepping cost on this machine, with its name: one JSON object a line.
+"""Prints the costs of compiling, training and stepping on this machine, and the machine's name: one JSON object per line.
 
-    python3 tests/figures.py                 # all of it: about 40 minutes on 2 cores
-    python3 tests/figures.py joints rebuild  # some of it
+    python3 tests/figures.py                 # all parts: about 40 minutes on 2 cores
+    python3 tests/figures.py joints rebuild  # some parts
 
-build    a fresh clone to the end of the demo; processor seconds of every crate of ours in a fresh release build, and of the others of
-         the workspace
-rebuild  `cargo build --release` after a changed line of core
+build    from a fresh clone to the end of the demo; processor seconds for each of our crates in a fresh release build of the command,
+         and for the rest of the workspace
+rebuild  `cargo build --release` after one line of core changed
 tests    `cargo test --workspace` in a fresh clone
-joints   a chain of seven pendulums, learned with every default: training, and its error on motions held back
+joints   a chain of seven pendulums, learned by default settings: duration of training, and error on held-back motions
 symo     E2E-SyMo's cart-pole of order 4 by Levenberg-Marquardt (cargo bench -p leastaction-learning --bench training)
 jax      tests/peers/modlanet_jax.py and lgnn_jax.py (pip install jax)
 
-What is measured is the last commit, in a clone of its own under a temporary folder. Times are of the wall clock unless they are
-called processor seconds: read them on a quiet machine.
+The last commit is measured, in a clone under a temporary folder. Times are wall-clock times unless they are called processor
+seconds: measure on a quiet machine.
 """
 
 import json
@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def run(command, folder, **options):
-    """What a command printed on standard output; its messages go to ours."""
+    """Runs a command and returns its standard output; its standard error goes to ours."""
     print("$", command, file=sys.stderr)
     done = subprocess.run(command, shell=True, cwd=folder, stdout=subprocess.PIPE, text=True, **options)
     if done.returncode != 0:
@@ -55,7 +55,7 @@ def machine():
     show("machine", processor=cpu.split(":")[-1].strip(), vectors=sorted(set(vectors)), cores=int(cores), rustc=compiler)
 
 
-# In the place of rustc: what it takes to compile a crate of ours goes to a file.
+# Stands in for rustc, and writes the compile time of each of our crates to a file.
 WRAPPER = """#!/bin/bash
 name=$(sed -n 's/.*--crate-name \\([a-z_0-9]*\\).*/\\1/p' <<<"$*")
 case $name in
@@ -66,7 +66,7 @@ esac
 
 
 def units(command, clone):
-    """Processor seconds of every crate of ours that a cargo command compiles."""
+    """Processor seconds for each of our crates that a cargo command compiles."""
     with tempfile.TemporaryDirectory() as folder:
         wrapper, log = Path(folder) / "rustc", Path(folder) / "units"
         wrapper.write_text(WRAPPER)
@@ -128,7 +128,7 @@ def joints(clone):
 
 
 def constant_velocity(folder):
-    """Mean square of q + (q - q_before) - q_after over the last fifth of the trajectories."""
+    """Mean square error of constant velocity, q + (q - q_before) - q_after, over the last fifth of the trajectories."""
     import numpy as np
 
     with np.load(folder / "chain.npz") as log:

@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
-"""Follows a motion by computed torque and by PD with gravity compensation, over a grid of gains, and prints all of it.
+"""Follows a motion by computed torque and by PD with gravity compensation, over grids of gains, and prints all errors.
 
-    python3 tests/track.py            # 300 runs of 10 s: a quarter of an hour on 2 quiet cores, and compiling
+    python3 tests/track.py            # 300 runs of 10 s: a quarter of an hour on 2 quiet cores, plus compiling
 
 A simulated Franka Panda: bodies as identified by Gaz et al. 2019, rotors, viscous and Coulomb friction; encoders of 4,096 counts a turn, 1 kHz,
-commands that act 1 ms late, the maker's limits of the drives. `leastaction excite` finds two motions within its limits. Along the first the arm is
-driven by its maker's own controller, and what its encoders read, with the commands, is the log that the model is fitted to, from a description
-without masses. Along the other the model is used:
+commands that act 1 ms late, the maker's limits of the drives. `leastaction excite` finds two motions within the arm's limits. A controller that
+knows the plant drives the arm along the first; encoder readings and commands are the log to which the model is fitted, from a description without
+masses. Along the second motion the fitted model is used:
 
-computed torque   the model's inverse dynamics and feedback through its inertia matrix, the observer's estimate
-pd, observer      gravity compensation by the model, PD joint by joint, the observer's estimate: the observer knows the whole model
-pd, encoders      gravity compensation by the model, PD joint by joint, the encoders' readings and their filtered differences
+computed torque   the model's inverse dynamics and feedback through its inertia matrix, on the observer's estimate
+pd, observer      gravity compensation by the model and PD joint by joint, on the observer's estimate: the observer knows the whole model
+pd, encoders      gravity compensation by the model and PD joint by joint, on the encoder readings and their filtered differences
 
-Each is printed for all of its gains, root mean square over all joints and the whole motion, mrad; the best of each grid, and whether it lies within.
+The errors of each law are printed for all its gains: root mean square over all joints and the whole motion, mrad; then the best of each grid, and
+the parameters that lie at the edge of their grid.
 """
 
 import itertools
@@ -29,7 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
 JOINTS = 7
 DAMPING = [0.2, 0.35, 0.5, 0.7, 1.0, 1.4]
-# ω of the feedback, rad/s; and of each grid what else is chosen: the observer's memory (s), the filter of velocities (Hz).
+# For each law: ω of the feedback, rad/s, and one more option: the observer's memory, s, or the cut-off of the velocity filter, Hz.
 GRIDS = {
     "computed-torque": ([30, 60, 90, 120, 180, 240, 360], "--memory", [0.02, 0.05]),
     "pd-gravity": ([120, 180, 240, 320, 420, 560], "--memory", [0.02, 0.05]),
@@ -55,14 +56,14 @@ cut_off = 10.0
 
 def run(folder, *words):
     done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True)
-    # The goal of `track` is an error of 50 mrad throughout, which bad gains miss.
+    # Bad gains miss the goal of `track`, an error within 50 mrad throughout.
     if done.returncode != 0 and "did not reach its goal" not in done.stderr:
         sys.exit(f"{' '.join(str(word) for word in words)}: {done.stderr[-2000:]}")
     return done.stdout
 
 
 def prepare(folder):
-    """The plant, both motions, and the model that is fitted to the first."""
+    """Makes the plant, both motions, and the model, which is fitted to the first."""
     leastaction = TARGET / "leastaction"
     run(folder, TARGET / "panda", "panda.urdf", "plant.postcard")
     for name, seed in [("learn", 3), ("follow", 2)]:
@@ -75,7 +76,7 @@ def prepare(folder):
 
 
 def follow(folder, model, motion, law, frequency, damping, options):
-    """The error along a motion, mrad, root mean square over joints and time."""
+    """Returns the error along a motion: root mean square over joints and time, mrad."""
     words = [TARGET / "leastaction", "simulate", model, "--scenario", "track", "--plant", "plant.postcard", "--trajectory", motion]
     words += ["--known-delay", 1, "--noise", 0, "--law", law, "--bandwidth", frequency, "--damping", damping, "--json", *options]
     errors = json.loads(run(folder, *words))["rms_error"]
@@ -83,7 +84,7 @@ def follow(folder, model, motion, law, frequency, damping, options):
 
 
 def grid(folder, law):
-    """Prints the errors of a law for all of its gains; the best with them."""
+    """Prints the errors of a law for all its gains; returns the best with its gains."""
     frequencies, option, values = GRIDS[law]
     points = list(itertools.product(values, DAMPING, frequencies))
 

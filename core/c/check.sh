@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C
-# example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
-# the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
-# header must be what the sources give.
-# Families may be named: `check.sh inertia-network`; without a name all five are checked, each with the features that it has beside it.
+# Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C example with it,
+# which does not link if anything can panic; runs the example on the host and under qemu: both must print the hash of the same steps in
+# Rust, and refuse every damaged file. Links two shapes into one image and runs both. The committed header must equal the generated one.
+# Families may be named: `check.sh inertia-network`; without a name all five are checked, each with all its optional features.
 set -euo pipefail
 families=" ${*:-inertia-network modular graph bodies arm} "
 cd "$(dirname "$0")"
@@ -12,7 +11,7 @@ out=${CARGO_TARGET_DIR:-$PWD/target}
 work=$out/example
 mkdir -p "$work"
 
-# The compiler is of no use without a C library's headers, which are a package of their own.
+# The compiler is useless without the headers of a C library, which come in another package.
 if ! { command -v qemu-system-arm && command -v g++ && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
     apt-get update -qq
     apt-get install -y -qq --no-install-recommends g++ gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
@@ -21,7 +20,7 @@ fi
 source ../../firmware-sim/chip/compiler.sh
 compiler "$target"
 chip=(env CARGO_TARGET_DIR="$out/chip" "${cargo[@]}" build --quiet --release --lib --target "$target")
-# Host programs by the compiler that cargo finds.
+# Host programs use the compiler that cargo finds.
 host=(env CARGO_TARGET_DIR="$out" cargo)
 
 tool() { "${host[@]}" run --quiet --manifest-path tools/Cargo.toml --bin "$@"; }
@@ -47,7 +46,7 @@ floats() {
     echo "${all[*]}"
 }
 
-# What other compilers make of the same sources: clang, where it is installed, as C, and g++ and clang++ of the header as C++.
+# Checks the same sources with other compilers: as C with clang if it is installed, and the header as C++ with g++ and clang++.
 other_compilers() {
     local file compilers=(g++)
     if command -v clang++ >/dev/null; then
@@ -63,7 +62,7 @@ other_compilers() {
     done
 }
 
-# What one run of the example must print.
+# Runs the example once and compares its output.
 expect() {
     local name=$1 expected=$2
     shift 2
@@ -87,11 +86,11 @@ check_chip() {
     "${chip[@]}" "${features[@]}" --config "profile.release.opt-level=$level"
     arm-none-eabi-gcc "${m4[@]}" "${strict[@]}" "$@" -nostdlib -Wl,-z,noexecstack -T example/chip.ld "${sources[@]}" example/chip.c \
         "$out/chip/$target/release/libleastaction.a" -lgcc -o "$image"
-    # In the functions that the example does not need, neither.
+    # Functions that the example does not need must not panic either.
     if arm-none-eabi-nm "$out/chip/$target/release/libleastaction.a" 2>/dev/null | grep leastaction_panicked; then
         fail "$family holds a panic"
     fi
-    # Doubles are software here, and would cost thousands of instructions.
+    # Double precision is emulated in software here, and would cost thousands of instructions.
     if arm-none-eabi-nm "$image" | grep -E ' __aeabi_(d|f2d)'; then fail "$family computes in double precision"; fi
     arm-none-eabi-size -A "$image" | awk '/^\.(text|rodata|data|bss) /{printf "%s %s  ", $1, $2} END {print ""}'
     expect "$family at opt-level $level on the chip" "$expected" qemu-system-arm -M mps2-an386 -display none \
@@ -126,8 +125,8 @@ check() {
     unset "${@%%=*}"
 }
 
-# One of two libraries in one image: the prefix of its names, its family, golden file, name in it, start and sizes; prints its
-# hash.
+# Builds one of two libraries for one image, given the prefix of its names, family, golden file, name in the file, start and sizes; prints
+# the hash of its trace.
 part() {
     local prefix=$1 family=$2 golden=$3 name=$4 start=$5
     shift 5
@@ -146,7 +145,7 @@ part() {
     [ -z "$name" ] || own+=("-DMODEL_NAME=\"$name\"")
     "${host[@]}" build --quiet --release --lib "${features[@]}"
     cp "$out/release/libleastaction.a" "$parts/host.a"
-    # Functions in assembly keep their mangled names, which must differ too.
+    # Assembly functions keep their mangled names, which must differ too.
     "${chip[@]}" "${features[@]}" --config "target.$target.rustflags=['-Cmetadata=$prefix']"
     cp "$out/chip/$target/release/libleastaction.a" "$parts/chip.a"
     for file in trace.c model.S; do
@@ -156,7 +155,7 @@ part() {
     unset LEASTACTION_PREFIX "${@%%=*}"
 }
 
-# Two shapes link into one image, and each does what it does alone.
+# Checks that two shapes link into one image and that each gives the hash that it gives alone.
 check_two() {
     local expected
     {
@@ -164,7 +163,7 @@ check_two() {
         part arm modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
     } >"$work/two"
     expected=$(<"$work/two")
-    # What both share is compiled with either header.
+    # Shared code is compiled with either header.
     mkdir -p "$work/both"
     sed '/^int main/,$d' example/main.c >"$work/both/put.c"
     local shared=(-I "$work/cart" -I example "-DMODEL_Q=$(floats "$cart")" "$work/both/put.c" example/two.c)
@@ -177,7 +176,7 @@ check_two() {
         -kernel "$work/both/chip.elf"
 }
 
-# The header of the default family and sizes is the committed one.
+# The committed header is that of the default family and sizes.
 tool header | diff include/leastaction.h - ||
     fail "the header is not up to date: in core/c/tools, cargo run --bin header > ../include/leastaction.h"
 "${host[@]}" fmt --check
@@ -193,7 +192,7 @@ for family in ${checked/ inertia-network / inertia-network inertia-network,frict
     "${host[@]}" clippy --quiet --manifest-path tools/Cargo.toml "${features[@]}" -- -D warnings
 done
 
-# A size that is none is a clear error.
+# An invalid size gives a clear error.
 wrong=$(LEASTACTION_HIDDEN=many "${host[@]}" check --quiet --lib 2>&1) && fail "a wrong size was accepted"
 [[ $wrong == *"LEASTACTION_HIDDEN must be a whole number from 1 to 1024"* ]] || fail "$wrong"
 
@@ -201,9 +200,9 @@ cart='0.125 0.25' arm='0.125 0.25 0.375'
 check inertia-network cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check inertia-network,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check inertia-network,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-# The same file without dry friction, by the same library: what it does is what the library without the feature does.
+# A file without dry friction by the library with it must give the hash of the library without the feature.
 check inertia-network,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-# With every law, and a file that has none with a network by the same library.
+# The library with every law, on a file with network laws and on one without.
 for golden in cartpole-networks cartpole; do
     check inertia-network,friction,networks $golden "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2 \
         LEASTACTION_LAW_HIDDEN=4 LEASTACTION_LAW_LAYERS=1
@@ -217,7 +216,7 @@ for with in graph graph,rods; do
     check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
         LEASTACTION_NETWORKS=6
 done
-# On rods of 0.5 m and 2 m, with room for another.
+# A graph with rods of 0.5 m and 2 m, and room for a third rod.
 check graph,rods web ring '0.3 -0.4 1 1 1.5 -2' LEASTACTION_COORDINATES=6 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
     LEASTACTION_NETWORKS=6 LEASTACTION_EDGES=3 LEASTACTION_RODS=3
 [[ $families != *" inertia-network "* || $families != *" modular "* ]] || check_two

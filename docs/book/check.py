@@ -5,10 +5,10 @@
     check.py html DIR             every link within the built book, with its anchor
     check.py blocks BIN [PAGE…]   runs what pages show: BIN is the folder of the command
 
-Of a page, in a folder of its own, in the order of the page: a `toml` block that begins with `# NAME.toml` is written to that file, and must be
-TOML; a `sh` block is run, and must succeed; the lines of an `output` block must stand in what the last `sh` block printed, in this order
-(… stands for lines, or for a part of a line, that are left out). A `sh,no_run` block is left out; the line before it says why: `<!-- not run: REASON -->`. What a reader
-has already, such as a log, is made by `<!-- run: COMMAND -->`.
+The blocks of a page are run from top to bottom in a temporary folder of its own. A `toml` block must be valid TOML, and is written to a file if it
+begins with `# NAME.toml`. A `sh` block is run and must succeed. The lines of an `output` block must occur, in this order, in the output of the last
+`sh` block (… stands for omitted lines or an omitted part of a line). A `sh,no_run` block is skipped; the line before it gives the reason:
+`<!-- not run: REASON -->`. Files that a reader already has, such as a log, are made by `<!-- run: COMMAND -->`.
 """
 
 import html.parser
@@ -24,7 +24,7 @@ from pathlib import Path
 
 BOOK = Path(__file__).resolve().parent
 ROOT = BOOK.parent.parent
-# A link, or code, in which there is none.
+# A link, or code, which holds no links.
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)|^```.*?^```|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 FENCE = re.compile(r"^```(\S*)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 STEP = re.compile(r"^(?:<!-- run: (?P<run>.*?) -->|(?P<why><!-- not run: .+? -->\n+)?```(?P<kind>\S*)[^\n]*\n(?P<body>.*?)^```$)",
@@ -32,7 +32,7 @@ STEP = re.compile(r"^(?:<!-- run: (?P<run>.*?) -->|(?P<why><!-- not run: .+? -->
 
 
 def anchors(text):
-    """What GitHub and mdBook call a page's headings."""
+    """The anchors that GitHub and mdBook give to a page's headings."""
     for heading in re.findall(r"^#+ (.*)$", FENCE.sub("", text), re.MULTILINE):
         words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "")
         yield re.sub(r"[^\w\- ]", "", words.lower()).replace(" ", "-")
@@ -53,7 +53,7 @@ def check_files():
 
 
 class Page(html.parser.HTMLParser):
-    """The links of a page, and the places in it that links may lead to."""
+    """The links of a page, and the anchors in it that links may point to."""
 
     def __init__(self, file):
         super().__init__()
@@ -73,7 +73,7 @@ def check_html(folder):
     pages = {file.resolve(): Page(file) for file in folder.rglob("*.html")}
     broken = []
     for file, page in pages.items():
-        if file.name in ("404.html", "toc.html"):  # these count from the root of a server
+        if file.name in ("404.html", "toc.html"):  # links of these are relative to the root of a server
             continue
         for link in page.links:
             parts = urllib.parse.urlsplit(link)
@@ -87,7 +87,7 @@ def check_html(folder):
 
 
 def missing(expected, printed):
-    """The first expected line that was not printed after those before it."""
+    """The first expected line that was not printed after the preceding ones."""
     lines = iter(printed.splitlines())
     for line in expected.splitlines():
         pattern = re.escape(line.rstrip()).replace("…", ".*") + r"\s*"
@@ -97,7 +97,7 @@ def missing(expected, printed):
 
 
 def run_page(page, environment):
-    """What is wrong with a page's blocks."""
+    """The errors in a page's blocks."""
     printed = ""
     text = page.read_text()
     with tempfile.TemporaryDirectory() as top:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the pictures of the ideas (src/images): python3 docs/book/pictures.py. Curves are computed here, nothing is drawn by eye."""
+"""Draws the explanatory pictures (src/images): python3 docs/book/pictures.py. All curves are computed, none is drawn by eye."""
 
 import math
 from pathlib import Path
@@ -9,7 +9,7 @@ INK, GREY, BLUE, RED, GREEN = "#1b1b1b", "#767676", "#1f6fb4", "#c0392b", "#2e85
 
 
 class Picture:
-    """An SVG in units of pixels."""
+    """An SVG picture in units of pixels."""
 
     def __init__(self, width, height, title):
         self.size, self.parts = (width, height), [f"<title>{title}</title>"]
@@ -50,7 +50,7 @@ class Picture:
 
 
 class Axes:
-    """A frame in a picture, from numbers to pixels."""
+    """Axes in a picture, which map numbers to pixels."""
 
     def __init__(self, picture, left, top, width, height, x, y):
         self.picture, self.x, self.y = picture, x, y
@@ -118,7 +118,7 @@ def loop():
 
 
 def energies():
-    """A pendulum of 1 kg and 1 m: V, and the force as its slope."""
+    """Draws V of a pendulum of 1 kg and 1 m, and the force as minus its slope."""
     p = Picture(760, 300, "The potential of a pendulum, and the force as minus its slope")
     turns = [(-math.pi, "−π"), (0, "0"), (math.pi, "π")]
     grid = [math.pi * k / 60 for k in range(-60, 61)]
@@ -161,7 +161,7 @@ def network():
 
 
 def step():
-    """The paths of a step of order 2 and of order 4 beside a motion: free fall of a pendulum, with exact end points."""
+    """Draws the paths of a step of order 2 and 4 beside the exact motion: a pendulum released from rest; all share the end points."""
     p = Picture(780, 320, "The path over one step, at order 2 and 4")
     h = 0.8
     motion = swing(1.2, 0.0, h, 400)
@@ -188,7 +188,7 @@ def step():
 
 
 def swing(q, v, duration, steps):
-    """A pendulum of 1 m, by classical Runge–Kutta."""
+    """Motion of a pendulum of 1 m, by the classical Runge–Kutta method."""
     h, out = duration / steps, [(q, v)]
     f = lambda q, v: (v, -9.81 * math.sin(q))
     for _ in range(steps):
@@ -206,7 +206,7 @@ def runge_kutta(f, q, v, h):
 
 
 def midpoint_step(q, p, h):
-    """DEL of order 2 of ½v² + 9.81 cos q: p + h/2 F((q + q₁)/2) = (q₁ − q)/h, by Newton's method."""
+    """One DEL step of order 2 for L = ½v² + 9.81 cos q: p + h/2 F((q + q₁)/2) = (q₁ − q)/h, solved by Newton's method."""
     w = p
     for _ in range(50):
         middle = q + h / 2 * w
@@ -216,7 +216,7 @@ def midpoint_step(q, p, h):
 
 
 def drift():
-    """The energy of a pendulum over 400 s at h = 0.1 s: DEL of order 2, Runge–Kutta of order 4, and explicit midpoint of order 2."""
+    """Draws the energy of a pendulum over 400 s at h = 0.1 s: DEL of order 2, Runge–Kutta of order 4, explicit midpoint of order 2."""
     p = Picture(780, 330, "Energy over time by three integrators")
     h, steps = 0.1, 4000
     start = 1.5
@@ -250,7 +250,7 @@ def drift():
 
 
 def windows():
-    """A noisy log, and predictions over windows from start states of their own."""
+    """Draws a noisy log and predictions over windows, each from its own start state."""
     p = Picture(780, 320, "Windows of a noisy log")
     motion = swing(1.0, 0.0, 3.0, 3000)
     a = Axes(p, 60, 40, 660, 220, (0, 3), (-1.5, 1.5))

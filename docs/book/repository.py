@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""A preprocessor of mdBook, which lets files of the repository be pages, and pages name files of the repository.
+"""A preprocessor of mdBook that lets files of the repository be pages, and pages refer to files of the repository.
 
-A page whose text is one link to a Markdown file outside of the book becomes that file. A link to a file outside of the book leads to
-the page that shows it; where there is none, its text and the file's path stand there instead, for the built book travels alone.
+A page whose only text is a link to a Markdown file outside the book becomes that file. A link to any file outside the book leads to the
+page that shows it; if there is none, the link's text and the file's path take its place, because the built book travels alone.
 """
 
 import json
@@ -15,12 +15,12 @@ BOOK = Path(__file__).resolve().parent
 SOURCE = BOOK / "src"
 ROOT = BOOK.parent.parent
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
-# A link, or code, in which there is none.
+# A link, or code, which holds no links.
 LINK_OR_CODE = re.compile(rf"{LINK.pattern}|^```.*?^```|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 
 
 def shown_file(text, page):
-    """The file of the repository that a page shows, if that is all that it does."""
+    """The file of the repository that a page shows, if the page does nothing else."""
     link = LINK.fullmatch(text.strip())
     if not link or not link[3].endswith(".md"):
         return None
@@ -37,7 +37,7 @@ def chapters(items):
 
 
 def rewritten(text, origin, page, pages):
-    """Text of the file `origin` as it stands on `page`: its links lead to pages."""
+    """The text of the file `origin` as shown on `page`: its links lead to pages."""
 
     def replace(link):
         image, words, target = link.groups()

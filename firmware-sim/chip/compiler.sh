@@ -1,7 +1,7 @@
-# Sourced by all scripts that build for a chip. `compiler TARGET` sets `cargo` to a command and `rustc` to its compiler: rustup's
-# target where it is or can be had, else Debian's compiler with the standard library's source, installed where it is missing.
+# Sourced by all scripts that build for a chip. `compiler TARGET` sets `cargo` to a command and `rustc` to its compiler: rustup's target if
+# it is installed or can be, else Debian's compiler with the standard library's source, which it installs if missing.
 
-# Remembers for the scripts that follow that rustup has no target: asking may take a minute.
+# LEASTACTION_CHIP_PACKAGED tells later scripts that rustup lacks the target, because asking may take a minute.
 compiler() {
     local target=$1
     if [ -z "${LEASTACTION_CHIP_PACKAGED:-}" ]; then
@@ -16,7 +16,7 @@ compiler() {
         apt-get update -qq >&2
         apt-get install -y -qq --no-install-recommends rustc-web rust-web-src lld >&2
     fi
-    # It comes without the linker that it asks for.
+    # Debian's compiler comes without the linker that it asks for.
     local linker=CARGO_TARGET_$(tr a-z- A-Z_ <<<"$target")_LINKER=/usr/bin/ld.lld
     rustc=/usr/bin/rustc
     cargo=(env RUSTC=$rustc RUSTC_BOOTSTRAP=1 "$linker" cargo -Zbuild-std=core)

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# The controller on emulated boards against the plant on this machine: swing-up and tracking of the learned cart-pole, and the swing-up of
-# one with friction, a weak and late drive and encoders that are off by a model of its own logs (docs/book/src/swing-up.md), and seven joints that follow
-# a motion 1,000 times a second, must leave the trace of a run on this machine alone, bit for bit. One JSON line a board, model and scenario. `LEASTACTION` names the command where it
-# is built already; `STARTS=20 hil.sh` swings the one with friction up from so many starts (1) on the first board.
+# Runs the controller on emulated boards against the plant on this machine; every trace must equal, bit for bit, that of a run on this
+# machine alone. Scenarios: swing-up and tracking of the learned cart-pole; the swing-up of a cart-pole with friction, a weak and late drive
+# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md); and seven joints that follow a motion at 1 kHz. Prints one
+# JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
+# cart-pole with friction from 20 starts instead of 1 on the first board.
 set -euo pipefail
 cd "$(dirname "$0")"
 source ./tools.sh
 export LEASTACTION_CHIP_TARGET=$CARGO_TARGET_DIR
 
-# As `simulate --on` calls them.
+# Names of the boards for `simulate --on`.
 declare -A option=([cortex-m4f]=cortex-m4 [cortex-m7]=cortex-m7 [riscv32imac]=riscv)
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
@@ -26,7 +27,7 @@ for board in "${boards[@]}"; do
     build "$board" --bin controller --bin arm_controller
 done
 
-# A run of a model on some boards.
+# Runs a model on this machine and on the given boards, and compares the traces.
 on_boards() {
     local boards=($1) model=$2 run=("${@:3}") image=controller expected board begin
     [ "$model" != arm ] || image=arm_controller
@@ -47,7 +48,7 @@ on_boards() {
     done
 }
 
-# The swing-up takes its 10 s; without a floating-point unit a second of the loop is several of emulation.
+# The swing-up needs 10 s; without a floating-point unit, emulating one second of the loop takes several.
 on_boards "${boards[*]}" cartpole --scenario swing-up --seconds 10
 on_boards "${boards[*]}" cartpole --scenario track --seconds 3
 dry=(--scenario swing-up --coulomb 0.5,0 --width 0.05 --gain 0.9,1 --delay 8 --zeros 0.02 --noise 0.001 --learn-zeros 0.02)
@@ -55,7 +56,7 @@ on_boards "${boards[*]}" cartpole-dry "${dry[@]}"
 for ((seed = 1; seed < ${STARTS:-1}; seed++)); do
     on_boards "${boards[0]}" cartpole-dry "${dry[@]}" --seed $seed
 done
-# Seven joints, from the motion's rest to full speed on the first board.
+# Seven joints, from rest to full speed of the motion on the first board, a tenth as long on the others.
 arm=(--scenario track --plant firmware-sim/chip/models/arm.postcard --trajectory firmware-sim/chip/models/arm-motion.toml --bandwidth 30)
 on_boards "${boards[0]}" arm "${arm[@]}" --seconds 1
 on_boards "${boards[*]:1}" arm "${arm[@]}" --seconds 0.1

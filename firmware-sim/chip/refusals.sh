@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Damaged model files on emulated boards: every changed bit and every truncation of two small ones in RAM, and 64 changed bits,
-# evenly spaced, of the cart-pole in flash. All must be refused, with the error of this machine. One JSON line a board.
+# Loads damaged model files on emulated boards: every changed bit and every truncation of two small files in RAM, and the cart-pole in flash
+# with one of 64 evenly spaced bits changed. All must be refused with the error that this machine gives. One JSON line per board.
 set -euo pipefail
 cd "$(dirname "$0")"
 source ./tools.sh
@@ -10,7 +10,7 @@ folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 host() { (cd ../.. && CARGO_TARGET_DIR=$host_target cargo run --quiet --release --package leastaction-tests --bin refusals "$@"); }
 
-# A copy of a file with one bit changed.
+# Copies a file with one bit changed.
 changed() {
     local byte=$(($2 / 8))
     cp "$1" "$3"

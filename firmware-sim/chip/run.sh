@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a
-# Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). One JSON line a board,
-# model and order, of code one for an acceleration and one for a step alone, one for the instructions of friction and one for
-# those of laws with networks: `--steps N` of each (1,000), `--only NAME` of them.
+# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's. The boards: a Cortex-M4F
+# (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). Prints one JSON line per board, model and order,
+# one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction and of laws
+# with networks. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
-# Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
+# Uses rustup's targets if available, else Debian's compiler with the standard library's source; installs what is missing.
 set -euo pipefail
 shopt -s inherit_errexit
 cd "$(dirname "$0")"
@@ -56,7 +56,7 @@ report() {
     printf ', %s}\n' "$(measures "$elf")"
 }
 
-# An image that holds nothing but the cart-pole and one thing to do: what a firmware's flash gives for it.
+# Measures an image that holds only the cart-pole and one thing to do: the flash that it costs a firmware.
 bare() {
     local board=$1 image=$2 elf
     elf=$(program "$board" "$image")
@@ -65,14 +65,14 @@ bare() {
         "$board" "${image#bare_}" $(sections "$elf")
 }
 
-# Damping and dry friction that grows with the load, of a coordinate: at most 150 instructions on a Cortex-M4F.
+# Measures damping and load-dependent dry friction of one coordinate: at most 150 instructions on a Cortex-M4F.
 friction() {
     local board=$1
     output=$(emulate "$board" "$(program "$board" kernels)" 0 2>&1) || { printf 'kernels on %s: %s\n' "$board" "$output" >&2; return 1; }
     printf '{"board": "%s", "only": "friction", "damping_instructions": %s, "friction_instructions": %s' \
         "$board" "$(value viscous)" "$(value friction)"
     printf ', "friction_with_derivatives_instructions": %s}\n' "$(value friction_with_derivatives)"
-    # Laws with networks of 8 units: dissipation of one angle and of two, a potential of two; together, not a coordinate.
+    # Laws with networks of 8 units: dissipation of one angle and of two, a potential of two; whole laws, not per coordinate.
     printf '{"board": "%s", "only": "networks", "dissipation_instructions": %s, "dissipation_with_derivatives_instructions": %s' \
         "$board" "$(value dissipation_of_one)" "$(value dissipation_of_one_with_derivatives)"
     printf ', "dissipation_of_two_instructions": %s, "dissipation_of_two_with_derivatives_instructions": %s' \
@@ -85,7 +85,7 @@ friction() {
     fi
 }
 
-# Every elementary function, at thousands of inputs.
+# Checks every elementary function at thousands of inputs.
 elementary() {
     local board=$1
     output=$(emulate "$board" "$(program "$board" elementary_0)" 0 2>&1) || { printf 'elementary functions on %s: %s\n' "$board" "$output" >&2; return 1; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Measures models on the emulated chips: flash, RAM, stack and instructions of an image of exactly their sizes, one JSON line a board, model
-# and order. `shapes.sh model.rs …` measures what `leastaction export --rust` wrote; without a file those of shapes.toml, from which
-# `leastaction inspect --target` predicts and which tell how well. `--board NAME` measures on one board.
+# Measures models on the emulated chips: flash, RAM, stack and instructions of an image of exactly the model's sizes, one JSON line per board,
+# model and order. `shapes.sh model.rs …` measures files from `leastaction export --rust`; without a file, the models of shapes.toml, to which
+# the predictions of `leastaction inspect --target` are fitted and against which they are tested. `--board NAME` measures on one board.
 set -euo pipefail
 shopt -s inherit_errexit
 files=() only=

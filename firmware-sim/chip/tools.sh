@@ -3,7 +3,7 @@ source ./compiler.sh
 
 boards=(cortex-m4f cortex-m7 riscv32imac)
 host_target=${CARGO_TARGET_DIR:-target}
-# Apart from the host's, for a build of the standard library's source.
+# Separate from the host's, for builds of the standard library's source.
 export CARGO_TARGET_DIR=${LEASTACTION_CHIP_TARGET:-$PWD/../../target/chip}
 
 need() {
@@ -21,7 +21,7 @@ target_of() {
     esac
 }
 
-# Loops of few turns, as most are here, take a quarter more flash and are hardly faster where a compiler repeats their bodies.
+# Most loops here have few iterations: unrolled, they take a quarter more flash and are hardly faster.
 flags_of() {
     local rolled=${LEASTACTION_CHIP_FLAGS--Cllvm-args=-unroll-runtime=0 -Cllvm-args=-unroll-max-upperbound=0}
     case $1 in
@@ -41,7 +41,7 @@ build() {
 
 program() { echo "$CARGO_TARGET_DIR/$1/$(target_of "$1")/release/$2"; }
 
-# Runs an image with a number left in its flash; one instruction is a virtual nanosecond.
+# Runs an image with a number placed in its flash; one instruction takes one virtual nanosecond.
 emulate() {
     local board=$1 elf=$2 machine emulator=qemu-system-arm slot=0x3f0000 bios=()
     case $board in
@@ -56,7 +56,7 @@ emulate() {
         "${@:4}" -kernel "$elf"
 }
 
-# Arguments of an emulator that leave a model file in the slot of a board's flash.
+# Prints the emulator's arguments that place a model file in the slot of a board's flash.
 with_model() {
     local slot=0x3f0000
     [ "$1" != riscv32imac ] || slot=0x803f0000
@@ -64,7 +64,7 @@ with_model() {
         -device loader,addr=$((slot + 8)),file="$2",force-raw=on
 }
 
-# Bytes of code, of constants, and of static memory.
+# Prints the bytes of code, of constants, and of static memory.
 sections() {
     local text=0 rodata=0 ram=0 name size
     while read -r name _ _ _ size _; do
@@ -77,10 +77,10 @@ sections() {
     echo $text $rodata $ram
 }
 
-# The value of a name in $output, what an image printed.
+# Prints the value of a name in $output, the output of an image.
 value() { sed -n "s/^$1 //p" <<<"$output"; }
 
-# What an image takes and printed, as JSON's names and values.
+# Prints the sizes and measurements of an image as JSON members.
 measures() {
     printf '"text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s' $(sections "$1")
     printf ', "load_stack_bytes": %s, "acceleration_stack_bytes": %s, "stack_bytes": %s' \

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the examples for their chips and runs them under qemu: each must print its expected.txt. Installs what it needs.
+# Builds the examples for their chips and runs them under qemu: each must print its expected.txt. Installs what is missing.
 set -euo pipefail
 cd "$(dirname "$0")"
 target=thumbv7em-none-eabihf
@@ -18,7 +18,7 @@ fi
 source ../chip/compiler.sh
 compiler "$target"
 
-# The model is the golden file.
+# The model must equal the golden file.
 hexadecimal=$(grep -v '^#' ../../core/tests/golden/cartpole.hex | tr -d ' \n')
 [ "$(od -An -v -tx1 cartpole.postcard | tr -d ' \n')" = "$hexadecimal" ] ||
     fail "cartpole.postcard is not core/tests/golden/cartpole.hex: in core/c/tools, cargo run --bin bytes < … > …"

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Fuzzes: `run.sh` every target for a minute, `run.sh TARGET SECONDS` one of them. Stable Rust and a C++ compiler are enough.
 #   load        model files of every family, their checksum corrected
-#   steps       the same, then accelerations and ten steps of either order
-#   link        what a processor is asked
+#   steps       like load, then accelerations and ten steps of either order
+#   link        bytes and requests sent to a processor
 #   csv npz mcap toml urdf safetensors checkpoint   the other readers
-# A target begins with inputs of our own writers and with what earlier runs found (corpus/TARGET, which grows), ends with a line of
-# executions, branches that were reached, seconds and peak memory, and fails with the input in found/ where a reader panics, takes longer
-# than 10 s or more than 1 GB (`MEMORY`, in MB). Further options are libFuzzer's: `run.sh load 60 -jobs=2`.
+# A target begins with inputs from our own writers and from earlier runs (corpus/TARGET, which grows), and ends with a line of executions,
+# seconds, covered branches and peak memory. It fails, with the input in found/, if a reader panics, takes longer than 10 s or uses more
+# than 1 GB (`MEMORY`, in MB). Further options are libFuzzer's: `run.sh load 60 -jobs=2`.
 set -euo pipefail
 cd "$(dirname "$0")"
 targets=(load steps link csv npz mcap toml urdf safetensors checkpoint)
@@ -15,8 +15,8 @@ shift $(($# < 2 ? $# : 2))
 
 host=$(rustc -vV | sed -n 's/^host: //p')
 out=${CARGO_TARGET_DIR:-$PWD/target}
-# What LLVM's own pass counts, as cargo-fuzz has it count; no sanitizer, which stable Rust does not have: memory is safe where there is no
-# unsafe code, and what is asserted ends the process.
+# Coverage by LLVM's own pass, with cargo-fuzz's options; without a sanitizer, which stable Rust lacks: memory is safe without unsafe code,
+# and a failed assertion ends the process.
 export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
 -Cllvm-args=-sanitizer-coverage-trace-compares -Ctarget-cpu=native"
@@ -31,7 +31,7 @@ features_of() {
 build() { cargo build --quiet --release --target "$host" --target-dir "$out/fuzz" "$@"; }
 export CXXFLAGS=-O2
 
-# How long inputs may be.
+# Maximum length of inputs, bytes.
 longest() {
     case $1 in
         load | steps | checkpoint) echo 4096 ;;

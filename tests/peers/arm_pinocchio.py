@@ -1,4 +1,4 @@
-"""Trees of rigid bodies in space beside Pinocchio, MuJoCo and a crate in Rust: what they compute, and how fast, in f64, one state a call, on one core."""
+"""Compares trees of rigid bodies in space with Pinocchio, MuJoCo and a Rust crate: results and speed in f64, one state per call, on one core."""
 
 import argparse
 import importlib.util
@@ -13,26 +13,26 @@ from pathlib import Path
 
 from common import HERE, Failure, build_ours, exit_code, need, positive, run
 
-# Of every state, how many numbers of n coordinates it has, and who prints it.
+# Quantities of every state; with n coordinates, a quantity of exponent k has n^k numbers.
 QUANTITIES = {"T": 0, "V": 0, "inverse_dynamics": 1, "gravity": 1, "mass_matrix": 2, "acceleration": 1, "force_q": 2, "force_v": 2}
 WITHOUT_DERIVATIVES = [name for name in QUANTITIES if not name.startswith("force")]
 TIMED = ["inverse_dynamics", "mass_matrix", "derivatives", "acceleration"]
-# Of what phyz-rigid computes.
+# Quantities that phyz-rigid computes.
 IN_RUST = ["inverse_dynamics", "gravity", "mass_matrix", "acceleration"]
 RIVALS = ["pinocchio", "mujoco", "phyz-rigid"]
 FLAGS = ["-O3", "-march=native", "-DNDEBUG"]
-# Pinocchio is compiled with each of these; the faster counts, function by function.
+# Flags that Pinocchio is compiled with; the faster build counts, function by function.
 CONFIGURATIONS = {"g++": [], "g++ -ffast-math": ["-ffast-math"]}
 HALF = math.pi / 2
 GRAVITY = [0, 0, -9.81]
-# Frames of the joints, (α, a, θ, d) one after the other: Rx(α) Tx(a) Rz(θ) Tz(d), as Craig has them, from the makers' documents.
+# Joint frames (α, a, θ, d), each relative to the one before: Rx(α) Tx(a) Rz(θ) Tz(d), Craig's convention, from the makers' documents.
 PANDA = [(0, 0, 0, 0.333), (-HALF, 0, 0, 0), (HALF, 0, 0, 0.316), (HALF, 0.0825, 0, 0), (-HALF, -0.0825, 0, 0.384),
          (HALF, 0, 0, 0), (HALF, 0.088, 0, 0)]
 IIWA = [(0, 0, 0, 0.36), (-HALF, 0, 0, 0), (HALF, 0, 0, 0.42), (HALF, 0, 0, 0), (-HALF, 0, 0, 0.4), (-HALF, 0, 0, 0),
         (HALF, 0, 0, 0.126)]
 UR5 = [(0, 0, 0, 0.089159), (HALF, 0, 0, 0), (0, -0.425, 0, 0), (0, -0.39225, 0, 0.10915), (HALF, 0, 0, 0.09465),
        (-HALF, 0, 0, 0.0823)]
-# Two arms on a trunk, with slides: parent, and whether the joint slides.
+# Two arms on a trunk with sliding joints: (parent, whether the joint slides).
 TREE = [(-1, 0), (0, 0), (1, 0), (2, 1), (3, 1), (3, 0), (1, 1), (6, 0), (7, 1), (8, 0), (-1, 0), (10, 1)]
 
 
@@ -56,7 +56,7 @@ def direction(dice):
 
 
 def inertia(dice):
-    """The ten numbers of a cloud of points, and so of a body that can be."""
+    """The ten inertial numbers of a cloud of point masses, hence of a physical body."""
     points = [(dice.uniform(0.1, 1), [dice.uniform(-0.15, 0.15) for _ in range(3)]) for _ in range(6)]
     second = [[sum(m * x[i] * x[j] for m, x in points) for j in range(3)] for i in range(3)]
     trace = sum(second[i][i] for i in range(3))
@@ -80,7 +80,7 @@ def of_frames(frames):
 
 
 def of_tree(tree):
-    """Axes and places that stand askew."""
+    """A tree of joints with random axes and places."""
     def one(dice):
         place = [dice.gauss(0, 0.4) for _ in range(3)]
         return body(dice, turn(direction(dice), dice.uniform(-3, 3)), place, direction(dice))
@@ -91,7 +91,7 @@ ARMS = {"panda": of_frames(PANDA), "iiwa": of_frames(IIWA), "ur5": of_frames(UR5
 
 
 def text(name, states, seed):
-    """What all programs read, and the bodies in it."""
+    """The input of all programs, and the bodies in it."""
     dice = random.Random(f"{name} {seed}")
     tree, bodies = ARMS[name]
     bodies = bodies(dice)
@@ -105,7 +105,7 @@ def text(name, states, seed):
 
 
 def mjcf(tree, bodies):
-    """The arm as MuJoCo reads it: inertias about the centres of mass."""
+    """The arm as MJCF, MuJoCo's format: inertias about the centres of mass."""
     def words(numbers):
         return " ".join(map(repr, numbers))
 
@@ -132,7 +132,7 @@ def mjcf(tree, bodies):
 
 @dataclass
 class Program:
-    """One of those that are compared: its command, with what it was compiled, which quantities it prints."""
+    """One of the compared programs: its name, its compiler flags, its command, and the quantities it prints."""
 
     rival: str
     how: str
@@ -141,7 +141,7 @@ class Program:
 
 
 def build(program, command):
-    """Compiles a program, unless it is there from an earlier run."""
+    """Compiles a program, unless it exists from an earlier run."""
     if not program.exists():
         run([*command, "-o", program])
 
@@ -155,7 +155,7 @@ def package(name, install):
 
 
 def headers():
-    """Where Pinocchio's wheel is, and what g++ is told of it."""
+    """Flags of g++ to compile against Pinocchio's wheel, and to link with it."""
     need("g++", "install g++")
     prefix = package("pinocchio", "pin")
     while prefix.name != "cmeel.prefix":
@@ -165,7 +165,7 @@ def headers():
     eigen = next((path for path in [prefix / "include/eigen3", Path("/usr/include/eigen3")] if path.is_dir()), None)
     if eigen is None:
         raise Failure("Eigen's headers are missing: pip install cmeel-eigen", code=2)
-    # As its own build files have it.
+    # Settings from Pinocchio's own build files.
     lists = ["-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
              "-DBOOST_FUSION_INVOKE_MAX_ARITY=12"]
     library = prefix / "lib"
@@ -173,7 +173,7 @@ def headers():
 
 
 def pinocchio(folder, quick):
-    """Its C++, for all arms: with every configuration, or the first alone."""
+    """Builds Pinocchio's program, the same for all arms, with every configuration, or the first only."""
     include, link = headers()
     for how, flags in list(CONFIGURATIONS.items())[:1 if quick else None]:
         program = folder / f"pinocchio {how}"
@@ -182,7 +182,7 @@ def pinocchio(folder, quick):
 
 
 def phyz_rigid():
-    """The crate's program, optimised for this machine."""
+    """Builds the Rust crate's program, optimised for this machine."""
     need("cargo", "install Rust from https://rustup.rs")
     folder = HERE / "rust_rigid"
     messages = run(["cargo", "build", "--release", "--message-format=json"], cwd=folder, env=os.environ | {"RUSTFLAGS": "-Ctarget-cpu=native"})
@@ -192,7 +192,7 @@ def phyz_rigid():
 
 
 def mujoco(folder):
-    """The wheel's library, called from C++; the arm is in a file of the folder."""
+    """Builds MuJoCo's program, which calls the wheel's library from C++; it reads the arm from a file."""
     need("g++", "install g++")
     prefix, program = package("mujoco", "mujoco"), folder / "mujoco"
     library = next(prefix.glob("libmujoco.so*"), None)
@@ -206,7 +206,7 @@ def mujoco(folder):
 
 
 def outcome(program, given):
-    """Rows of numbers, and nanoseconds by name."""
+    """Runs a program; returns its rows of numbers, and its times by function, ns."""
     lines = run(program.command, input=given).splitlines()
     rows = [[float(word) for word in line.split()] for line in lines if line[0] in "-0123456789"]
     timed = dict(line.split() for line in lines if line[0] not in "-0123456789")
@@ -214,7 +214,7 @@ def outcome(program, given):
 
 
 def by_name(n, row, names):
-    """The numbers of every quantity."""
+    """Splits a row into the numbers of each quantity."""
     at, found = 0, {}
     for name in names:
         length = n ** QUANTITIES[name]
@@ -224,7 +224,7 @@ def by_name(n, row, names):
 
 
 def differences(n, ours, theirs, names):
-    """Of every quantity the largest difference over its largest entry in the state, and the state that has it."""
+    """The largest difference over all states for each quantity, relative to its largest entry in that state."""
     worst = dict.fromkeys(names, 0.0)
     for own, other in zip(ours, theirs, strict=True):
         own, other = by_name(n, own, QUANTITIES), by_name(n, other, names)
@@ -234,13 +234,13 @@ def differences(n, ours, theirs, names):
 
 
 def fastest(programs, name):
-    """Of these programs the least time of a function and what it was compiled with."""
+    """The least time of a function among these builds, and the build's flags."""
     found = [(timed[name], how) for how, timed in programs.items() if name in timed]
     return min(found, default=None)
 
 
 def one_arm(name, given, programs, rounds):
-    """What the programs compute and how fast, in turn, round after round."""
+    """Runs the programs in turn, round after round; reports their differences and best times."""
     n, timed, rows = len(ARMS[name][0]), {}, {}
     for _ in range(rounds):
         for program in programs:

@@ -28,7 +28,7 @@ H = 0.05  # step h in seconds, a constant of both programs
 STATE_BOUNDS = np.array([0.5, np.pi, 1.0, 3.0, 1.0, 1.0, 2.0, 2.0])  # q0, w, p0, u
 KERNELS = ("acceleration_ns", "residual_jacobian_ns")
 OUTPUTS = ("acceleration", "residual", "jacobian")
-# Functions of ours in the executable, with what the compiler made of closures over arrays.
+# Names of our functions in the executable, with the compiler's functions for closures over arrays.
 OUR_FUNCTIONS = re.compile(r"leastaction_core::|libm::|peer_cartpole::peer_|core::ops::try_trait::|core::array::")
 BASE_FLAGS = "-O2"
 FLAG_SETS = {
@@ -44,7 +44,7 @@ FLAG_SETS = {
 
 @dataclass(frozen=True)
 class Variant:
-    """One way of generating C: graph type (scalar SX or matrix MX), weights as constants or as inputs."""
+    """A variant of the generated C: graph type (scalar SX or matrix MX), weights as constants or as inputs."""
 
     symbol: type
     weights_as_input: bool
@@ -131,7 +131,7 @@ def functions(variant, weights):
 
 
 def reference_outputs(weights, states):
-    """CasADi's own evaluation of the same f32 weights and states, in f64."""
+    """CasADi's own evaluation in f64, for the same f32 weights and states."""
     acc, del_ = functions(Variant(ca.SX, False), weights)
     q, w, p, u = (states[:, i : i + 2].T.astype(np.float64) for i in (0, 2, 4, 6))
     count = len(states)
@@ -147,7 +147,7 @@ def reference_outputs(weights, states):
 
 
 def numpy_lagrangian(q, v, weights):
-    """L(q, v) in plain numpy; analytic, so that a complex step differentiates it to rounding."""
+    """L(q, v) in plain numpy; analytic, hence a complex step differentiates it to rounding precision."""
     x = np.array([q[0], np.cos(q[1]), np.sin(q[1])])
     x = np.tanh(weights[0] @ x + weights[1])
     x = np.tanh(weights[2] @ x + weights[3])
@@ -197,7 +197,7 @@ def numpy_outputs(weights, state):
 
 
 def self_test(weights, states):
-    """CasADi in f64 against finite differences of the numpy Lagrangian; returns the largest relative errors."""
+    """Compares CasADi in f64 with finite differences of the numpy Lagrangian; returns the largest relative errors."""
     doubles = [w.astype(np.float64) for w in weights]
     rows = [numpy_outputs(doubles, state) for state in states.astype(np.float64)]
     expected = {key: np.array([row[key] for row in rows]) for key in OUTPUTS}
@@ -205,7 +205,7 @@ def self_test(weights, states):
 
 
 def relative_errors(outputs, expected):
-    """Per output, the largest over the states of ‖Δ‖∞ / ‖expected‖∞ of that state."""
+    """The largest ‖Δ‖∞ / ‖expected‖∞ over all states, for each output."""
     errors = {}
     for key in OUTPUTS:
         got, want = np.array(outputs[key], dtype=np.float64), expected[key]
@@ -240,7 +240,7 @@ def write_inputs(folder, weights, states):
 
 @dataclass
 class Build:
-    """One compiled variant: executable, its machine code in bytes (text of `size`), best times so far, outputs."""
+    """One compiled variant: executable, size of its machine code in bytes (`text` of `size`), best times so far, outputs."""
 
     name: str
     flags: str
@@ -287,7 +287,7 @@ def casadi_builds(weights, folder, flag_sets):
 
 
 def our_code_bytes(executable):
-    """Bytes of the functions of ours: both entry points and everything of the crate and libm that was linked."""
+    """Size of our functions in bytes: both entry points and everything linked from the crate and libm."""
     sizes = {}
     for line in run(["nm", "--print-size", "--demangle", "--defined-only", executable]).splitlines():
         match line.split(maxsplit=3):
@@ -319,7 +319,7 @@ def fastest(builds, key):
 
 
 def comparison(builds, ours, key):
-    """CasADi's best with plain -O2, its best with any flags, and how many times faster ours is than each."""
+    """CasADi's best time with plain -O2 and with any flags, and our speed relative to each."""
     base = fastest([b for b in builds if b.flags == BASE_FLAGS], key)
     tuned = fastest(builds, key)
     rows = {"casadi_o2_ns": base.best[key], "casadi_o2_variant": base.name, "casadi_o2_code_bytes": base.code_bytes}

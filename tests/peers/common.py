@@ -1,4 +1,4 @@
-"""What the comparisons share: failures, other programs, our executables, the run from the command line."""
+"""Shared parts of the comparisons: failures, other programs, our executables, the run from the command line."""
 
 import argparse
 import json
@@ -11,7 +11,7 @@ HERE = Path(__file__).resolve().parent
 
 
 class Failure(Exception):
-    """Something went wrong in a way the user can act on; `code` is the exit code."""
+    """An error that the user can act on; `code` is the exit code."""
 
     def __init__(self, message, code=1):
         super().__init__(message)
@@ -24,7 +24,7 @@ def need(tool, remedy):
 
 
 def run(command, **options):
-    """What the command printed."""
+    """Runs a command and returns its output."""
     shown = " ".join(map(str, command))
     try:
         result = subprocess.run([str(part) for part in command], capture_output=True, text=True, **options)
@@ -36,7 +36,7 @@ def run(command, **options):
 
 
 def build_ours(package, target, otherwise):
-    """Path of a release executable of ours, as cargo reports it; `otherwise`: the options that do without building it."""
+    """Builds one of our executables in release and returns its path; `otherwise` names the options that make the build unnecessary."""
     need("cargo", f"install Rust from https://rustup.rs, or pass {otherwise}")
     command = ["cargo", "build", "--release", "-p", package, *target]
     messages = run([*command, "--message-format=json"], cwd=HERE.parent)
@@ -48,7 +48,7 @@ def build_ours(package, target, otherwise):
 
 
 def positive(text):
-    """Type of an option."""
+    """Type of an option: a positive integer."""
     value = int(text)
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is not a positive number")
@@ -56,7 +56,7 @@ def positive(text):
 
 
 def exit_code(compare):
-    """Runs the comparison and tells why it failed, if it did."""
+    """Runs the comparison, prints why it failed if it did, and returns the exit code."""
     try:
         compare()
     except Failure as failure:

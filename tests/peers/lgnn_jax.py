@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ring of springs by the LGNN authors' network, f64, one core: JAX in linear time beside leastaction, in one run.
+"""Times a ring of springs by the LGNN authors' network, f64, one core: JAX in linear time beside leastaction.
 
 Needs `pip install jax` and cargo. See README.md beside this file.
 Exit codes: 0 success, 1 the programs disagree, a tool failed or a demanded ratio was missed, 2 usage or a missing tool.
@@ -21,9 +21,9 @@ EMBEDDING = 5
 LAW = (-2.0, 1.0)  # c₁ and c₂ of the squared distance: the authors' spring, (r² − 1)²
 STEP = 1e-3  # s
 LOOP = 100  # steps of a compiled loop
-CALLS = 20  # of a compiled function in a measurement
-COMPARED = 10  # steps after which places and velocities are compared; the same in our program
-SIZES = (5, 50, 500, 5_000)  # springs that our step is measured for; the same in our program
+CALLS = 20  # calls of a compiled function per measurement
+COMPARED = 10  # steps after which places and velocities are compared; as in our program
+SIZES = (5, 50, 500, 5_000)  # numbers of springs for which our step is timed; as in our program
 
 
 # ---------------------------------------------------------------- weights
@@ -36,26 +36,26 @@ def random_networks(rng, sizes):
 
 
 def random_lgnn(rng):
-    """Networks, kinetic embedding and embedding; T grows and bends upwards with |v|², so masses are positive."""
+    """Networks, kinetic embedding and embedding; T is increasing and convex in |v|², hence masses are positive."""
     networks = random_networks(rng, LGNN_SIZES)
     networks[-1] = [(np.abs(matrix), bias) for matrix, bias in networks[-1]]
     return networks, rng.uniform(-1, 1, EMBEDDING), rng.uniform(-1, 1, EMBEDDING)
 
 
 def random_states(rng, nodes):
-    """q ∈ U(0, 2)², v ∈ U(0, 0.1)² less the mean: the authors' starts. Rows of q and v."""
+    """The authors' initial states, rows of q and v: q ∈ U(0, 2)², v ∈ U(0, 0.1)² minus the mean."""
     q, v = rng.uniform(0, 2, (nodes, 2)), rng.uniform(0, 0.1, (nodes, 2))
     return np.concatenate([q, v - v.mean(axis=0)], axis=1)
 
 
 def flat(networks, *numbers):
-    """As our program reads them."""
+    """All numbers in one array, in the order in which our program reads them."""
     layers = [np.concatenate([matrix.ravel(), bias]) for network in networks for matrix, bias in network]
     return np.concatenate([*layers, *numbers])
 
 
 def without_constants(network, constants):
-    """The network of the inputs behind the constant ones, which go to the bias."""
+    """The network without its leading, constant inputs, which become part of the bias."""
     (matrix, bias), *others = network
     known = len(constants)
     return [(matrix[:, known:], bias + matrix[:, :known] @ constants), *others]
@@ -106,7 +106,7 @@ LAYOUTS = {"rows": Rows, "columns": Columns}
 
 
 class Rolled:
-    """Neighbours in the list are neighbours in the ring."""
+    """A ring whose neighbours are neighbours in the list."""
 
     def __init__(self, nodes, axis):
         self.axis = axis
@@ -119,7 +119,7 @@ class Rolled:
 
 
 class Indexed:
-    """Any graph: gathered by index, summed by segments."""
+    """Any graph: ends are gathered by index, messages summed by segments."""
 
     def __init__(self, nodes, axis):
         self.axis, self.nodes = axis, nodes
@@ -142,7 +142,7 @@ GATHERS = {"roll": Rolled, "index": Indexed}
 
 
 def lgnn_acceleration(weights, layout, gather, nodes):
-    """(L_q, v̇). Both directions of an edge have the same message and the same e′, which is used: a half of the work."""
+    """(L_q, v̇). Both directions of an edge have the same message and the same e′, computed once: half the work."""
     (embed, message, update, potential, kinetic), kinetic_h, h = weights
     message, kinetic = without_constants(message, h), without_constants(kinetic, kinetic_h)
     of, edges, vectors = layout.network, gather(nodes, layout.items), gather(nodes, -1)
@@ -156,11 +156,11 @@ def lgnn_acceleration(weights, layout, gather, nodes):
         return 2.0 * jnp.sum(of(potential, e + of(update, a * b)))
 
     def slope(s):
-        """T′ of every node, by forward differentiation in |v|²."""
+        """T′ of every node, by forward differentiation with respect to |v|²."""
         return jax.jvp(lambda s: layout.numbers(of(kinetic, layout.of_numbers(s))), (s,), (jnp.ones_like(s),))[1]
 
     def acceleration(q, v):
-        """M = 2T′ + 4T″vvᵀ of a node is inverted in closed form."""
+        """Inverts M = 2T′ + 4T″vvᵀ of each node in closed form."""
         force = -jax.grad(energy)(q)
         s = jnp.sum(v * v, axis=0)
         first, second = jax.jvp(slope, (s,), (jnp.ones_like(s),))
@@ -188,7 +188,7 @@ def spring_acceleration(weights, layout, gather, nodes):
 
 
 def verlet(acceleration):
-    """One step of velocity Verlet as the authors have it, one acceleration a step: that of the new place and the old velocity."""
+    """The authors' step of velocity Verlet: one acceleration per step, at the new place and the old velocity."""
 
     def step(q, v, a):
         q = q + STEP * (v + 0.5 * STEP * a)
@@ -203,7 +203,7 @@ def repeated(step, times):
 
 
 class Candidates:
-    """A model in all formulations, for each: its forces and accelerations, a step, a loop of steps."""
+    """A model in all formulations; each has forces and accelerations, a step, and a loop of steps."""
 
     def __init__(self, formula, weights, states, compared):
         q, v = (jnp.asarray(np.ascontiguousarray(x.T)) for x in (states[:, :2], states[:, 2:]))
@@ -227,7 +227,7 @@ class Candidates:
 
 
 class Ours:
-    """Our program with its best times, s, and its last output."""
+    """Our program, with its best times, s, and its last output."""
 
     def __init__(self, executable, folder):
         files = [folder / name for name in ("lgnn.f64", "springs.f64")]
@@ -244,12 +244,12 @@ class Ours:
                     best[key] = np.minimum(best.get(key, np.inf), seconds)
 
     def vectors(self):
-        """L_q and v̇ of LGNN's network, q and v of our springs after some steps; 2 × nodes."""
+        """L_q and v̇ of LGNN's network, q and v of our springs after `COMPARED` steps; each 2 × nodes."""
         numbers = np.fromfile(self.output)
         return [part.T for part in numbers.reshape(4, -1, 2)]
 
     def exponents(self):
-        """p of a step's processor time ∝ nᵖ."""
+        """The exponents p of a step's processor time ∝ nᵖ."""
         logs = np.log(SIZES)
         return {key: float(np.polyfit(logs, np.log(times[:, 1]), 1)[0]) for key, times in self.by_size.items()}
 
@@ -268,7 +268,7 @@ def errors_of(lgnn, springs, ours):
 
 
 def comparison(candidates, ours):
-    """JAX's fastest and ours, µs by the wall and by the processor, and how many times faster ours is."""
+    """Times of JAX's fastest formulation and ours, wall and processor, µs, and our speed relative to JAX."""
     best = min(candidates, key=lambda timed: timed.cpu)
     row = {"jax": best.name, "jax_us": [1e6 * best.wall, 1e6 * best.cpu], "ours_us": [float(1e6 * x) for x in ours]}
     return row | {"ratio_wall": best.wall / float(ours[0]), "ratio_cpu": best.cpu / float(ours[1])}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""ModLaNet's training loss of a double pendulum, f64, one thread: JAX beside leastaction, in one run.
+"""Times ModLaNet's training loss of a double pendulum, f64, one thread: JAX beside leastaction.
 
 Needs `pip install jax` and cargo. See README.md beside this file.
 Exit codes: 0 success, 1 the programs disagree, a tool failed or a demanded ratio was missed, 2 usage or a missing tool.
@@ -16,7 +16,7 @@ from common import Failure, build_ours, exit_code, positive, run
 from one_core import Timed, jax, jnp, np, relative_error
 
 SIZES = ((2, 16, 16, 2), (2, 16, 16, 1))  # (cos q, sin q) → x of one pendulum's end; x → U
-CHUNKS = (1, 9)  # the rows of the Jacobian are multiplied all at once, or in so many parts
+CHUNKS = (1, 9)  # numbers of parts in which the rows of the Jacobian are multiplied
 
 
 # ---------------------------------------------------------------- the loss, in JAX
@@ -43,7 +43,7 @@ def mlp(layers, x):
 
 
 def solve(m, r):
-    """Of a symmetric 2 × 2 matrix in closed form: a library call for every row would be slower."""
+    """Solves with a symmetric 2 × 2 matrix in closed form: a library call for every row would be slower."""
     return jnp.stack([m[1, 1] * r[0] - m[0, 1] * r[1], m[0, 0] * r[1] - m[0, 1] * r[0]]) / (
         m[0, 0] * m[1, 1] - m[0, 1] * m[0, 1]
     )
@@ -66,7 +66,7 @@ def automatic(flat, q, v):
 
 
 def structured(flat, q, v):
-    """v̇ from x, x′, x″ of each pendulum and the potentials' gradients, put together by hand."""
+    """v̇ assembled by hand from x, x′, x″ of each pendulum and the potentials' gradients."""
     (position, potential), c1 = unpack(flat)
 
     def place(q):
@@ -82,7 +82,7 @@ def structured(flat, q, v):
     s, g, g_q = jax.vmap(bend)(q)
     ends = jnp.stack([s[0], s[0] + s[1]])
     force = -c1 * jax.vmap(jax.grad(lambda x: mlp(potential, x)[0]))(ends)
-    # Both ends turn with the first coordinate, one with the second.
+    # The first coordinate moves both ends, the second moves one.
     carried = jnp.array([[2.0, 1.0], [1.0, 1.0]])
     mass = carried * (g @ g.T)
     turned = (carried * (g @ g_q.T)) @ (v * v)
@@ -102,7 +102,7 @@ def loss_of(formula):
 
 
 def normal_of(formula, chunks):
-    """JᵀJ and Jᵀr of the residuals, the rows of J by `jacrev` of one sample's two residuals."""
+    """JᵀJ and Jᵀr of the residuals; `jacrev` of a sample's two residuals gives rows of J."""
 
     def residual(flat, row):
         r = formula(flat, row[0:2], row[2:4]) - row[4:6]
@@ -129,7 +129,7 @@ def normal_of(formula, chunks):
 
 
 class Ours:
-    """Our program with its best times and its last output."""
+    """Our program, with its best times, s, and its last output."""
 
     def __init__(self, executable, folder):
         self.command = [executable, "measure", *(folder / name for name in ("weights.f64", "rows.f64", "gram.f64"))]
@@ -190,7 +190,7 @@ def errors_of(gradients, normals, ours):
 
 
 def comparison(candidates, ours):
-    """Seconds of JAX's fastest with each formula and of ours, and how many times faster ours is."""
+    """Times of JAX's fastest variant of each formula and ours, s, and our speed relative to JAX."""
     wall, cpu = (float(x) for x in ours)
     row = {"ours_wall_s": wall, "ours_cpu_s": cpu}
     for formula in FORMULAS:

@@ -1,10 +1,10 @@
-"""JAX on one processor in f64, its functions timed, for the comparisons with it. Import it before JAX."""
+"""JAX on one processor core in f64, with timed functions, for the comparisons. Import this module before JAX."""
 
 import os
 import sys
 import time
 
-# Before JAX starts its threads: everything below runs on one processor.
+# Must precede the start of JAX's threads: everything below runs on one core.
 os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["JAX_PLATFORMS"] = "cpu"
@@ -25,7 +25,7 @@ jax.config.update("jax_enable_x64", True)
 class Timed:
     """A compiled function with its best wall and processor seconds and its first output.
 
-    It is called `calls` times in a row and does `units` of the work each time; seconds are of one."""
+    The function is called `calls` times in a row and does `units` units of work per call; times are per unit."""
 
     def __init__(self, name, function, arguments, calls=1, units=1):
         self.name, self.arguments, self.calls, self.units = name, arguments, calls, calls * units

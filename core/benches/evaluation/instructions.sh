@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Instructions of one acceleration and one DEL step of order 2 and 4 in f32, for chains of 2 to 8 learned pendulums, counted by
-# valgrind (apt-get install valgrind): the difference of 101 calls and one, over 100. Exact, and the same at every run. The table is
-# comma-separated, for `cargo run --release -p leastaction-plot --example plot_table`.
+# Counts the instructions of one acceleration and one DEL step of order 2 and 4 in f32, for chains of 2 to 8 learned pendulums, by
+# valgrind (apt-get install valgrind): the difference between 101 calls and one, divided by 100. The counts are exact and reproducible.
+# The table is comma-separated, for `cargo run --release -p leastaction-plot --example plot_table`.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
-# Instructions that valgrind knows, and the same on every machine.
+# Instruction set that valgrind knows, the same on every machine.
 export RUSTFLAGS=-Ctarget-cpu=x86-64
 program=$(cargo bench --package leastaction-core --bench evaluation --no-run 2>&1 | sed -n 's/.*(\(.*\)).*/\1/p' | tail -n 1)
 

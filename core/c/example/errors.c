@@ -1,4 +1,4 @@
-/* What goes wrong has its own status, faults nothing and changes nothing. */
+/* Checks that every error has its own status, causes no fault and changes nothing. */
 #include "example.h"
 #include <math.h>
 #include <string.h>
@@ -27,7 +27,7 @@ static void require(int line, int holds, const char *what) {
 #define REQUIRE(condition) require(__LINE__, condition, #condition)
 #define EXPECT(name, call) expect(__LINE__, call, LEASTACTION_STATUS_##name)
 
-/* The function returns what it should, and the error that it fills in says the same. */
+/* Checks that the function returns the expected status, and fills in an error that agrees. */
 static void expect(int line, leastaction_status found, leastaction_status expected) {
     require(line, found == expected, leastaction_message(found));
     require(line, error.status == found, "another status in the error");
@@ -131,7 +131,7 @@ static void arguments(void) {
     REQUIRE(leastaction_momentum(&model, zero, zero, N, x, misplaced) == LEASTACTION_STATUS_MISALIGNED);
 }
 
-/* What the file says: order 4, 0.05 s, held; no actuator, no range. */
+/* Facts of the file: order 4, 0.05 s, held; no actuator, no range. */
 static void said(void) {
     float h, u0[N], u1[N], u[N] = {0.5f}, nan[N] = {NAN};
     uint8_t order, control;

@@ -1,4 +1,4 @@
-/* What the parts of the example share. */
+/* Shared by the parts of the example. */
 #ifndef EXAMPLE_H
 #define EXAMPLE_H
 
@@ -14,21 +14,21 @@ extern const uint8_t model_file[], model_file_end[];
 #define MODEL_NAME NULL
 #endif
 
-/* Where the mechanism starts: N numbers, with commas between. */
+/* Initial position of the mechanism: N numbers, separated by commas. */
 #ifndef MODEL_Q
 #error "define MODEL_Q"
 #endif
 
-/* What a platform offers: chip.c or host.c. */
+/* Provided by the platform: chip.c or host.c. */
 void put(const char *text);
 
-/* A number in digits of this base. */
+/* Prints a number in the given base. */
 void put_number(uint64_t number, unsigned base);
 
-/* Steps the model and prints a hash of everything; 0 where all went well. */
+/* Steps the model and prints a hash of all results; returns 0 if all went well. */
 int trace(void);
 
-/* Provokes errors and prints those that are not as they should be; 0 where there are none. */
+/* Provokes errors and prints those that are not as expected; returns 0 if there are none. */
 int errors(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* How a firmware uses the library: load a model, evaluate it, step it. ../tools/src/bin/trace.rs does the same in Rust. */
+/* Use of the library in a firmware: load a model, evaluate it, step it. ../tools/src/bin/trace.rs does the same in Rust. */
 #include "example.h"
 #include <string.h>
 
@@ -95,7 +95,7 @@ static int run(float h, int order, const leastaction_newton *newton) {
     return failed;
 }
 
-/* From a velocity in a bounded time a step, and from where a step leads without bounds. */
+/* Starts from a velocity and steps in bounded time; then starts from two positions and steps without bounds. */
 static int both_starts(float h, int order, const float *v, const float *u) {
     const leastaction_newton newton = bounded();
     leastaction_error error;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Learns the models that the images carry, each from exact motion of seed 0, and cartpole-dry from logs as a robot writes them
+# Learns the models that the images carry: each from exact motion of seed 0, but cartpole-dry from the logs of a simulated robot
 # (docs/book/src/swing-up.md).
 set -euo pipefail
 cd "$(dirname "$0")"
