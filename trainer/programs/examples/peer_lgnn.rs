@@ -1,5 +1,5 @@
-//! Our side of `tests/peers/lgnn_jax.py`: rings of springs in f64, by the LGNN authors' network and by ours. Files and output:
-//! `tests/peers/README.md`.
+//! The Rust side of `tests/peers/lgnn_jax.py`: rings of springs in f64, with the LGNN authors' network and with ours. Files and output are
+//! described in `tests/peers/README.md`.
 
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
@@ -14,18 +14,18 @@ use std::fmt::Write;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// The step, s.
+/// Step size, s.
 const STEP: f64 = 1e-3;
-/// Steps whose outcome is compared.
+/// Number of steps whose outcome is compared.
 const COMPARED_STEPS: usize = 10;
-/// Numbers of springs that the time of a step is measured for.
+/// Numbers of springs for which the time of a step is measured.
 const SIZES: [usize; 4] = [5, 50, 500, 5_000];
-/// A measured stretch lasts so long, s: Linux counts processor time in ticks of some milliseconds.
+/// Length of a measured stretch, s: Linux counts processor time in ticks of some milliseconds.
 const STRETCH: f64 = 0.05;
-/// The fastest of so many stretches counts.
+/// Number of stretches, of which the fastest counts.
 const STRETCHES: usize = 12;
 
-/// Calls between two looks at the clock.
+/// Number of calls between two readings of the clock.
 const CALLS: u32 = 4;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -57,7 +57,7 @@ fn usage() -> Box<dyn Error> {
     "usage: peer_lgnn measure LGNN SPRINGS STATES OUTPUT | scale LGNN SPRINGS STATES".into()
 }
 
-/// Writes what is compared, and prints times.
+/// Writes the numbers to be compared, and prints times.
 fn measure([lgnn, springs]: [&Model; 2], states: &[f64], output: &str) -> Outcome<()> {
     let [mut lgnn, mut springs] = [Ring::new(lgnn, states)?, Ring::new(springs, states)?];
     let mut report = String::from("{");
@@ -72,7 +72,7 @@ fn measure([lgnn, springs]: [&Model; 2], states: &[f64], output: &str) -> Outcom
     Ok(())
 }
 
-/// Prints the times of a step of both models in growing rings.
+/// Prints the time of a step for both models in growing rings.
 fn scale(models: [&Model; 2], states: &[f64]) -> Outcome<()> {
     let mut report = String::from("{");
     for (name, model) in ["lgnn_step_s", "springs_step_s"].into_iter().zip(models) {
@@ -117,14 +117,14 @@ impl Model {
             )?
         };
         let mut weights = panels(&shape, &mut numbers)?;
-        // Mass, drag and field of the node type before its embeddings, c₁ and c₂ of the edge type behind: none is used.
+        // Mass, drag and field of the node type before its embeddings, and c₁ and c₂ of the edge type after them: none of them is used.
         weights.extend([1.0, 0.0, 0.0, 0.0]);
         weights.extend(take(&mut numbers, 2 * usize::from(EMBEDDING))?);
         weights.extend([0.0, 0.0]);
         Ok(Self { shape, weights })
     }
 
-    /// What `leastaction-papers lgnn` trains for springs: a network beside c₁ and c₂, mass 1.
+    /// The model that `leastaction-papers lgnn` trains for springs: a network beside c₁ and c₂, mass 1.
     fn springs(mut numbers: &[f64]) -> Outcome<Self> {
         let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::None, drag: Drag::None };
         let edge = EdgeShape { separation: Separation::Squared, potential: Some(0), embedding: None };
@@ -144,7 +144,7 @@ fn shape(networks: &[NetworkShape], node: NodeShape, edge: EdgeShape) -> Outcome
     Ok(GraphShape::new(2, networks, &[node], &[edge]).ok_or("too many types")?)
 }
 
-/// Row-major matrices and biases, layer by layer, as our weight block has them.
+/// Converts row-major matrices and biases, layer by layer, to the order of our weight block.
 fn panels(shape: &GraphShape, numbers: &mut &[f64]) -> Outcome<Vec<f64>> {
     let mut block = Vec::new();
     for network in shape.networks.iter() {
@@ -169,7 +169,7 @@ fn take<'a>(numbers: &mut &'a [f64], count: usize) -> Outcome<&'a [f64]> {
     Ok(first)
 }
 
-/// A model in a ring, with a state of it: q, v and v̇, node by node.
+/// A model in a ring, with its state: q, v and v̇, node by node.
 struct Ring<'m> {
     weights: &'m [f64],
     system: System,
@@ -178,12 +178,12 @@ struct Ring<'m> {
     q: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
-    /// v̇ before the last step.
+    /// Acceleration v̇ before the last step.
     before: Vec<f64>,
 }
 
 impl<'m> Ring<'m> {
-    /// A node for each q and v among the states.
+    /// Creates a ring with one node for each q and v among the states.
     fn new(model: &'m Model, states: &[f64]) -> Outcome<Self> {
         let states = states.as_chunks::<4>().0;
         let n = states.len();
@@ -205,7 +205,7 @@ impl<'m> Ring<'m> {
         Ok(ring)
     }
 
-    /// L_q.
+    /// Forces L_q.
     fn forces(&self) -> Vec<f64> {
         let program = self.system.gradient();
         let mut workspace = program.workspace();
@@ -220,7 +220,7 @@ impl<'m> Ring<'m> {
         if solved { Ok(()) } else { Err("a singular mass".into()) }
     }
 
-    /// Velocity Verlet as the authors have it, one acceleration a step: that of the new place and the old velocity.
+    /// Velocity Verlet in the authors' version, with one acceleration per step: that at the new position and the old velocity.
     fn step(&mut self) -> Outcome<()> {
         for ((q, v), a) in self.q.iter_mut().zip(&mut self.v).zip(&self.a) {
             *q += STEP * (*v + 0.5 * STEP * a);
@@ -233,13 +233,13 @@ impl<'m> Ring<'m> {
         Ok(())
     }
 
-    /// The least wall and processor seconds of a step.
+    /// Smallest wall and processor time of a step, s.
     fn step_time(&mut self) -> Outcome<[f64; 2]> {
         fastest(&mut || self.step())
     }
 }
 
-/// The least wall and processor seconds of a call.
+/// Smallest wall and processor time of a call, s.
 fn fastest(call: &mut dyn FnMut() -> Outcome<()>) -> Outcome<[f64; 2]> {
     let mut best = [f64::INFINITY; 2];
     call()?;
@@ -257,7 +257,7 @@ fn fastest(call: &mut dyn FnMut() -> Outcome<()>) -> Outcome<[f64; 2]> {
     Ok(best)
 }
 
-/// Of this thread so far, as Linux counts it; not a number elsewhere.
+/// Processor time of this thread so far, as Linux counts it; NaN elsewhere.
 fn processor_seconds() -> f64 {
     let Ok(line) = std::fs::read_to_string("/proc/thread-self/schedstat") else { return f64::NAN };
     1e-9 * line.split_whitespace().next().and_then(|number| number.parse().ok()).unwrap_or(f64::NAN)

@@ -1,5 +1,6 @@
-//! Programs beside core's code over lanes of the same samples, whose sizes are types: nanoseconds a sample of the parts of losses,
-//! for an inertia network of two coordinates (core has no derivatives in the weights). Then the acceleration loss of a chain of two equal pendulums, whose networks are learned.
+//! Programs compared with core's code over lanes of the same samples, whose sizes are types: nanoseconds per sample for the parts of
+//! losses, for an inertia network of two coordinates (core has no derivatives in the weights). Then the acceleration loss of a chain of two
+//! equal pendulums, whose networks are learned.
 //!
 //! `cargo run --release -p leastaction-programs --example speed`
 
@@ -28,7 +29,7 @@ fn nanoseconds(samples: usize, mut run: impl FnMut()) -> f64 {
     best
 }
 
-/// A chain of two equal elements that are networks of their angles, with a potential.
+/// A chain of two equal elements, networks of their angles, with a potential.
 fn pendulums() -> ModularEnergies {
     let network =
         |inputs, outputs| NetworkShape::new(inputs, &[16, 16], outputs, Activation::Tanh).expect("a network");
@@ -39,7 +40,7 @@ fn pendulums() -> ModularEnergies {
     ModularEnergies::new(&shape, &chain, false).expect("a tree")
 }
 
-/// The residual alone, with its gradient, and with its Jacobian.
+/// Times the residual alone, with its gradient, and with its Jacobian.
 fn acceleration_loss() {
     let model = pendulums();
     let mut weights: Vec<f64> = (0..model.parameters()).map(|i| (1.7 * i as f64).sin() * 0.3).collect();

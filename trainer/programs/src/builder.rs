@@ -3,7 +3,7 @@ use crate::single::Variables;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// A vector in a list of operations: of as many numbers as [`Builder::length`] says, of every sample.
+/// A vector in a list of operations; every sample has one of [`Builder::length`] numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node(u32);
 
@@ -24,30 +24,30 @@ pub struct Layer {
     start: usize,
     pub(crate) inputs: usize,
     pub(crate) outputs: usize,
-    /// Inputs of the whole layer that come before these, and all that it has.
+    /// Number of inputs of the whole layer that precede these, and number of all its inputs.
     skipped: usize,
     all: usize,
 }
 
 impl Layer {
-    /// The layer whose first number is at `start`.
+    /// Creates the layer whose first number is at `start`.
     pub const fn new(start: usize, inputs: usize, outputs: usize) -> Self {
         Self { start, inputs, outputs, skipped: 0, all: inputs }
     }
 
-    /// What it makes of some of its inputs: their columns of W, and b.
+    /// Restricts the layer to some of its inputs: their columns of W, and b.
     pub(crate) const fn of_inputs(&self, inputs: Range<usize>) -> Self {
         let (skipped, count) = (self.skipped + inputs.start, inputs.end - inputs.start);
         Self { inputs: count, skipped, ..*self }
     }
 
-    /// Where the weights of a panel of so many outputs are, `first` the first of them.
+    /// Range of the weights of a panel of `width` outputs from `first` on.
     pub(crate) const fn panel(&self, first: usize, width: usize) -> Range<usize> {
         let start = self.start + first * self.all + self.skipped * width;
         start..start + self.inputs * width
     }
 
-    /// Where the weight from input j to output i is.
+    /// Position of the weight from input j to output i.
     pub(crate) const fn weight(&self, i: usize, j: usize) -> usize {
         let (eights, fours) = (self.outputs / 8 * 8, self.outputs / 4 * 4);
         let (first, width) = if i < eights {
@@ -60,46 +60,46 @@ impl Layer {
         self.panel(first, width).start + j * width + i - first
     }
 
-    /// Position of its first bias.
+    /// Position of the first bias.
     pub(crate) const fn biases(&self) -> usize {
         self.start + self.all * self.outputs
     }
 
-    /// Position of the number after its last.
+    /// Position of the number after the last one of the layer.
     pub(crate) const fn end(&self) -> usize {
         self.biases() + self.outputs
     }
 }
 
-/// What a node is computed by.
+/// Operation that computes a node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Operation {
-    /// The caller's vector of this number.
+    /// The caller's vector with this number.
     Input(usize),
-    /// The same in every sample, as the bits of f64.
+    /// A constant, equal in every sample, as the bits of f64.
     Constant(Box<[u64]>),
-    /// Numbers of the weight block from this position on, the same in every sample.
+    /// Numbers of the weight block from this position on, equal in every sample.
     Parameters(usize),
-    /// Wx of every column, and + b where there is one.
+    /// Wx for every column, plus b if there is a bias.
     Linear { layer: Layer, columns: usize, bias: bool, x: Node },
-    /// Wᵀy of every column.
+    /// Wᵀy for every column.
     Transposed { layer: Layer, columns: usize, y: Node },
-    /// The derivative of this order of a function, number by number.
+    /// The derivative of a function of the given order, entry by entry.
     Map { function: u32, order: usize, x: Node },
-    /// Number by number.
+    /// Product, entry by entry.
     Product(Node, Node),
-    /// Number by number.
+    /// Sum, entry by entry.
     Sum(Node, Node),
-    /// cx, c as the bits of f64.
+    /// Product cx, with c as the bits of f64.
     Scaled(u64, Node),
-    /// Entry i is x\[index\[i\]\].
+    /// Vector with entry i equal to x\[index\[i\]\].
     Gather { x: Node, index: Box<[u32]> },
-    /// Entry k is the sum of all x\[i\] with index\[i\] = k.
+    /// Vector with entry k equal to the sum of all x\[i\] with index\[i\] = k.
     Scatter { x: Node, index: Box<[u32]> },
 }
 
 impl Operation {
-    /// Calls `visit` with every node that it reads.
+    /// Calls `visit` with every node that the operation reads.
     pub(crate) fn reads(&self, mut visit: impl FnMut(Node)) {
         match self {
             Self::Input(_) | Self::Constant(_) | Self::Parameters(_) => {}
@@ -117,38 +117,38 @@ impl Operation {
     }
 }
 
-/// A list of operations on vectors, each once: what is asked for again is found again. What is known when it is written down
-/// (sums and products of constants, factors of 0 and 1) is not computed by the program.
+/// A list of operations on vectors. Each is stored once: a repeated request finds the first one. Values known when the list is written
+/// (sums and products of constants, factors of 0 and 1) are not computed by the program.
 ///
 /// # Panics
-/// All methods panic where lengths do not fit: a family that writes such a list is wrong, whatever the data.
+/// All methods panic if lengths do not fit: the family that writes such a list is wrong, whatever the data.
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     pub(crate) operations: Vec<Operation>,
     pub(crate) lengths: Vec<usize>,
     pub(crate) functions: HashMap<u32, Function>,
-    /// What each node is a function of, beside constants and weights.
+    /// Variables that each node depends on, besides constants and weights.
     pub(crate) variables: Vec<Variables>,
-    /// Derivatives of nodes in the number that each is a function of; none where it is 0.
+    /// Derivatives of nodes that depend on a single variable; `None` if the derivative is 0.
     pub(crate) slopes: HashMap<Node, Option<Node>>,
     known: HashMap<(Operation, usize), Node>,
     inputs: usize,
-    /// Whether most vectors are of two or three numbers, so that layers too are best applied number by number.
+    /// Whether most vectors have two or three numbers, so that layers too are best applied entry by entry.
     pub(crate) is_of_short_vectors: bool,
 }
 
 impl Builder {
-    /// An empty list.
+    /// Creates an empty list.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Says that most vectors are of two or three numbers: small layers of networks beside them are applied number by number too.
+    /// Declares that most vectors have two or three numbers: small layers of networks are then applied entry by entry too.
     pub(crate) fn of_short_vectors(&mut self) {
         self.is_of_short_vectors = true;
     }
 
-    /// Numbers of a vector.
+    /// Length of a vector.
     pub fn length(&self, x: Node) -> usize {
         self.lengths[x.index()]
     }
@@ -164,30 +164,30 @@ impl Builder {
         node
     }
 
-    /// The caller's next vector.
+    /// Adds the caller's next vector.
     pub fn input(&mut self, length: usize) -> Node {
         self.inputs += 1;
         self.push(Operation::Input(self.inputs - 1), length)
     }
 
-    /// A vector that is the same in every sample.
+    /// Adds a vector that is equal in every sample.
     pub fn constant(&mut self, x: &[f64]) -> Node {
-        // −0 is 0 here: what is multiplied by it vanishes.
+        // Here −0 becomes 0: products with it vanish.
         let bits = x.iter().map(|x| (x + 0.0).to_bits()).collect();
         self.push(Operation::Constant(bits), x.len())
     }
 
-    /// The vector 0.
+    /// Adds the zero vector.
     pub fn zeros(&mut self, length: usize) -> Node {
         self.constant(&vec![0.0; length])
     }
 
-    /// The vector of these numbers of the weight block.
+    /// Adds the vector of these numbers of the weight block.
     pub fn parameters(&mut self, start: usize, length: usize) -> Node {
         self.push(Operation::Parameters(start), length)
     }
 
-    /// The entries of a constant.
+    /// Entries of a constant; `None` for any other node.
     pub(crate) fn known(&self, x: Node) -> Option<Vec<f64>> {
         match &self.operations[x.index()] {
             Operation::Constant(bits) => Some(bits.iter().map(|bits| f64::from_bits(*bits)).collect()),
@@ -195,7 +195,7 @@ impl Builder {
         }
     }
 
-    /// Whether it is a constant of this number alone.
+    /// Whether the node is a constant with this number in every entry.
     pub(crate) fn is_all(&self, x: Node, number: f64) -> bool {
         match &self.operations[x.index()] {
             Operation::Constant(bits) => bits.iter().all(|bits| f64::from_bits(*bits) == number),
@@ -203,12 +203,12 @@ impl Builder {
         }
     }
 
-    /// Wx + b of so many inputs x, one after the other; so are the outputs.
+    /// Returns Wx + b for `columns` inputs x, one after the other; the outputs have the same order.
     pub fn linear(&mut self, layer: Layer, columns: usize, x: Node) -> Node {
         self.product_of(layer, columns, x, true)
     }
 
-    /// Wx of every column, and + b where there is a bias.
+    /// Returns Wx for every column, plus b if there is a bias.
     pub(crate) fn product_of(&mut self, layer: Layer, columns: usize, x: Node, bias: bool) -> Node {
         assert_eq!(self.length(x), columns * layer.inputs, "inputs of a layer");
         let outputs = columns * layer.outputs;
@@ -218,7 +218,7 @@ impl Builder {
         self.push(Operation::Linear { layer, columns, bias, x }, outputs)
     }
 
-    /// Wᵀy of every column.
+    /// Returns Wᵀy for every column.
     pub(crate) fn transposed(&mut self, layer: Layer, columns: usize, y: Node) -> Node {
         assert_eq!(self.length(y), columns * layer.outputs, "outputs of a layer");
         let inputs = columns * layer.inputs;
@@ -228,20 +228,20 @@ impl Builder {
         self.push(Operation::Transposed { layer, columns, y }, inputs)
     }
 
-    /// f(x), number by number.
+    /// Returns f(x), entry by entry.
     pub fn map(&mut self, function: Function, x: Node) -> Node {
         self.derivative(function, 0, x)
     }
 
-    /// cos x, number by number, x in rad.
+    /// Returns cos x, entry by entry, with x in rad.
     pub fn cosine(&mut self, x: Node) -> Node {
         self.derivative(Function::Sine, 1, x)
     }
 
-    /// f⁽ᵒʳᵈᵉʳ⁾(x), number by number.
+    /// Returns f⁽ᵒʳᵈᵉʳ⁾(x), entry by entry.
     pub(crate) fn derivative(&mut self, function: Function, order: usize, x: Node) -> Node {
         if function == Function::Sine && order >= 2 {
-            // sin″ = −sin: any order is a sine or a cosine again.
+            // sin″ = −sin: a derivative of any order is again a sine or a cosine.
             let before = self.derivative(function, order - 2, x);
             return self.scaled(-1.0, before);
         }
@@ -253,7 +253,7 @@ impl Builder {
         self.push(Operation::Map { function: function.number(), order, x }, self.length(x))
     }
 
-    /// xy, number by number.
+    /// Returns xy, entry by entry.
     pub fn product(&mut self, x: Node, y: Node) -> Node {
         assert_eq!(self.length(x), self.length(y), "factors");
         if let (Some(a), Some(b)) = (self.known(x), self.known(y)) {
@@ -267,7 +267,7 @@ impl Builder {
         self.push(Operation::Product(x.min(y), x.max(y)), self.length(x))
     }
 
-    /// x + y.
+    /// Returns x + y.
     pub fn sum(&mut self, x: Node, y: Node) -> Node {
         assert_eq!(self.length(x), self.length(y), "summands");
         if let (Some(a), Some(b)) = (self.known(x), self.known(y)) {
@@ -281,13 +281,13 @@ impl Builder {
         self.push(Operation::Sum(x.min(y), x.max(y)), self.length(x))
     }
 
-    /// x − y.
+    /// Returns x − y.
     pub fn difference(&mut self, x: Node, y: Node) -> Node {
         let minus = self.scaled(-1.0, y);
         self.sum(x, minus)
     }
 
-    /// cx.
+    /// Returns cx.
     pub fn scaled(&mut self, c: f64, x: Node) -> Node {
         if c == 1.0 {
             return x;
@@ -301,7 +301,7 @@ impl Builder {
         }
     }
 
-    /// The vector whose entry i is x\[index\[i\]\].
+    /// Returns the vector with entry i equal to x\[index\[i\]\].
     pub fn gather(&mut self, x: Node, index: &[usize]) -> Node {
         assert!(index.iter().all(|i| *i < self.length(x)), "entries to gather");
         if index.len() == self.length(x) && index.iter().enumerate().all(|(i, at)| i == *at) {
@@ -318,7 +318,7 @@ impl Builder {
         self.push(Operation::Gather { x, index }, length)
     }
 
-    /// The vector of so many entries of which entry k is the sum of all x\[i\] with index\[i\] = k.
+    /// Returns the vector of `length` entries with entry k equal to the sum of all x\[i\] with index\[i\] = k.
     pub fn scatter(&mut self, x: Node, index: &[usize], length: usize) -> Node {
         assert!(index.len() == self.length(x) && index.iter().all(|i| *i < length), "entries to add to");
         if index.len() == length && index.iter().enumerate().all(|(i, at)| i == *at) {
@@ -336,23 +336,23 @@ impl Builder {
         self.push(Operation::Scatter { x, index }, length)
     }
 
-    /// x·y, a vector of one number.
+    /// Returns x·y as a vector of one number.
     pub fn dot(&mut self, x: Node, y: Node) -> Node {
         let product = self.product(x, y);
         self.total(product)
     }
 
-    /// The sum of all entries, a vector of one number.
+    /// Returns the sum of all entries as a vector of one number.
     pub fn total(&mut self, x: Node) -> Node {
         self.scatter(x, &vec![0; self.length(x)], 1)
     }
 
-    /// A vector of one number as one of so many.
+    /// Repeats a vector of one number `length` times.
     pub fn repeated(&mut self, x: Node, length: usize) -> Node {
         self.gather(x, &vec![0; length])
     }
 
-    /// Vectors one after the other.
+    /// Joins vectors one after the other.
     pub fn joined(&mut self, parts: &[Node]) -> Node {
         let length = parts.iter().map(|part| self.length(*part)).sum();
         let mut start = 0;
@@ -366,7 +366,7 @@ impl Builder {
         sum
     }
 
-    /// The entries `range` of a vector.
+    /// Returns the entries `range` of a vector.
     pub fn part(&mut self, x: Node, range: Range<usize>) -> Node {
         self.gather(x, &range.collect::<Vec<_>>())
     }

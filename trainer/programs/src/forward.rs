@@ -3,7 +3,7 @@
 use crate::builder::{Builder, Node, Operation};
 
 impl Builder {
-    /// The derivatives of `of` where these vectors move with those slopes: the direction of each is the second of a pair.
+    /// Derivatives of `of` as the vectors of `along` move; each of these pairs is a vector and its direction.
     pub fn tangents(&mut self, of: &[Node], along: &[(Node, Node)]) -> Vec<Node> {
         let last = of.iter().max().map_or(0, |last| last.index() + 1);
         let mut slopes = vec![None; last];
@@ -29,7 +29,7 @@ impl Builder {
         of.iter().map(|node| slopes[node.index()].unwrap_or_else(|| self.zeros(self.length(*node)))).collect()
     }
 
-    /// Which of the first `count` nodes these are computed from, themselves included.
+    /// Whether each of the first `count` nodes is used to compute these nodes, which count as used themselves.
     pub(crate) fn read_by(&self, nodes: &[Node], count: usize) -> Vec<bool> {
         let mut read = vec![false; count];
         nodes.iter().for_each(|node| read[node.index()] = true);
@@ -41,7 +41,7 @@ impl Builder {
         read
     }
 
-    /// The slope of one node from those of what it is computed from; none where it does not move.
+    /// Derivative of one node from those of the nodes that it is computed from; `None` if it is zero.
     pub(crate) fn slope(&mut self, at: usize, of: impl Fn(Node) -> Option<Node>) -> Option<Node> {
         let node = Node::new(at);
         let slope = match self.operations[at].clone() {
@@ -70,7 +70,7 @@ impl Builder {
         if vanishes { None } else { Some(slope) }
     }
 
-    /// The sum of what there is.
+    /// Sum of the terms that are present.
     pub(crate) fn sum_of(&mut self, x: Option<Node>, y: Option<Node>) -> Option<Node> {
         match (x, y) {
             (Some(x), Some(y)) => Some(self.sum(x, y)),

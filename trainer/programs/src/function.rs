@@ -6,7 +6,7 @@ use wide::f64x8;
 /// A smooth function of one number, with its derivatives up to the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
-    /// The activation of hidden units.
+    /// Activation of hidden units.
     Activation(Activation),
     /// sin x, x in rad.
     Sine,
@@ -16,15 +16,15 @@ pub enum Function {
     Reciprocal,
     /// |x|; its slope jumps at 0.
     Magnitude,
-    /// x, an angle in rad, wrapped to [0, 2π); it jumps there, its slope is 1 everywhere.
+    /// Angle x in rad wrapped to [0, 2π); the value jumps, its slope is 1 everywhere.
     Wrapped,
 }
 
-/// Derivatives that are known, the function itself included.
+/// Number of known derivatives, counting the function itself.
 pub(crate) const ORDERS: usize = 4;
 
 impl Function {
-    /// A number of its own, to tell equal operations by.
+    /// Number of the function, by which equal operations are recognised.
     pub(crate) fn number(self) -> u32 {
         match self {
             Self::Activation(activation) => 16 + activation as u32,
@@ -36,7 +36,7 @@ impl Function {
         }
     }
 
-    /// What the derivative of this order is everywhere, where it is the same everywhere.
+    /// Value of the derivative of this order, if it is constant.
     pub(crate) fn constant_derivative(self, order: usize) -> Option<f64> {
         match (self, order) {
             (Self::Wrapped | Self::Activation(Activation::Identity), 1) => Some(1.0),
@@ -45,7 +45,7 @@ impl Function {
         }
     }
 
-    /// Writes f and its derivatives at x, those for which there is a place.
+    /// Writes f and its derivatives at x, as far as there are places for them.
     pub(crate) fn write(self, x: &[Row], to: [Option<&mut [Row]>; ORDERS]) {
         let wanted = to.each_ref().map(Option::is_some);
         let mut to = to.map(Option::unwrap_or_default);
@@ -61,13 +61,13 @@ impl Function {
         }
     }
 
-    /// f and its derivatives at x; those that are not `wanted` may be anything.
+    /// Returns f and its derivatives at x; those that are not `wanted` may have any value.
     fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
         match self {
             Self::Activation(activation) => activated(activation, x, wanted[3]),
             Self::Sine => {
                 let [sin, cos] = sin_cos(x);
-                // The others are these with another sign: nothing asks for them.
+                // Higher derivatives are these with another sign; nothing asks for them.
                 [sin, cos, Row::default(), Row::default()]
             }
             Self::SquareRoot => {
@@ -121,10 +121,10 @@ fn squareplus<const WANTED: usize>(x: &[Row], to: [&mut [Row]; ORDERS]) {
     }
 }
 
-/// Writes derivatives of a function.
+/// Writer of the derivatives of a function.
 type Writer = fn(&[Row], [&mut [Row]; ORDERS]);
 
-/// For every set of derivatives of [`squareplus`].
+/// Writers for every set of derivatives of [`squareplus`].
 const SQUAREPLUS: [Writer; 1 << ORDERS] = [
     squareplus::<0>,
     squareplus::<1>,

@@ -1,16 +1,16 @@
-//! Products with the weights of a layer, in panels of eight outputs, then four, then one
-//! ([`Dense`](leastaction_core::network::Dense)), and sums in the same order as there. What a layer is applied to are columns,
-//! vectors one after the other; a panel's weights serve all of them before those of the next are read.
+//! Products with the weights of a layer, in panels of eight outputs, then four, then one ([`Dense`](leastaction_core::network::Dense)), and
+//! sums in the same order as there. A layer is applied to columns, vectors one after the other; a panel's weights serve all columns before
+//! those of the next panel are read.
 
 use crate::builder::Layer;
 use crate::row::{GROUPS, Row};
 use std::ops::Range;
 use wide::f64x8;
 
-/// Groups of lanes whose sums are kept in registers at once: eight outputs fill half of 32 registers.
+/// Number of groups of lanes whose sums are kept in registers at once: eight outputs fill half of 32 registers.
 const TOGETHER: usize = if cfg!(target_feature = "avx512f") { GROUPS } else { 1 };
 
-/// Wx of every column, and + b where there is one.
+/// Computes Wx for every column, plus b if there is a bias.
 pub(crate) fn linear(
     layer: &Layer,
     columns: usize,
@@ -51,7 +51,7 @@ fn linear_panel<const P: usize>(rows: &[f64], biases: Option<&[f64]>, x: &[Row],
     }
 }
 
-/// Wᵀy of every column.
+/// Computes Wᵀy for every column.
 pub(crate) fn transposed(layer: &Layer, columns: usize, weights: &[f64], y: &[Row], x: &mut [Row]) {
     x.fill(Row::default());
     for panel in panels(layer) {
@@ -81,21 +81,21 @@ fn transposed_panel<const P: usize>(rows: &[f64], y: &[Row], x: &mut [Row]) {
     }
 }
 
-/// A term of a layer's gradient: ȳxᵀ of every column.
+/// A term of a layer's gradient: the sum of ȳxᵀ over its columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair<T> {
-    /// Vectors in each of both.
+    /// Number of vectors in both.
     pub columns: usize,
-    /// The adjoint of the outputs.
+    /// Adjoint of the outputs.
     pub y_bar: T,
-    /// The inputs.
+    /// Inputs of the layer.
     pub x: T,
-    /// Whether ȳ is also the gradient in the biases.
+    /// Whether ȳ is also the gradient with respect to the biases.
     pub bias: bool,
 }
 
 impl<T: Copy> Pair<T> {
-    /// The same of what `f` makes of both.
+    /// Applies `f` to both vectors.
     pub(crate) fn map<U>(&self, f: impl Fn(T) -> U) -> Pair<U> {
         Pair { columns: self.columns, y_bar: f(self.y_bar), x: f(self.x), bias: self.bias }
     }
@@ -108,7 +108,7 @@ impl<'r> Pair<&'r [Row]> {
     }
 }
 
-/// Adds Σ ȳxᵀ to the derivatives in a layer's weights, and Σ ȳ to those in its biases for the pairs that say so.
+/// Adds Σ ȳxᵀ to the derivatives in a layer's weights, and Σ ȳ to those in its biases for the pairs with a bias.
 pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row]) {
     let columns: Vec<_> = pairs.iter().flat_map(|pair| pair.each_column(layer)).collect();
     for panel in panels(layer) {
@@ -127,10 +127,10 @@ pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row])
     }
 }
 
-/// ȳ and x of a layer that is applied to one vector.
+/// Vectors ȳ and x of a layer that is applied to a single column.
 type Column<'r> = (&'r [Row], &'r [Row]);
 
-/// So many inputs at a time, one group of lanes after the other: their sums over all columns stay in registers.
+/// Treats I inputs at a time, one group of lanes after the other, so that their sums over all columns stay in registers.
 fn outer_panel<const P: usize, const I: usize>(first: usize, columns: &[Column], gradient: &mut [Row]) {
     let (tiles, rest) = gradient.as_chunks_mut::<P>().0.as_chunks_mut::<I>();
     let done = I * tiles.len();
@@ -177,24 +177,24 @@ struct Panel<'l> {
 }
 
 impl Panel<'_> {
-    /// Where the inputs of a column are.
+    /// Range of the inputs of a column.
     fn inputs(&self, column: usize) -> Range<usize> {
         let start = column * self.layer.inputs;
         start..start + self.layer.inputs
     }
 
-    /// Where its outputs of a column are.
+    /// Range of the panel's outputs of a column.
     fn outputs(&self, column: usize) -> Range<usize> {
         let start = column * self.layer.outputs + self.first;
         start..start + self.width
     }
 
-    /// Where its weights are in the weight block.
+    /// Range of the panel's weights in the weight block.
     fn weights(&self) -> Range<usize> {
         self.layer.panel(self.first, self.width)
     }
 
-    /// Where its biases are in the weight block.
+    /// Range of the panel's biases in the weight block.
     fn biases(&self) -> Range<usize> {
         let start = self.layer.biases() + self.first;
         start..start + self.width

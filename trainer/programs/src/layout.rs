@@ -1,47 +1,47 @@
-//! Where the numbers of vectors lie in rows.
+//! Arrangement of the numbers of vectors in rows.
 //!
-//! Of several samples every number is a row. Of one sample what lies side by side are the columns of a vector: nodes and edges of
-//! a graph, with as many units each as the layer has that the column goes through, or as are added up in it. Each [`WIDTH`]
-//! columns are as many rows as a column has units; a vector without such columns has columns of one unit, and so its numbers
-//! one after the other. Where all columns are alike they are kept once.
+//! With several samples, every number is a row. With a single sample, the columns of a vector lie side by side: nodes and edges of a graph.
+//! The number of units of a column is that of the layer that it goes through, or the number of entries that are added up in it. Every
+//! [`WIDTH`] columns take as many rows as a column has units; a vector without such columns has columns of one unit, so its numbers follow
+//! one another. If all columns are equal, only one is kept.
 
 use crate::builder::{Builder, Node, Operation};
 use crate::picks::{NOWHERE, PickSums, Picks};
 use crate::row::{Row, WIDTH};
 
-/// How the numbers of a node lie in its rows.
+/// Arrangement of the numbers of a node in its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Form {
-    /// Numbers of a column.
+    /// Number of units in a column.
     pub units: usize,
-    /// Whether all columns are alike, and the rows those of one of them.
+    /// Whether all columns are equal, so that the rows are those of one of them.
     pub alike: bool,
 }
 
 impl Form {
-    /// Columns of so many units, each of its own.
+    /// Columns of `units` units, all different.
     pub const fn of_units(units: usize) -> Self {
         Self { units, alike: false }
     }
 
-    /// The same in columns of other units, alike where what repeats itself still does.
+    /// Form of the vector in columns of another number of units; they are equal if the repetition still fits.
     pub const fn in_units(self, units: usize) -> Self {
         Self { units, alike: self.alike && units.is_multiple_of(self.units) }
     }
 
-    /// Rows of so many numbers.
+    /// Number of rows that `length` numbers take.
     pub fn rows(self, length: usize) -> usize {
         let groups = (length / self.units).div_ceil(WIDTH);
         self.units * if self.alike { 1 } else { groups }
     }
 
-    /// The place of a number among those of all rows.
+    /// Position of a number among those of all rows.
     pub fn place(self, i: usize) -> usize {
         let (column, unit) = (if self.alike { 0 } else { i / self.units }, i % self.units);
         (column / WIDTH * self.units + unit) * WIDTH + column % WIDTH
     }
 
-    /// What is at the places of all rows; `padding` where there is no number.
+    /// Values at the positions of all rows; `padding` where there is no number.
     fn arranged<T: Copy>(self, length: usize, number: impl Fn(usize) -> T, padding: T) -> Vec<T> {
         let mut places = vec![padding; WIDTH * self.rows(length)];
         if self.alike {
@@ -52,28 +52,28 @@ impl Form {
         places
     }
 
-    /// Known numbers in rows.
+    /// Rows of known numbers.
     pub fn constant(self, numbers: &[f64]) -> Vec<Row> {
         let places = self.arranged(numbers.len(), |i| numbers[i], 0.0);
         places.as_chunks().0.iter().map(|row| Row(*row)).collect()
     }
 
-    /// How to read so many numbers, number i from place `from(i)` of a vector of that form.
+    /// Returns how to read `length` numbers, where number i is at `from(i)` in a vector of the given form.
     pub fn picks(self, length: usize, (form, from): (Self, impl Fn(usize) -> usize)) -> Picks {
         Picks::new(&self.arranged(length, |i| form.place(from(i)) as u32, NOWHERE))
     }
 }
 
-/// The form of every node, and which of them are not computed.
+/// The form of every node, and the nodes that are not computed.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     forms: Vec<Form>,
-    /// Gathered vectors that are only added up: the sums read what they are gathered from.
+    /// Marks of gathered vectors that are only added up: the sums read the source of the gathering instead.
     fused: Vec<bool>,
 }
 
 impl Layout {
-    /// That of the needed nodes, for these outputs.
+    /// Creates the layout of the needed nodes, for these outputs.
     pub fn new(builder: &Builder, needed: &[bool], outputs: &[Node]) -> Self {
         let wanted = wanted(builder, needed);
         let mut forms = vec![Form::of_units(1); needed.len()];
@@ -83,22 +83,22 @@ impl Layout {
         Self { forms, fused: fused(builder, needed, outputs) }
     }
 
-    /// How a node's numbers lie.
+    /// Form of a node.
     pub fn form(&self, node: Node) -> Form {
         self.forms[node.index()]
     }
 
-    /// Whether a node is not computed, because sums read what it is gathered from.
+    /// Whether a node is not computed because sums read the source that it is gathered from.
     pub fn is_fused(&self, node: Node) -> bool {
         self.fused[node.index()]
     }
 
-    /// Where the numbers of a gathered vector are read from, row by row.
+    /// Reads of a gathered vector, row by row.
     pub fn picked(&self, node: Node, x: Node, index: &[u32]) -> Picks {
         self.form(node).picks(index.len(), (self.form(x), |i| index[i] as usize))
     }
 
-    /// Where the summands of a scattered vector of this length are read from: summand i, which `index` says the sum of, from number
+    /// Reads of the summands of a scattered vector of this length: summand i, which belongs to entry `index[i]` of the sum, is number
     /// `from(i)` of x.
     pub fn summed(
         &self,
@@ -126,7 +126,7 @@ impl Layout {
     }
 }
 
-/// The form of a node whose readers want columns of so many units.
+/// Form of a node whose readers want columns of `wanted` units.
 fn form(builder: &Builder, node: Node, wanted: Option<usize>, forms: &[Form]) -> Form {
     let of = |x: Node| forms[x.index()];
     match &builder.operations[node.index()] {
@@ -157,24 +157,24 @@ fn form(builder: &Builder, node: Node, wanted: Option<usize>, forms: &[Form]) ->
     }
 }
 
-/// The form of what a layer makes of a vector.
+/// Form of a vector after a layer is applied to it.
 fn through(x: Form, inputs: usize, outputs: usize) -> Form {
     Form { units: outputs.max(1), alike: x.in_units(inputs.max(1)).alike }
 }
 
-/// Whether there are several columns of so many units, all alike.
+/// Whether there are several columns of `units` units and all are equal.
 fn repeat<T: PartialEq>(length: usize, units: usize, number: impl Fn(usize) -> T) -> bool {
     length > units && (units..length).all(|i| number(i) == number(i % units))
 }
 
-/// How often each number of a vector is repeated before the next is, where all are as often.
+/// Number of repetitions of each number before the next one follows, if all are repeated equally often.
 fn repeated_units(index: &[u32]) -> Option<usize> {
     let units = index.iter().take_while(|i| **i == 0).count();
     let several = (1..index.len()).contains(&units) && index.len().is_multiple_of(units);
     (several && (0..index.len()).all(|i| index[i] as usize == i / units)).then_some(units)
 }
 
-/// Whether columns of so many units remain columns.
+/// Whether columns of `units` units remain columns.
 fn is_of_columns(index: &[u32], units: usize) -> bool {
     let is_column = |column: &[u32]| {
         (column[0] as usize).is_multiple_of(units) && (0..units).all(|k| column[k] == column[0] + k as u32)
@@ -182,7 +182,7 @@ fn is_of_columns(index: &[u32], units: usize) -> bool {
     index.len().is_multiple_of(units) && index.chunks(units).all(is_column)
 }
 
-/// The units that a node's readers want: layers, and sums of neighbours.
+/// Number of units that each node's readers want: layers, and sums of neighbours.
 fn wanted(builder: &Builder, needed: &[bool]) -> Vec<Option<usize>> {
     let mut wanted = vec![None; needed.len()];
     for at in (0..needed.len()).rev().filter(|at| needed[*at]) {
@@ -201,7 +201,7 @@ fn wanted(builder: &Builder, needed: &[bool]) -> Vec<Option<usize>> {
     wanted
 }
 
-/// Gathered vectors that only sums read.
+/// Marks of the gathered vectors that are only read by sums.
 fn fused(builder: &Builder, needed: &[bool], outputs: &[Node]) -> Vec<bool> {
     let is_gather = |at: usize| matches!(builder.operations[at], Operation::Gather { .. });
     let mut fused: Vec<bool> = (0..needed.len()).map(|at| needed[at] && is_gather(at)).collect();
@@ -220,7 +220,7 @@ mod tests {
     use crate::builder::Layer;
     use crate::program::{Program, Step};
 
-    /// A layer of many columns that are alike is applied to one of them.
+    /// A layer that is applied to many equal columns is computed for one of them.
     #[test]
     fn columns_that_are_alike_are_kept_once() {
         let mut builder = Builder::new();
@@ -241,7 +241,7 @@ mod tests {
         }
     }
 
-    /// Coordinates that are squared and added up node by node lie in columns of one node each, so that rows are added as they are.
+    /// Coordinates that are squared and added up per node lie in columns of one node each, so that whole rows are added.
     #[test]
     fn sums_of_neighbours_want_them_in_columns() {
         let mut builder = Builder::new();
@@ -252,7 +252,7 @@ mod tests {
         assert_eq!([x, squares, sums].map(|node| layout.form(node).units), [3, 3, 1]);
     }
 
-    /// What only sums read is not gathered.
+    /// A vector that is only read by sums is not gathered.
     #[test]
     fn sums_read_what_is_gathered_for_them() {
         let mut builder = Builder::new();

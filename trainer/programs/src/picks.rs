@@ -1,11 +1,11 @@
-//! Rows whose numbers are read from here and there among other rows.
+//! Rows whose numbers are read from arbitrary positions in other rows.
 
 use crate::row::{Places, Row, WIDTH};
 
-/// The place of a number that is read from nowhere.
+/// Position that stands for no number.
 pub(crate) const NOWHERE: u32 = u32::MAX;
 
-/// How to read rows from other rows: whole or shifted where neighbours remain neighbours, number by number where they do not.
+/// Plan for reading rows from other rows: whole or shifted if neighbours remain neighbours, otherwise number by number.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Picks {
     rows: Box<[Pick]>,
@@ -14,24 +14,24 @@ pub(crate) struct Picks {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pick {
-    /// One number for all of the row.
+    /// One number for the whole row.
     Same(u32),
-    /// The numbers of the first row from `by` on, then those of the second from its start on.
+    /// The numbers of the first row from `by` on, followed by those of the second row from its start.
     Shifted { rows: [u32; 2], by: u8 },
-    /// The numbers of so many rows in turn, or every so manieth of them.
+    /// The numbers of several rows in turn, or every n-th number of consecutive rows.
     Turned { first: u32, step: u32, turn: u8 },
-    /// These places of the list.
+    /// The positions at this index of the list.
     Any(u32),
 }
 
-/// Rows of columns of several units, which become numbers one after the other, or the other way round.
+/// Conversion between columns of several units and numbers one after the other.
 #[derive(Clone, Copy, Debug)]
 struct Turn {
-    /// Units of a column.
+    /// Number of units in a column.
     units: usize,
-    /// Which of the rows is written.
+    /// Number of the written row in its group.
     part: usize,
-    /// Whether columns are written.
+    /// Whether the written rows are those of columns.
     to_columns: bool,
     write: fn(&[Row], usize, usize, &mut Row),
 }
@@ -45,7 +45,7 @@ impl Turn {
         Self { units: UNITS, part: PART, to_columns: false, write: turned::<UNITS, PART, false> }
     }
 
-    /// The pick of this kind that a row may be.
+    /// Returns the pick of this kind that a row could be; the caller checks it.
     fn of_row(self, turn: usize, row: &Places) -> Option<Pick> {
         let of = |k: usize| turned_from(k, self.units, self.part, self.to_columns).0;
         let read = |k: usize| (row[k] != NOWHERE).then_some(row[k] as usize / WIDTH);
@@ -58,7 +58,7 @@ impl Turn {
     }
 }
 
-/// Turns of columns of the units that coordinates in space have.
+/// Conversions for columns with as many units as space has coordinates.
 const TURNS: [Turn; 10] = [
     Turn::to_columns::<2, 0>(),
     Turn::to_columns::<2, 1>(),
@@ -72,7 +72,7 @@ const TURNS: [Turn; 10] = [
     Turn::to_numbers::<3, 2>(),
 ];
 
-/// The row and the lane that lane k of a turned row is read from.
+/// Row and lane from which lane k of a converted row is read.
 #[inline(always)]
 const fn turned_from(k: usize, units: usize, part: usize, to_columns: bool) -> (usize, usize) {
     if to_columns {
@@ -90,7 +90,7 @@ fn turned<const UNITS: usize, const PART: usize, const TO_COLUMNS: bool>(
     step: usize,
     turned: &mut Row,
 ) {
-    // Rows after the last are read for lanes that nothing is read from.
+    // Lanes without a number may lie beyond the last row, which is then read instead.
     let mut rows = [&x[first]; UNITS];
     rows.iter_mut().enumerate().for_each(|(row, of)| *of = &x[(first + row * step).min(x.len() - 1)]);
     for k in 0..WIDTH {
@@ -100,12 +100,12 @@ fn turned<const UNITS: usize, const PART: usize, const TO_COLUMNS: bool>(
 }
 
 impl Picks {
-    /// Rows of these places; what is read from [`NOWHERE`] may be anything.
+    /// Creates the plan for rows of these positions; a number at [`NOWHERE`] may have any value.
     pub fn new(places: &[u32]) -> Self {
         Self::of(places, |place| place != NOWHERE)
     }
 
-    /// Rows of these places; what is read from [`NOWHERE`] is 0.
+    /// Creates the plan for rows of these positions; a number at [`NOWHERE`] is 0.
     pub fn with_zeros(places: &[u32]) -> Self {
         Self::of(places, |_| true)
     }
@@ -123,7 +123,7 @@ impl Picks {
         Self { rows: rows.collect(), places: others.into() }
     }
 
-    /// Reads a row from those that its places are in.
+    /// Reads one row from the rows that its positions lie in.
     #[inline(always)]
     pub fn read(&self, row: usize, x: &[Row], to: &mut Row) {
         match self.rows[row] {
@@ -139,14 +139,14 @@ impl Picks {
         }
     }
 
-    /// Reads as many rows as there are.
+    /// Reads all rows of `to`.
     pub fn write(&self, x: &[Row], to: &mut [Row]) {
         to.iter_mut().enumerate().for_each(|(row, to)| self.read(row, x, to));
     }
 }
 
 impl Pick {
-    /// Where number k of the row is read from.
+    /// Position from which number k of the row is read.
     fn place(self, k: usize) -> Option<u32> {
         match self {
             Self::Same(place) => Some(place),
@@ -165,7 +165,7 @@ impl Pick {
     }
 }
 
-/// The shift that the first number of a row, and the first that the shift takes from another row, would belong to.
+/// Returns the shift suggested by the first number of a row, and by the first number that it takes from another row.
 fn shifted(row: &Places) -> Pick {
     let (first, by) = (row[0] / WIDTH as u32, row[0] as usize % WIDTH);
     let next = row.get(WIDTH - by).filter(|next| **next != NOWHERE);
@@ -173,7 +173,7 @@ fn shifted(row: &Places) -> Pick {
     Pick::Shifted { rows: [first, second], by: by as u8 }
 }
 
-/// By every number of places: the shift is known where it is compiled.
+/// Shifts by every number of positions, compiled for each so that it is a constant.
 const SHIFTS: [fn(&Row, &Row, &mut Row); WIDTH] = [
     shift::<0>,
     shift::<1>,
@@ -202,17 +202,17 @@ fn shift<const BY: usize>(first: &Row, second: &Row, to: &mut Row) {
 #[derive(Clone, Debug)]
 pub(crate) struct PickSums {
     terms: Picks,
-    /// Where those of every row end.
+    /// End of the summands of every row.
     ends: Box<[usize]>,
 }
 
 impl PickSums {
-    /// Sums whose summands are read from these places; those of a row end where `ends` says.
+    /// Creates sums whose summands are read from these positions; `ends` are the ends of the rows' summands.
     pub fn new(places: &[u32], ends: Box<[usize]>) -> Self {
         Self { terms: Picks::with_zeros(places), ends }
     }
 
-    /// Writes as many sums as there are.
+    /// Writes all sums of `to`.
     pub fn write(&self, x: &[Row], to: &mut [Row]) {
         let (mut start, mut term) = (0, Row::default());
         for (to, end) in to.iter_mut().zip(&self.ends) {

@@ -1,4 +1,4 @@
-//! What is left of a list of operations when what no result needs is gone, in an order to be run in.
+//! A list of operations without those that no result needs, in an executable order.
 
 use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
@@ -12,10 +12,10 @@ use crate::schedule::Scheduler;
 use std::ops::Range;
 use wide::f64x8;
 
-/// A vector's place in a workspace.
+/// Number of a vector in a workspace.
 pub(crate) type Slot = usize;
 
-/// One thing to do.
+/// A step of a program.
 #[derive(Clone, Debug)]
 pub(crate) enum Step {
     Input {
@@ -44,7 +44,7 @@ pub(crate) enum Step {
         x: Slot,
         to: [Option<Slot>; ORDERS],
     },
-    /// The derivative of this order of a function, times another vector.
+    /// The derivative of the given order of a function, times another vector.
     MapProduct {
         function: Function,
         order: usize,
@@ -77,19 +77,19 @@ pub(crate) enum Step {
         index: Box<[u32]>,
         to: Slot,
     },
-    /// Rows read from here and there.
+    /// Rows read from arbitrary positions.
     Pick {
         x: Slot,
         picks: Picks,
         to: Slot,
     },
-    /// The same of an input.
+    /// Rows read from arbitrary positions in an input.
     PickInput {
         number: usize,
         picks: Picks,
         to: Slot,
     },
-    /// Sums of such rows.
+    /// Sums of rows read from arbitrary positions.
     PickSums {
         x: Slot,
         sums: PickSums,
@@ -113,24 +113,24 @@ pub(crate) enum Step {
     },
 }
 
-/// Something to evaluate: vectors, and gradients in the weights, each a row of a Jacobian.
+/// A program for vectors, and for gradients with respect to the weights, each of which is a row of a Jacobian.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) steps: Vec<Step>,
-    /// Steps that the vectors need; the gradients need the others too.
+    /// Number of steps that the vectors need; the gradients also need the rest.
     pub(crate) first: usize,
-    /// The length of every slot, and the constants that some hold from the start.
+    /// Length of every slot, and the constants that some slots hold from the start.
     pub(crate) slots: Vec<usize>,
     pub(crate) constants: Vec<(Slot, Vec<Row>)>,
     pub(crate) outputs: Vec<Slot>,
     pub(crate) forms: Vec<Form>,
     pub(crate) inputs: usize,
     pub(crate) rows: usize,
-    /// The same number by number, where that is faster.
+    /// Version that runs number by number, if that is faster.
     pub(crate) numbers: Option<Numbers>,
 }
 
-/// The numbers of a program while it runs.
+/// Numbers of a program during a run.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     slots: Vec<Vec<Row>>,
@@ -139,51 +139,51 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// A result of the last run.
+    /// Returns an output of the last run.
     pub fn output(&self, number: usize) -> &[Row] {
         &self.slots[self.outputs[number]]
     }
 }
 
 impl Program {
-    /// The program for these vectors and these gradients in the weights, each a sum of terms.
+    /// Creates the program for these vectors and these gradients with respect to the weights, each a sum of terms.
     pub fn new(builder: &Builder, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Self {
         let mut program = Scheduler::new(builder, outputs, rows).schedule(outputs, rows);
         program.numbers = Numbers::of(&program, builder.is_of_short_vectors);
         program
     }
 
-    /// The program for these vectors of one sample: inputs and outputs are numbers one after the other in rows, and what lies side
-    /// by side are the columns that layers are applied to. Many nodes or edges of one graph take the time of as many samples of a
-    /// small system.
+    /// Creates the program for these vectors of a single sample: inputs and outputs are numbers one after the other in rows, and the
+    /// columns that layers are applied to lie side by side. Many nodes or edges of one graph take as long as the same number of samples of
+    /// a small system.
     ///
-    /// The outputs of a group, vectors of one length, all lie in rows as [`Program::form`] says.
+    /// The outputs of a group, vectors of one length, all have the arrangement given by [`Program::form`].
     pub(crate) fn of_one_sample(builder: &Builder, groups: &[Vec<Node>]) -> Self {
         let outputs = groups.concat();
         Scheduler::new(builder, &outputs, &[]).for_one_sample(groups).schedule(&outputs, &[])
     }
 
-    /// How an output lies in rows.
+    /// Arrangement of an output in rows.
     pub(crate) fn form(&self, output: usize) -> Form {
         self.forms[output]
     }
 
-    /// Numbers that a workspace keeps of every sample.
+    /// Count of the numbers that a workspace keeps for every sample.
     pub fn workspace_len(&self) -> usize {
         self.slots.iter().sum()
     }
 
-    /// Operations that a run takes.
+    /// Number of operations in a run.
     pub fn steps(&self) -> usize {
         self.steps.len()
     }
 
-    /// Gradients in the weights.
+    /// Number of gradients with respect to the weights.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// A workspace for it.
+    /// Creates a workspace for the program.
     pub fn workspace(&self) -> Workspace {
         let mut slots: Vec<Vec<Row>> =
             self.slots.iter().map(|length| vec![Row::default(); *length]).collect();
@@ -194,26 +194,26 @@ impl Program {
         Workspace { slots, registers, outputs: self.outputs.clone() }
     }
 
-    /// The program beside a workspace for it.
+    /// Returns the program together with a workspace.
     pub(crate) fn with_workspace(self) -> (Self, Workspace) {
         let workspace = self.workspace();
         (self, workspace)
     }
 
-    /// Evaluates the vectors at these weights and inputs, and adds to `rows` the gradients in the weights, as many numbers each as the
-    /// weight block has.
+    /// Evaluates the vectors at these weights and inputs, and adds the gradients with respect to the weights to `rows`, each of the length
+    /// of the weight block.
     ///
     /// # Panics
-    /// Where inputs, rows or workspace are not those of the program.
+    /// If inputs, rows or workspace do not belong to the program.
     pub fn run(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace, rows: &mut [Vec<Row>]) {
         self.run_outputs(weights, inputs, workspace);
         self.run_rows(weights, inputs, workspace, rows);
     }
 
-    /// Evaluates the vectors alone; inputs that none of them needs may be missing.
+    /// Evaluates only the vectors; inputs that none of them needs may be missing.
     ///
     /// # Panics
-    /// As [`Program::run`].
+    /// See [`Program::run`].
     pub fn run_outputs(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace) {
         if let Some(numbers) = &self.numbers {
             let Workspace { slots, registers, outputs } = workspace;
@@ -226,10 +226,11 @@ impl Program {
         }
     }
 
-    /// Adds the gradients after [`Program::run_outputs`] with the same weights, workspace and inputs, but for those that were missing.
+    /// Adds the gradients after [`Program::run_outputs`], with the same weights, workspace and inputs, and with the inputs that were
+    /// missing there.
     ///
     /// # Panics
-    /// As [`Program::run`].
+    /// See [`Program::run`].
     pub fn run_rows(
         &self,
         weights: &[f64],
@@ -297,14 +298,14 @@ impl Step {
     }
 }
 
-/// Writes a slot from others.
+/// Computes one slot from the others.
 fn write(slots: &mut [Vec<Row>], to: Slot, compute: impl FnOnce(&[Vec<Row>], &mut [Row])) {
     let mut place = std::mem::take(&mut slots[to]);
     compute(slots, &mut place);
     slots[to] = place;
 }
 
-/// Of two vectors number by number; where one of them is shorter it is repeated.
+/// Applies `f` to two vectors entry by entry; a shorter one is repeated.
 fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64x8) -> f64x8) {
     write(slots, to, |slots, to| {
         let (x, y) = (&slots[x], &slots[y]);
@@ -323,10 +324,10 @@ fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64
     });
 }
 
-/// Rows of a function that are multiplied while they are in the cache.
+/// Number of rows of a function that are multiplied while they are in the cache.
 const MAPPED: usize = 32;
 
-/// f⁽ᵒʳᵈᵉʳ⁾(x)y; where y is shorter it is repeated.
+/// Computes f⁽ᵒʳᵈᵉʳ⁾(x)y; a shorter y is repeated.
 fn map_product((function, order): (Function, usize), x: &[Row], y: &[Row], to: &mut [Row]) {
     let repeated = y.len() < to.len();
     let part = if repeated { y.len() * (MAPPED / y.len()).max(1) } else { MAPPED };
@@ -356,7 +357,7 @@ mod tests {
     use super::*;
     use leastaction_core::network::Activation;
 
-    /// A function that only a product needs takes no pass of its own, and other readers still get it.
+    /// A function that only a product reads takes no separate pass, and other readers still get it.
     #[test]
     fn functions_are_multiplied_where_they_are_computed() {
         let mut builder = Builder::new();

@@ -3,43 +3,43 @@
 use crate::builder::{Builder, Layer, Node, Operation};
 use crate::forward::widened;
 
-/// A part of the gradient in the weights.
+/// A part of the gradient with respect to the weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WeightTerm {
-    /// Σ ȳxᵀ over the columns for a layer's weights, and Σ ȳ for its biases where it had them.
+    /// Sum Σ ȳxᵀ over the columns for a layer's weights, and Σ ȳ for its biases if it added them.
     Layer {
         /// The layer.
         layer: Layer,
-        /// Vectors that it was applied to.
+        /// Number of vectors that it was applied to.
         columns: usize,
-        /// The adjoint of its outputs.
+        /// Adjoint of its outputs.
         y_bar: Node,
-        /// Its inputs.
+        /// Inputs of the layer.
         x: Node,
         /// Whether it added its biases.
         bias: bool,
     },
-    /// The adjoint of numbers of the weight block.
+    /// Adjoint of numbers of the weight block.
     Parameters {
-        /// Position of the first.
+        /// Position of the first number.
         start: usize,
-        /// Their adjoint.
+        /// Adjoint of these numbers.
         bar: Node,
     },
 }
 
-/// The gradient of a scalar.
+/// Gradient of a scalar.
 #[derive(Clone, Debug, Default)]
 pub struct Adjoints {
     bars: Vec<Option<Node>>,
-    /// The number that the node which hands its adjoint on is a function of.
+    /// Number on which the node that passes on its adjoint depends.
     of_reader: Option<Node>,
-    /// In the weights: the sum of these.
+    /// Terms whose sum is the gradient with respect to the weights.
     pub weights: Vec<WeightTerm>,
 }
 
 impl Adjoints {
-    /// The gradient in a vector, as its entries move alone.
+    /// Gradient with respect to a vector when only its entries change.
     pub fn of(&self, builder: &mut Builder, x: Node) -> Node {
         let bar = self.bars.get(x.index()).copied().flatten();
         bar.unwrap_or_else(|| builder.zeros(builder.length(x)))
@@ -52,7 +52,7 @@ impl Adjoints {
 }
 
 impl Builder {
-    /// The gradient of ȳ·y for a vector y and a vector ȳ that does not move.
+    /// Returns the gradient of ȳ·y for a vector y and a constant vector ȳ.
     pub fn pull_back(&mut self, y: Node, y_bar: Node) -> Adjoints {
         assert_eq!(self.length(y), self.length(y_bar), "an adjoint");
         let mut adjoints = Adjoints { bars: vec![None; y.index() + 1], ..Adjoints::default() };
@@ -66,7 +66,7 @@ impl Builder {
         adjoints
     }
 
-    /// Hands the adjoint of one node on to what it was computed from.
+    /// Passes the adjoint of one node on to its operands.
     fn pull(&mut self, at: usize, bar: Node, adjoints: &mut Adjoints) {
         match self.operations[at].clone() {
             Operation::Input(_) | Operation::Constant(_) => {}
@@ -110,8 +110,8 @@ impl Builder {
         }
     }
 
-    /// Adds to the adjoint of a node, on behalf of one that reads it. Functions of one number hand theirs on to that number where
-    /// others read them, and not among each other.
+    /// Adds to the adjoint of a node, on behalf of a node that reads it. Functions of a single number pass their adjoint directly to that
+    /// number if other nodes read them, and not through each other.
     fn add_to(&mut self, x: Node, own: Node, adjoints: &mut Adjoints) {
         if self.is_all(own, 0.0) || adjoints.of_reader == Some(x) {
             return;

@@ -1,13 +1,13 @@
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
 use wide::f64x8;
 
-/// Groups of lanes in a row.
+/// Number of groups of lanes in a row.
 pub(crate) const GROUPS: usize = 2;
 
-/// Samples that a program evaluates side by side.
+/// Number of samples that a program evaluates side by side.
 pub const WIDTH: usize = GROUPS * LANES;
 
-/// Where the numbers of a row lie among those of all rows; beyond them there are zeros.
+/// Positions of the numbers of a row among those of all rows; positions beyond the rows give zeros.
 pub(crate) type Places = [u32; WIDTH];
 
 /// One number of every sample.
@@ -16,20 +16,20 @@ pub(crate) type Places = [u32; WIDTH];
 pub struct Row(pub [f64; WIDTH]);
 
 impl Row {
-    /// The same number in every sample.
+    /// Creates a row with the same number in every sample.
     #[inline(always)]
     pub const fn splat(x: f64) -> Self {
         Self([x; WIDTH])
     }
 
-    /// The numbers in vector registers.
+    /// Loads the numbers into vector registers.
     #[inline(always)]
     pub(crate) fn load(&self) -> [f64x8; GROUPS] {
         let (groups, _) = self.0.as_chunks::<LANES>();
         std::array::from_fn(|g| f64x8::new(groups[g]))
     }
 
-    /// The numbers of one group of samples.
+    /// Loads the numbers of one group of samples.
     #[inline(always)]
     pub(crate) fn group(&self, g: usize) -> f64x8 {
         f64x8::new(self.0.as_chunks::<LANES>().0[g])
@@ -41,14 +41,14 @@ impl Row {
         self.0.as_chunks_mut::<LANES>().0[g] = x.to_array();
     }
 
-    /// The numbers at these places of rows.
+    /// Returns the numbers at these positions of rows.
     #[inline(always)]
     pub(crate) fn picked(rows: &[Self], places: &Places) -> Self {
         let number = |i: u32| rows.get(i as usize / WIDTH).map_or(0.0, |row| row.0[i as usize % WIDTH]);
         Self(std::array::from_fn(|k| number(places[k])))
     }
 
-    /// From vector registers.
+    /// Stores numbers from vector registers.
     #[inline(always)]
     pub(crate) fn store(x: [f64x8; GROUPS]) -> Self {
         let mut row = Self::default();
@@ -58,7 +58,7 @@ impl Row {
         row
     }
 
-    /// `f` of every sample's number and that of another row.
+    /// Applies `f` to every sample's number and that of another row.
     #[inline(always)]
     pub(crate) fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let mut result = *self;
@@ -66,14 +66,14 @@ impl Row {
         result
     }
 
-    /// What is linear from here to another row, at a part of the way: self + part (end − self).
+    /// Linear interpolation from this row to another: self + part (end − self).
     #[inline(always)]
     #[must_use]
     pub fn towards(&self, end: &Self, part: f64) -> Self {
         self.zip(end, |a, b| a + part * (b - a))
     }
 
-    /// `f` of every sample's number, eight at a time.
+    /// Applies `f` to every sample's number, eight at a time.
     #[inline(always)]
     pub(crate) fn map_lanes(&self, f: impl Fn(Lanes) -> Lanes) -> Self {
         let mut result = *self;
@@ -83,21 +83,21 @@ impl Row {
         result
     }
 
-    /// self + cx.
+    /// Adds cx.
     #[inline(always)]
     pub fn add_scaled(&mut self, c: f64, x: &Self) {
         let (sum, x, c) = (self.load(), x.load(), f64x8::splat(c));
         *self = Self::store(std::array::from_fn(|g| sum[g] + c * x[g]));
     }
 
-    /// xy.
+    /// Returns xy.
     #[inline(always)]
     pub fn product(&self, y: &Self) -> Self {
         let (x, y) = (self.load(), y.load());
         Self::store(std::array::from_fn(|g| x[g] * y[g]))
     }
 
-    /// self + xy.
+    /// Adds xy.
     #[inline(always)]
     pub fn add_product(&mut self, x: &Self, y: &Self) {
         let (sum, x, y) = (self.load(), x.load(), y.load());
@@ -111,7 +111,7 @@ impl Default for Row {
     }
 }
 
-/// The sine of every sample's number, and the cosine.
+/// Sine and cosine of every sample's number.
 pub(crate) fn sin_cos(x: &Row) -> [Row; 2] {
     let (mut sin, mut cos) = (*x, *x);
     for (sin, cos) in sin.0.iter_mut().zip(&mut cos.0) {

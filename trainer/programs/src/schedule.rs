@@ -1,4 +1,5 @@
-//! From a list of operations to the steps of a program: what no result needs is left out, and what is read no more makes room.
+//! From a list of operations to the steps of a program: operations that no result needs are left out, and slots that are not read any more
+//! are reused.
 
 mod forms;
 mod fused;
@@ -15,29 +16,29 @@ use std::collections::{HashMap, HashSet};
 /// Nodes of a gradient's terms for one layer.
 type Pairs = Vec<Pair<Node>>;
 
-/// Chooses steps and slots.
+/// Choice of steps and slots.
 pub(crate) struct Scheduler<'b> {
     builder: &'b Builder,
-    /// The nodes to compute, those first that outputs need, and the place of each in that order.
+    /// Nodes to compute, starting with those that outputs need, and the rank of each in that order.
     order: Vec<Node>,
     ranks: Vec<usize>,
-    /// Nodes that outputs need.
+    /// Number of nodes that outputs need.
     first: usize,
-    /// When each node is read last: a place in the order.
+    /// Rank in the order at which each node is read last.
     last_read: Vec<usize>,
     places: Vec<Option<Slot>>,
     program: Program,
-    /// Slots that are free again, by length.
+    /// Free slots, by length.
     free: HashMap<usize, Vec<Slot>>,
-    /// Terms of the same layer or numbers, by the place after which all is there.
+    /// Terms of the gradient of the same layer or numbers, by the rank after which their operands are available.
     gradients: HashMap<usize, Vec<Gradient>>,
-    /// The nodes that are read last at a place.
+    /// Nodes that are read last at a rank.
     ends: HashMap<usize, Vec<Node>>,
-    /// The derivatives of one function at one vector: computed together.
+    /// Derivatives of one function at one vector, which are computed together.
     maps: HashMap<(u32, Node), [Option<Node>; ORDERS]>,
-    /// Where numbers lie, of one sample; none where samples lie side by side.
+    /// Arrangement of the numbers of a single sample; `None` if samples lie side by side.
     layout: Option<Layout>,
-    /// Functions that nothing but one product reads, by that product: computed together.
+    /// Functions that only one product reads, by that product; both are computed together.
     factors: HashMap<Node, Node>,
     is_factor: HashSet<Node>,
     /// Nodes in other forms than their own.
@@ -91,9 +92,9 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// The same for one sample, whose columns lie side by side.
+    /// Prepares the program for a single sample, whose columns lie side by side.
     ///
-    /// The results of a group lie in rows as the first of them does.
+    /// All results of a group have the arrangement of the first one.
     pub fn for_one_sample(mut self, groups: &[Vec<Node>]) -> Self {
         let mut needed = vec![false; self.ranks.len()];
         self.order.iter().for_each(|node| needed[node.index()] = true);
@@ -140,7 +141,7 @@ impl<'b> Scheduler<'b> {
         self.program
     }
 
-    /// Terms of one row and one layer are added in one pass over its weights, as soon as all are there.
+    /// Adds the terms of one row and one layer in one pass over its weights, as soon as all are available.
     fn group(&mut self, rows: &[Vec<WeightTerm>]) {
         for (row, terms) in rows.iter().enumerate() {
             let mut layers: Vec<(Layer, Pairs)> = Vec::new();
@@ -165,7 +166,7 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// As soon as all that it reads is there, and not before all outputs are.
+    /// Schedules a gradient as soon as its operands are available, but not before all outputs are.
     fn when_ready(&mut self, reads: &[Node], gradient: Gradient) {
         let ready = reads.iter().map(|node| self.ranks[node.index()]).fold(self.first, usize::max);
         for node in reads {
@@ -179,13 +180,13 @@ impl<'b> Scheduler<'b> {
         self.places[node.index()].unwrap_or_else(|| panic!("node {node:?} is read before it is written"))
     }
 
-    /// Rows that a node's numbers take.
+    /// Number of rows that a node takes.
     fn rows(&self, node: Node) -> usize {
         let length = self.builder.length(node);
         self.layout.as_ref().map_or(length, |layout| layout.form(node).rows(length))
     }
 
-    /// A slot of so many rows, of those that are free if there is one.
+    /// Returns a slot of `rows` rows, a free one if possible.
     fn slot(&mut self, rows: usize) -> Slot {
         self.free.get_mut(&rows).and_then(Vec::pop).unwrap_or_else(|| {
             self.program.slots.push(rows);
@@ -210,7 +211,7 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// A slot of its own, that nothing else is written to, for a constant.
+    /// Returns a slot for a constant, to which nothing else is written.
     fn constant(&mut self, rows: Vec<Row>) -> Slot {
         self.program.slots.push(rows.len());
         let slot = self.program.slots.len() - 1;
@@ -218,7 +219,7 @@ impl<'b> Scheduler<'b> {
         slot
     }
 
-    /// Computes a node, where no other step does.
+    /// Computes a node, unless another step does so.
     fn step(&mut self, at: usize) {
         let node = Node::new(at);
         if self.places[at].is_some() {
@@ -259,7 +260,7 @@ impl<'b> Scheduler<'b> {
         self.program.steps.push(step);
     }
 
-    /// Places a constant.
+    /// Stores a constant in a slot.
     fn known(&mut self, node: Node) {
         let known = self.builder.known(node).unwrap_or_default();
         let rows = match &self.layout {

@@ -1,19 +1,19 @@
-//! Functions of one number, which are differentiated forwards, once: every derivative in that number, of whatever is computed
-//! from them, is theirs multiplied by a number.
+//! Functions of a single number. They are differentiated once, forwards: the derivative in that number of any result computed from them is
+//! theirs multiplied by a factor.
 //!
-//! What an element of a tree adds to positions is a network of its own angle. Its derivatives x′, x″ then serve all coordinates, in
-//! place of passes backwards through the network, one for every use.
+//! The displacement by an element of a tree is a network of its own angle. Its derivatives x′, x″ serve all coordinates, in place of a
+//! backward pass through the network for every use.
 
 use crate::builder::{Builder, Node, Operation};
 
-/// What a node is a function of, beside constants and weights.
+/// Variables that a node depends on, besides constants and weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Variables {
-    /// Nothing.
+    /// No variable.
     None,
-    /// This number alone: an input, or an entry of one.
+    /// One number: an input, or an entry of one.
     One(Node),
-    /// More.
+    /// Several numbers.
     Many,
 }
 
@@ -28,7 +28,7 @@ impl Variables {
 }
 
 impl Builder {
-    /// Those of an operation that becomes the node `own`.
+    /// Variables of an operation that becomes the node `own`.
     pub(crate) fn variables_of(&self, operation: &Operation, length: usize, own: Node) -> Variables {
         let of_input = match operation {
             Operation::Input(_) => true,
@@ -43,7 +43,7 @@ impl Builder {
         variables
     }
 
-    /// The number that a node is a function of, where it is another node.
+    /// Number that a node is a function of, if that number is another node.
     pub(crate) fn variable(&self, node: Node) -> Option<Node> {
         match self.variables[node.index()] {
             Variables::One(variable) if variable != node => Some(variable),
@@ -51,7 +51,7 @@ impl Builder {
         }
     }
 
-    /// The derivative of a function of one number in that number; none where it is 0.
+    /// Derivative of a function of a single number in that number; `None` if it is 0.
     pub(crate) fn own_slope(&mut self, node: Node) -> Option<Node> {
         if let Some(slope) = self.slopes.get(&node) {
             return *slope;
@@ -72,7 +72,7 @@ impl Builder {
         self.slope(node.index(), |x| slopes.iter().find(|(own, _)| *own == x).and_then(|(_, slope)| *slope))
     }
 
-    /// The slope of a function of one number whose slope is this one.
+    /// Derivative of a function of a single number, given the derivative of that number.
     pub(crate) fn chained(&mut self, node: Node, rate: Node) -> Option<Node> {
         let slope = self.own_slope(node)?;
         let rate = self.repeated(rate, self.length(node));
@@ -88,7 +88,7 @@ mod tests {
     use crate::program::{Program, Step};
     use crate::row::Row;
 
-    /// |y|² of a network y of one of two inputs: its derivative goes through the network forwards.
+    /// |y|² for a network y of one of two inputs: its derivative goes forwards through the network.
     #[test]
     fn a_function_of_one_number_is_not_differentiated_backwards() {
         let mut builder = Builder::new();

@@ -4,10 +4,9 @@ use crate::builder::{Builder, Node, Operation};
 use crate::single::Variables;
 
 impl Builder {
-    /// The vector of these entries of a gathered, added or joined one, read from what that is computed from; `None` where that takes
-    /// more than a gather.
+    /// Gathers entries of a gathered, added or joined vector directly from its operands; `None` if that takes more than one gather.
     pub(crate) fn gathered_before(&mut self, x: Node, index: &[usize]) -> Option<Node> {
-        // What is a function of one number alone remains one, under its own name.
+        // A function of a single number is kept as a node of its own.
         if matches!(self.variables[x.index()], Variables::One(_)) {
             return None;
         }
@@ -42,7 +41,7 @@ impl Builder {
     }
 }
 
-/// For each of so many sums the summand that is its only one.
+/// The summand of each of `sums` sums if it has exactly one; otherwise `None`.
 fn only_summands(index: &[u32], sums: usize) -> Vec<Option<usize>> {
     let mut counts = vec![0; sums];
     let mut last = vec![None; sums];

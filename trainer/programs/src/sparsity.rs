@@ -1,9 +1,9 @@
-//! Which entries of one vector are functions of which entries of another, and Jacobians of few directions where they are sparse.
+//! Dependence of the entries of one vector on those of another, and sparse Jacobians from few directions.
 
 use crate::builder::{Builder, Node, Operation};
 use std::collections::HashMap;
 
-/// Sets of numbers, each once: an entry of a vector has the position of its set.
+/// Sets of numbers, each stored once: an entry of a vector is described by the position of its set.
 #[derive(Debug)]
 struct Sets {
     sets: Vec<Vec<usize>>,
@@ -11,7 +11,7 @@ struct Sets {
     unions: HashMap<[usize; 2], usize>,
 }
 
-/// The position of the empty set.
+/// Position of the empty set.
 const EMPTY: usize = 0;
 
 impl Sets {
@@ -51,7 +51,7 @@ impl Sets {
 }
 
 impl Builder {
-    /// For every entry of a vector the entries of `on` that it is a function of, ascending.
+    /// Entries of `on`, in ascending order, that each entry of a vector depends on.
     pub(crate) fn dependence(&self, of: Node, on: Node) -> Vec<Vec<usize>> {
         let (mut sets, count) = (Sets::new(), of.index() + 1);
         let mut entries: Vec<Vec<usize>> = vec![Vec::new(); count];
@@ -65,7 +65,7 @@ impl Builder {
         entries[of.index()].iter().map(|set| sets.sets[*set].clone()).collect()
     }
 
-    /// The sets of a node's entries from those of what it reads.
+    /// Sets of a node's entries, from those of its operands.
     fn sets_of(&self, at: usize, entries: &[Vec<usize>], sets: &mut Sets) -> Vec<usize> {
         let of = |x: &Node| &entries[x.index()];
         let length = self.lengths[at];
@@ -92,42 +92,41 @@ impl Builder {
     }
 }
 
-/// A sparse square Jacobian from few directions: columns without a common row are computed along one direction (Curtis, Powell,
-/// Reid 1974).
+/// A sparse square Jacobian computed from few directions: columns without a common row share a direction (Curtis, Powell, Reid 1974).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern {
-    /// The columns of each row, ascending.
+    /// Columns of each row, in ascending order.
     rows: Vec<Vec<usize>>,
-    /// The direction of each column.
+    /// Direction of each column.
     directions: Vec<usize>,
     /// Rows and columns that are connected with each other and with no others.
     blocks: Vec<Vec<usize>>,
 }
 
 impl Pattern {
-    /// Of a Jacobian with these columns in its rows.
+    /// Creates the pattern of a Jacobian with these columns in its rows.
     pub(crate) fn new(rows: Vec<Vec<usize>>) -> Self {
         let (directions, blocks) = (directions(&rows), blocks(&rows));
         Self { rows, directions, blocks }
     }
 
-    /// Rows, and columns.
+    /// Number of rows, and of columns.
     pub fn size(&self) -> usize {
         self.rows.len()
     }
 
-    /// Directions that give the whole Jacobian.
+    /// Number of directions that give the whole Jacobian.
     pub fn directions(&self) -> usize {
         self.directions.iter().max().map_or(0, |last| last + 1)
     }
 
-    /// The columns of a direction.
+    /// Columns of a direction.
     pub(crate) fn columns(&self, direction: usize) -> impl Iterator<Item = usize> {
         let own = self.directions.iter().enumerate().filter(move |(_, own)| **own == direction);
         own.map(|(column, _)| column)
     }
 
-    /// The direction whose entry i is that of row i and column j; none where it is 0.
+    /// Direction along which entry i of the result is the Jacobian's entry (i, j); `None` if that entry is 0.
     pub fn direction(&self, i: usize, j: usize) -> Option<usize> {
         self.rows[i].binary_search(&j).ok().map(|_| self.directions[j])
     }
@@ -137,7 +136,7 @@ impl Pattern {
         &self.blocks
     }
 
-    /// The same, blocks of one size together.
+    /// Blocks, grouped by size.
     pub(crate) fn blocks_by_size(&self) -> Vec<Vec<Vec<usize>>> {
         let mut blocks = self.blocks.clone();
         blocks.sort_by_key(Vec::len);
@@ -145,7 +144,7 @@ impl Pattern {
     }
 }
 
-/// Every column's direction: the first that no column which shares a row with it has.
+/// Direction of every column: the first that no column sharing a row with it has.
 fn directions(rows: &[Vec<usize>]) -> Vec<usize> {
     let mut columns = vec![Vec::new(); rows.len()];
     for (i, row) in rows.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What the solvers and the losses ask of a model, as programs.
+//! Programs of a model for the solvers and the losses.
 
 use crate::builder::{Builder, Node};
 use crate::energies::Energies;
@@ -6,7 +6,7 @@ use crate::program::Program;
 use crate::reverse::WeightTerm;
 use crate::sparsity::Pattern;
 
-/// L = T − V and Q(q, v, τ) of a model written down, for its derivatives to be asked for.
+/// Terms L = T − V and Q(q, v, τ) of a model, written down so that they can be differentiated.
 #[derive(Clone, Debug)]
 pub struct System {
     builder: Builder,
@@ -21,40 +21,40 @@ pub struct System {
     bends: Option<Node>,
 }
 
-/// L_q + Q and L_v with their derivatives, as outputs of a program: vectors of n rows.
+/// Numbers of the outputs of a program for L_q + Q and L_v with their derivatives: vectors of n rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DerivativeOutputs {
     n: usize,
 }
 
-/// The programs of [`System::separable`].
+/// Programs of [`System::separable`].
 #[derive(Clone, Debug)]
 pub struct Separable {
-    /// L_q(q), N, with L_qq.
+    /// Force L_q(q), N, with L_qq.
     pub force: Program,
-    /// L_v(v), kg m/s, with M = L_vv.
+    /// Momentum L_v(v), kg m/s, with M = L_vv.
     pub momentum: Program,
-    /// Q(v), N, with ∂Q/∂v.
+    /// Drag Q(v), N, with ∂Q/∂v.
     pub drag: Option<Program>,
 }
 
 impl DerivativeOutputs {
-    /// F = L_q + Q.
+    /// Force F = L_q + Q.
     pub const FORCE: usize = 0;
-    /// p = L_v.
+    /// Momentum p = L_v.
     pub const MOMENTUM: usize = 1;
 
-    /// ∂F/∂q_j, all rows.
+    /// Derivative ∂F/∂q_j, all rows.
     pub const fn force_q(self, j: usize) -> usize {
         2 + j
     }
 
-    /// ∂L_v/∂q_j, all rows.
+    /// Derivative ∂L_v/∂q_j, all rows.
     pub const fn momentum_q(self, j: usize) -> usize {
         2 + self.n + j
     }
 
-    /// ∂F/∂v_j, all rows.
+    /// Derivative ∂F/∂v_j, all rows.
     pub const fn force_v(self, j: usize) -> usize {
         2 + 2 * self.n + j
     }
@@ -77,7 +77,7 @@ impl System {
         Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force, bends }
     }
 
-    /// The same without forces: L alone, over the same weight block.
+    /// Returns the system without forces: L alone, over the same weight block.
     #[must_use]
     pub fn conservative(&self) -> Self {
         let mut own = self.clone();
@@ -90,34 +90,34 @@ impl System {
         self.n
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> usize {
         self.parameters
     }
 
-    /// Inputs q, v; output [`Energies::bends`], n rows, where a force does.
+    /// Program with inputs q, v; output [`Energies::bends`], n rows, if a force bends.
     pub(crate) fn bends(&self) -> Option<Program> {
         self.bends.map(|bends| Program::new(&self.builder, &[bends], &[]))
     }
 
-    /// Inputs q, v; outputs T and V, J, one row each.
+    /// Program with inputs q, v; outputs T and V, J, one row each.
     pub fn energies(&self) -> Program {
         Program::new(&self.builder, &self.energies, &[])
     }
 
-    /// Inputs q, v, τ; output Q, n rows: the forces beside the control.
+    /// Program with inputs q, v, τ; output Q, n rows: the forces beside the control.
     pub fn force(&self) -> Program {
         Program::new(&self.builder, &[self.force], &[])
     }
 
-    /// Inputs q, v; outputs L_q and L_v, n rows each.
+    /// Program with inputs q, v; outputs L_q and L_v, n rows each.
     pub fn gradient(&self) -> Program {
         let mut builder = self.builder.clone();
         let outputs = self.first(&mut builder);
         Program::new(&builder, &outputs, &[])
     }
 
-    /// Inputs q, v, τ; outputs F = L_q + Q and L_v, n rows each.
+    /// Program with inputs q, v, τ; outputs F = L_q + Q and L_v, n rows each.
     pub fn force_and_momentum(&self) -> Program {
         let mut builder = self.builder.clone();
         let [l_q, l_v] = self.first(&mut builder);
@@ -125,15 +125,15 @@ impl System {
         Program::new(&builder, &[force, l_v], &[])
     }
 
-    /// Inputs q, v, τ; outputs L_q − L_vq v + Q + τ, which is M v̇, and then M along as many directions as its pattern needs.
+    /// Program with inputs q, v, τ; outputs L_q − L_vq v + Q + τ, which is M v̇, and M along the directions of its pattern.
     pub fn equation_of_motion(&self) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
         let (outputs, pattern) = self.motion(&mut builder);
         (Program::new(&builder, &outputs, &[]), pattern)
     }
 
-    /// The same for one sample ([`Program::of_one_sample`]), for every size of blocks of M that there is: of all blocks of that size side
-    /// by side the numbers of the right side, and then the entries of M row by row.
+    /// Equation of motion for a single sample ([`Program::of_one_sample`]). For every size of the blocks of M, with all blocks of that size
+    /// side by side, its outputs are the numbers of the right-hand side, and then the entries of M row by row.
     pub(crate) fn equation_of_motion_in_blocks(&self) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
         let (motion, pattern) = self.motion(&mut builder);
@@ -151,7 +151,7 @@ impl System {
         (Program::of_one_sample(&builder, &groups), pattern)
     }
 
-    /// Those of [`System::equation_of_motion`] with the rows of [`System::residual`], which share what both compute.
+    /// Outputs of [`System::equation_of_motion`], with the rows of [`System::residual`]; common parts are computed once.
     pub fn equation_of_motion_with_residual(&self, directions: usize) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
         let (outputs, pattern) = self.motion(&mut builder);
@@ -159,7 +159,7 @@ impl System {
         (Program::new(&builder, &outputs, &rows), pattern)
     }
 
-    /// L_q − L_vq v + Q + τ, and M along the directions of its pattern.
+    /// Right-hand side L_q − L_vq v + Q + τ, and M along the directions of its pattern.
     fn motion(&self, builder: &mut Builder) -> (Vec<Node>, Pattern) {
         let [l_q, l_v] = self.first(builder);
         let along = builder.tangents(&[l_v], &[(self.q, self.v)]);
@@ -175,7 +175,7 @@ impl System {
         (outputs, pattern)
     }
 
-    /// Inputs q, v, τ; outputs as [`DerivativeOutputs`] says.
+    /// Program with inputs q, v, τ; its outputs are numbered by [`DerivativeOutputs`].
     pub fn derivatives(&self) -> (Program, DerivativeOutputs) {
         let mut builder = self.builder.clone();
         let [l_q, l_v] = self.first(&mut builder);
@@ -195,7 +195,7 @@ impl System {
         (Program::new(&builder, &outputs, &[]), DerivativeOutputs { n: self.n })
     }
 
-    /// Inputs q, v, τ; outputs the n columns ∂Q/∂τ_j, n rows each. None where no force depends on the control.
+    /// Program with inputs q, v, τ; outputs the n columns ∂Q/∂τ_j, n rows each. `None` if no force depends on the control.
     pub fn load_derivatives(&self) -> Option<Program> {
         let mut builder = self.builder.clone();
         if !builder.read_by(&[self.force], builder.operations.len())[self.tau.index()] {
@@ -209,8 +209,8 @@ impl System {
         Some(Program::new(&builder, &outputs, &[]))
     }
 
-    /// Programs of L = T(v) − V(q) with drag Q(v), each of inputs q, v, τ: outputs L_q and the columns of L_qq; L_v and the columns
-    /// of M; Q and the columns of ∂Q/∂v, n rows each. `None` where the system is of another form; no drag where Q = 0.
+    /// Programs of L = T(v) − V(q) with drag Q(v), each with inputs q, v, τ: outputs L_q and the columns of L_qq; L_v and the columns of M;
+    /// Q and the columns of ∂Q/∂v, n rows each. `None` if the system has another form; there is no drag program if Q = 0.
     pub fn separable(&self) -> Option<Separable> {
         let mut builder = self.builder.clone();
         let [l_q, l_v] = self.first(&mut builder);
@@ -227,7 +227,7 @@ impl System {
         })
     }
 
-    /// Outputs a vector and the columns of its Jacobian.
+    /// Program that outputs a vector and the columns of its Jacobian.
     fn with_columns(&self, node: Node, x: Node, mut builder: Builder) -> Program {
         let mut outputs = vec![node];
         for j in 0..self.n {
@@ -237,13 +237,13 @@ impl System {
         Program::new(&builder, &outputs, &[])
     }
 
-    /// Inputs q, v, τ, a; outputs the derivatives of F − L_vq v − M a at constant a: its n columns ∂/∂q_j, then its n columns
-    /// ∂/∂v_j, n rows each. M⁻¹ times them are those of the acceleration.
+    /// Program with inputs q, v, τ, a; outputs the derivatives of F − L_vq v − M a at constant a: its n columns ∂/∂q_j, then its n columns
+    /// ∂/∂v_j, n rows each. M⁻¹ times them gives the derivatives of the acceleration.
     pub fn residual_derivatives(&self) -> Program {
         self.residual_columns(&[self.q, self.v])
     }
 
-    /// Those of [`System::residual_derivatives`], then the n columns ∂Q/∂τ_j: what friction makes of the load.
+    /// Outputs of [`System::residual_derivatives`], followed by the n columns ∂Q/∂τ_j: the load dependence of friction.
     pub fn residual_derivatives_with_control(&self) -> Program {
         self.residual_columns(&[self.q, self.v, self.tau])
     }
@@ -265,9 +265,9 @@ impl System {
         Program::new(&builder, &outputs, &[])
     }
 
-    /// Inputs q, v, τ, then δq and δv of every direction; rows ∂/∂θ \[F·δq + L_v·δv\] with F = L_q + Q, one a direction.
+    /// Program with inputs q, v, τ, then δq and δv of every direction; rows ∂/∂θ \[F·δq + L_v·δv\] with F = L_q + Q, one per direction.
     ///
-    /// All discrete losses are sums of such rows: the implicit function theorem only chooses δq and δv.
+    /// All discrete losses are sums of such rows: the implicit function theorem only determines δq and δv.
     pub fn along(&self, directions: usize) -> Program {
         let mut builder = self.builder.clone();
         let mut rows = Vec::new();
@@ -281,7 +281,7 @@ impl System {
         Program::new(&builder, &[], &rows)
     }
 
-    /// Inputs q, v, τ, then δv of every direction; rows ∂/∂θ \[L_v·δv\], one a direction.
+    /// Program with inputs q, v, τ, then δv of every direction; rows ∂/∂θ \[L_v·δv\], one per direction.
     pub fn momentum_along(&self, directions: usize) -> Program {
         let mut builder = self.builder.clone();
         let mut rows = Vec::new();
@@ -293,8 +293,8 @@ impl System {
         Program::new(&builder, &[], &rows)
     }
 
-    /// Inputs q, v, τ, a, then y of every direction; rows ∂/∂θ \[y·(F − L_vq v − M a)\], one a direction: the gradient of the
-    /// Euler–Lagrange residual, and so of the acceleration.
+    /// Program with inputs q, v, τ, a, then y of every direction; rows ∂/∂θ \[y·(F − L_vq v − M a)\], one per direction: the gradient of
+    /// the Euler–Lagrange residual, and therefore of the acceleration.
     pub fn residual(&self, directions: usize) -> Program {
         let mut builder = self.builder.clone();
         let rows = self.residual_rows(&mut builder, directions);
@@ -316,7 +316,7 @@ impl System {
         rows.collect()
     }
 
-    /// L_q and L_v.
+    /// Gradients L_q and L_v.
     fn first(&self, builder: &mut Builder) -> [Node; 2] {
         let one = builder.constant(&[1.0]);
         let adjoints = builder.pull_back(self.lagrangian, one);
@@ -327,7 +327,7 @@ impl System {
         self.axes(builder, [j])
     }
 
-    /// The sum of unit vectors.
+    /// Sum of unit vectors.
     fn axes(&self, builder: &mut Builder, of: impl IntoIterator<Item = usize>) -> Node {
         let mut axes = vec![0.0; self.n];
         of.into_iter().for_each(|j| axes[j] = 1.0);

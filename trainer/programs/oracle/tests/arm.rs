@@ -75,7 +75,7 @@ fn values_and_derivatives_are_cores() {
     check_against_core(BRANCHED, 3);
 }
 
-/// Rows ∂/∂θ y·(L_q − L_vq v − M a) of the numbers that can be learned against differences, number by number.
+/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) of the numbers that can be learned against differences, number by number.
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();

@@ -46,7 +46,7 @@ fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-/// The angle of every body and its centre of mass.
+/// Angle and centre of mass of every body.
 fn places(bodies: &[TreeBody], weights: &[f64], q: &[f64]) -> Vec<(f64, [f64; 2])> {
     let (mut frames, mut places): (Vec<(f64, [f64; 2])>, Vec<_>) = (Vec::new(), Vec::new());
     for (i, (body, numbers)) in bodies.iter().zip(numbers(weights)).enumerate() {
@@ -69,7 +69,7 @@ fn numbers(weights: &[f64]) -> Vec<BodyParameters<f64>> {
     bodies.map(|numbers| BodyParameters::from_array(numbers.try_into().unwrap())).collect()
 }
 
-/// T and V by the printed formulas, velocities by central differences.
+/// Energies T and V by the printed formulas, with velocities by central differences.
 fn printed(bodies: &[TreeBody], weights: &[f64], q: &[f64], v: &[f64]) -> [f64; 2] {
     let moved = |t: f64| {
         let q: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + t * v).collect();
@@ -131,7 +131,7 @@ fn values_and_derivatives_are_cores() {
     check_against_core(BRANCHED, 10);
 }
 
-/// Rows ∂/∂θ y·(L_q − L_vq v − M a) against differences of the equation of motion, number by number.
+/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) against differences of the equation of motion, number by number.
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();
@@ -139,7 +139,7 @@ fn gradients_are_the_differences_of_the_equation_of_motion() {
     common::check_gradients_of_motion::<N>((&system, &weights(N, 4)), 4, |_| true);
 }
 
-/// M of the double pendulum as textbooks have it, geared drives included.
+/// The mass matrix M of the double pendulum in textbooks, geared drives included.
 #[test]
 fn the_double_pendulum_has_its_textbook_inertia() {
     let weights = weights(2, 5);

@@ -88,7 +88,7 @@ fn values_and_derivatives_are_cores() {
     }
 }
 
-/// A model's own damping stays, and its numbers come before those of friction; a model in a box is the same.
+/// A model's own damping stays, and its numbers precede those of friction; a boxed model gives the same.
 #[test]
 fn friction_adds_to_the_forces_of_the_model() {
     let which = FrictionLaws { viscous: false, ..ALL };
@@ -129,7 +129,7 @@ fn gradients_are_the_differences_of_cores_force() {
                 laws(which, &moved)
             };
             let (forth, back) = (moved(STEP), moved(-STEP));
-            // That of a c_load which is known to be 0 is left out; it is the second and the sixth number of dry friction.
+            // The derivative in a c_load that is known to be 0 is left out; it is the second and the sixth number of dry friction.
             let is_load = (weights.len() - place) % 4 == 3;
             for sample in (0..WIDTH).filter(|_| which.dry != DryLaw::Unloaded || !is_load) {
                 let [q, v, tau, y] = [0, 1, 2, 4].map(|vector| own.of(vector, sample));
@@ -153,10 +153,10 @@ fn groups_must_fit() {
     assert!(WithFriction::new(inertia_network(false), ALL, 2, vec![0, 1, 2]).is_none(), "no third group");
 }
 
-/// So narrow that Newton's method alone jumps to and fro.
+/// Friction so narrow that Newton's method without safeguards jumps to and fro.
 const STIFF: [[f64; 4]; 2] = [[0.7, 0.25, 0.4, 0.005], [0.2, 0.6, 0.15, 0.01]];
 
-/// Steps through the change of sign, pushed to and fro, are core's.
+/// Steps through the change of sign, pushed to and fro, equal core's.
 fn check_steps<P: Path>(order: Order, dry: [[f64; 4]; 2]) {
     let weights = weights(ALL, dry, false, 9);
     let (system, core, h) = (System::new(&model(ALL, false)), core(ALL, &weights), 0.01);
@@ -189,7 +189,7 @@ fn steps_are_cores() {
     }
 }
 
-/// The state that two positions determine is core's, also where the early friction turns the bubble's equation back.
+/// The state that two positions determine equals core's, even where the early friction makes the bubble's equation non-monotonic.
 fn check_starts<P: Path>(order: Order, dry: [[f64; 4]; 2]) {
     let weights = weights(ALL, dry, false, 9);
     let (system, core, h) = (System::new(&model(ALL, false)), core(ALL, &weights), 0.01);

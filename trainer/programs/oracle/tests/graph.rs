@@ -16,7 +16,7 @@ use leastaction_programs::dynamics::{Accelerations, OneSampleAccelerations};
 use leastaction_programs::energies::{Energies, GraphEnergies};
 use leastaction_programs::{Program, Row, System};
 
-/// Numbers of the embeddings: of kinetic energies, of nodes, of edges. All different, and none a dimension of space.
+/// Lengths of the embeddings: of kinetic energies, of nodes, of edges. All are different, and none equals a dimension of space.
 const KINETIC: u8 = 1;
 const H: u8 = 4;
 const E: u8 = 5;
@@ -43,7 +43,7 @@ fn networks(dimension: u8) -> [NetworkShape; 11] {
 
 const KINETIC_NETWORKS: [u8; 2] = [0, 1];
 const POTENTIALS: [u8; 2] = [2, 3];
-/// Of a number: drag, pairs.
+/// Networks of a single number: drag, pairs.
 const SCALARS: [u8; 2] = [4, 5];
 const EMBEDDING: u8 = 6;
 const MESSAGES: MessageShape =
@@ -64,7 +64,7 @@ const DEEP: NodeShape = NodeShape {
 };
 const SPRING: EdgeShape = EdgeShape { separation: Separation::Distance, potential: None, embedding: None };
 const QUARTIC: EdgeShape = EdgeShape { separation: Separation::Squared, ..SPRING };
-/// The same network as in [`LEARNED`]'s drag.
+/// An edge with the network of [`LEARNED`]'s drag.
 const PAIR: EdgeShape = EdgeShape { potential: Some(SCALARS[0]), ..SPRING };
 const SQUARED_PAIR: EdgeShape = EdgeShape { potential: Some(SCALARS[1]), ..QUARTIC };
 
@@ -177,7 +177,7 @@ fn messages_without_an_edge() {
     check::<2, 4>(&shape(2, &[HEAVY], &kinds, Some(MESSAGES)), &[0; 2], &[]);
 }
 
-/// Embeddings of no number, and networks without a hidden layer.
+/// Embeddings without numbers, and networks without a hidden layer.
 #[test]
 fn empty_embeddings() {
     let of = |inputs, outputs| NetworkShape::new(inputs, &[], outputs, Activation::Tanh).unwrap();

@@ -24,7 +24,7 @@ const VISCOUS: [f64; N] = [0.3, 0.05, 0.2];
 type Model = WithNetworks<WithFriction<InertiaNetworkEnergies>>;
 type Networks<'w> = (Dissipation<'w, f64, N, 6, 2>, PotentialCorrection<'w, f64, N, 6, 2>);
 
-/// Two coordinates of three, one by its velocity alone; another, and two.
+/// Laws on two of three coordinates, one seen by its velocity alone; on one other coordinate, and on two.
 const CASES: [[Option<Header<'static>>; 2]; 4] = {
     const fn header(coordinates: &'static str, activation: Activation) -> Option<Header<'static>> {
         Some(Header { coordinates, widths: [6, 5, 0, 0], activation })
@@ -128,7 +128,7 @@ fn values_and_derivatives_are_cores() {
     }
 }
 
-/// ∂(y·(L_q + Q))/∂w of every number against central differences of core's.
+/// Checks ∂(y·(L_q + Q))/∂w of every number against central differences of core's.
 #[test]
 fn gradients_are_the_differences_of_cores_force() {
     const STEP: f64 = 1e-5;
@@ -157,7 +157,7 @@ fn gradients_are_the_differences_of_cores_force() {
     }
 }
 
-/// Coordinates that the model has not, none at all, and a potential that sees no position.
+/// Coordinates that the model does not have, none at all, and a potential without a position as an input.
 #[test]
 fn networks_must_fit() {
     let law = |coordinates: Vec<Option<Coordinate>>| LawNetwork {
@@ -180,7 +180,7 @@ fn networks_must_fit() {
     assert_eq!((plain.parameters(), plain.n()), (inertia_network().parameters(), N));
 }
 
-/// Steps under a push to and fro are core's, which takes the potential as a force.
+/// Steps under a push to and fro equal core's, which takes the potential as a force.
 fn check_steps<P: Path>(order: Order) {
     let case = CASES[0];
     let weights = weights(case, 9);

@@ -35,7 +35,7 @@ fn weights(model: &InertiaNetworkEnergies, seed: u64) -> Vec<f64> {
     weights
 }
 
-/// Positions that no system follows, under a control that changes all the time.
+/// Positions of no system's motion, under a control that changes all the time.
 fn block(n: usize, seed: u64) -> Block {
     let mut stream = Pcg64::seed_from_u64(seed);
     let mut random = |size: f64| -> Vec<Row> {
@@ -53,7 +53,7 @@ fn block(n: usize, seed: u64) -> Block {
     Block { states, next_velocity: random(2.0), controls, control: ControlKind::Linear }
 }
 
-/// The residuals that core's Newton method gives, order and size being types.
+/// Residuals by core's Newton method, where order and size are types.
 fn core_residuals<P: Path, const N: usize>(
     weights: &[f64],
     block: &Block,
@@ -161,7 +161,7 @@ fn torques() {
     }
 }
 
-/// With friction that grows with the load, of drives whose torque is off, each coordinate in its unit.
+/// Friction that grows with the load, drives with torque offsets, and a unit for each coordinate.
 #[test]
 fn torques_of_drives_in_units_of_their_own() {
     let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
@@ -181,7 +181,7 @@ fn torques_of_drives_in_units_of_their_own() {
     {
         assert!(found.0.iter().zip(&plain.0).all(|(found, plain)| (found * unit - plain).abs() < 1e-12));
     }
-    // An offset is as good as the same torque in the log.
+    // An offset is equivalent to the same torque in the log.
     let (offsets, mut shifted) = (weights.len() - 3, block.clone());
     for (row, offset) in shifted.controls[0].iter_mut().zip(&weights[offsets..]) {
         row.0.iter_mut().for_each(|u| *u += offset);
@@ -193,7 +193,7 @@ fn torques_of_drives_in_units_of_their_own() {
     }
 }
 
-/// A motion takes the torque that makes it, and M times what it is accelerated by beyond that.
+/// A motion needs exactly the torque that makes it; an additional acceleration needs M times as much more.
 #[test]
 fn torques_are_those_that_accelerate() {
     let model = model(3);
@@ -224,7 +224,7 @@ fn next_states() {
     }
 }
 
-/// With what a kind does not read another number in its place, nothing changes; with what it reads, the residual does.
+/// Replacing a number that a kind of control does not read changes nothing; replacing one that it reads changes the residual.
 #[test]
 fn a_held_control_is_that_at_the_start_of_a_step() {
     let model = model(2);
@@ -247,7 +247,7 @@ fn a_held_control_is_that_at_the_start_of_a_step() {
     }
 }
 
-/// One sample that cannot be solved leaves the others as they are.
+/// A sample that cannot be solved leaves the rest unchanged.
 #[test]
 fn what_fails_fails_alone() {
     let model = model(2);

@@ -52,7 +52,7 @@ const SLIDE: TypeShape = kind(TransformShape::Slide, Some(5));
 const FREE: TypeShape = kind(TransformShape::Free, Some(4));
 const LOOSE: TypeShape = kind(TransformShape::Free, None);
 
-/// Elements of these types on those parents: 0 is the ground, k the element k − 1.
+/// Elements of these types on those parents: 0 is the ground, k is the element k − 1.
 fn nodes(elements: &[(u8, u8)]) -> Vec<TreeElement> {
     elements.iter().map(|(kind, on)| TreeElement { kind: *kind, parent: on.checked_sub(1) }).collect()
 }
@@ -81,7 +81,7 @@ impl Case {
         weights
     }
 
-    /// Core's model, with a coefficient of damping an element type behind the numbers of the energies.
+    /// Core's model, with one damping coefficient per element type after the numbers of the energies.
     fn core<'w, S, const N: usize>(
         &self,
         weights: &'w [S],
@@ -107,7 +107,7 @@ impl Case {
     }
 }
 
-/// A test for every tree: its coordinates, types, pair potential, elements, and whether it is damped.
+/// Makes a test for every tree: its coordinates, types, pair potential, elements, and whether it is damped.
 macro_rules! trees {
     ($($name:ident: $n:literal, $types:expr, $pair:expr, $elements:expr, $damped:literal;)*) => {
         $(

@@ -1,4 +1,4 @@
-//! The losses on rods against core's RATTLE and accelerations, derivatives against differences.
+//! The losses with rods against core's RATTLE and accelerations, derivatives against differences.
 
 mod common;
 
@@ -34,7 +34,7 @@ impl<const D: usize> Case<D> {
                     found < if next_position { 3e-15 } else { 3e-13 },
                     "{order:?} {next_position}: {found}"
                 );
-                // A step of the other order is another.
+                // A step of the other order differs.
                 let other = if order == Order::Two { Order::Four } else { Order::Two };
                 let other = largest(&evaluate(&mut self.loss(other, next_position), &self.weights, &block));
                 assert!(other > 1e-7, "{other}");
@@ -80,7 +80,7 @@ impl<const D: usize> Case<D> {
         }
     }
 
-    /// L_v of the last increment of one block less that of another, but for what is across the rods in the middle.
+    /// L_v of the last increment of one block less that of another, without the part across the rods in the middle.
     fn lost(&self, blocks: [&Block; 2], sample: usize) -> Vec<f64> {
         let [p, other] = blocks.map(|block| {
             let ends = block.states[1].iter().zip(&block.states[2]);
@@ -92,7 +92,7 @@ impl<const D: usize> Case<D> {
         let mut lost: Vec<f64> = p.iter().zip(&other).map(|(p, other)| p - other).collect();
         let q: Vec<f64> = blocks[0].states[1].iter().map(|q| q.0[sample]).collect();
         let (rods, x) = (self.constraints(), Positions::new(q.as_chunks().0));
-        // Gram and Schmidt.
+        // Gram–Schmidt orthogonalisation.
         let mut across: Vec<Vec<f64>> = Vec::new();
         for k in 0..rods.len() {
             let mut direction = vec![[0.0; D]; self.nodes.len()];
@@ -156,7 +156,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Takes the part along a unit vector out of another vector.
+/// Removes the part along a unit vector from another vector.
 fn take(of: &mut [f64], along: &[f64]) {
     let part = dot(of, along);
     of.iter_mut().zip(along).for_each(|(x, along)| *x -= part * along);
@@ -213,7 +213,7 @@ fn steps_without_drag() {
     without_drag().check_steps();
 }
 
-/// Without constraints the method is Störmer and Verlet's.
+/// Without constraints, the method is that of Störmer and Verlet.
 #[test]
 fn steps_without_rods() {
     Case::<2>::new(&[PLAIN, ODD], &[0, 1], &[[0, 1]], &[]).check_steps();
@@ -243,7 +243,7 @@ fn only_separable_systems() {
     assert!(RodsLoss::new(&System::new(&model), Rods::default(), H, Order::Two, true).is_none());
 }
 
-/// Where M is negative along what the rods allow there is an acceleration only if nothing asks for more.
+/// A negative mass has an acceleration only if `definite` is not set.
 #[test]
 fn only_definite_masses_where_it_is_asked() {
     let mut case = without_drag();

@@ -72,7 +72,7 @@ impl Numbers {
         Self { weights, gain: 0.8, offset: 0.1, start, control }
     }
 
-    /// τ of a step, and how it moves with gain and offset.
+    /// Control τ of a step, and its derivatives in gain and offset.
     fn acting(&self, step: usize) -> ([Vec<Row>; 2], Vec<ControlTangent>) {
         let tau = self.control[step].each_ref().map(|rows| {
             let mut tau = rows.clone();
@@ -159,7 +159,7 @@ fn tangents_are_differences() {
     }
 }
 
-/// What cannot be computed stays in its own sample.
+/// A failure stays in its own sample.
 #[test]
 fn a_sample_that_fails_leaves_the_others_alone() {
     let model = model();
@@ -190,7 +190,7 @@ fn a_sample_that_fails_leaves_the_others_alone() {
     }
 }
 
-/// Known weights have no derivatives, and those of the others stay what they are.
+/// Known weights have no derivatives, and those of the learned weights stay the same.
 #[test]
 fn derivatives_are_in_learned_weights_alone() {
     let model = model();
@@ -253,7 +253,7 @@ fn accelerations_move_with_the_state_as_differences_do() {
 
 const KINDS: [Coordinate; N] = [Coordinate::Angle, Coordinate::Translation, Coordinate::Angle];
 
-/// From positions and velocities, and under a control that is another one at both ends.
+/// Checks steps from positions and velocities, under a control that differs at both ends.
 fn check_against_core<P: Path>(order: Order) {
     let inertia = Inertia::Cholesky { epsilon: 0.7 };
     let model = InertiaNetworkEnergies::new(KINDS.to_vec(), (&[5, 4], Activation::Tanh), inertia, true);
@@ -283,7 +283,7 @@ fn check_against_core<P: Path>(order: Order) {
     }
 }
 
-/// Under a constant control, beside many small explicit steps.
+/// Compares with many small explicit steps, under a constant control.
 #[test]
 fn errors_of_variational_steps_fall_with_their_order() {
     let model = model();

@@ -5,7 +5,7 @@ use crate::row::{Row, WIDTH};
 use crate::sparsity::Pattern;
 use crate::system::System;
 
-/// Accelerations v̇ of M v̇ = L_q − L_vq v + Q + τ + Aᵀλ, A v̇ = −Ȧv, with the workspace to compute them in.
+/// Accelerations v̇ of M v̇ = L_q − L_vq v + Q + τ + Aᵀλ, A v̇ = −Ȧv, with the workspace to compute them.
 #[derive(Clone, Debug)]
 pub struct Accelerations {
     program: Program,
@@ -13,7 +13,7 @@ pub struct Accelerations {
     solver: MotionSolver,
 }
 
-/// Solves the equation of motion, which a program has written down.
+/// Solver of the equation of motion that a program has evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct MotionSolver {
     pattern: Pattern,
@@ -21,27 +21,28 @@ pub(crate) struct MotionSolver {
     lu: Lu,
     rods: Rods,
     definite: bool,
-    /// Of systems on rods, where the caller does not ask for it.
+    /// Compliance of systems with rods, used if the caller does not ask for it.
     compliance: Vec<Row>,
-    /// Right sides of a block of M and what solves them: columns one after the other.
+    /// Right-hand sides of a block of M and their solutions, column by column.
     right: Vec<Row>,
     solutions: Vec<Row>,
 }
 
 impl Accelerations {
-    /// Those of a system without constraints.
+    /// Creates the accelerations of a system without constraints.
     pub fn new(system: &System) -> Self {
         Self::with_rods(system, Rods::default(), true)
     }
 
-    /// Those of a system on rods. `definite`: whether M must be positive along what they allow; where it is not, a sample fails.
+    /// Creates the accelerations of a system with rods. `definite`: whether A M⁻¹Aᵀ must be positive definite; a sample in which it is not
+    /// then fails.
     pub fn with_rods(system: &System, rods: Rods, definite: bool) -> Self {
         let (program, pattern) = system.equation_of_motion();
         Self { workspace: program.workspace(), program, solver: MotionSolver::new(pattern, rods, definite) }
     }
 
-    /// Writes v̇(q, v, τ), n rows, and, where it is asked for, row by row how v̇ moves with the forces:
-    /// Π = M⁻¹ − M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹A M⁻¹, symmetric. Where M or A M⁻¹Aᵀ is singular they are not numbers.
+    /// Writes v̇(q, v, τ), n rows, and on request the derivative of v̇ with respect to the forces, row by row: Π = M⁻¹ − M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹A
+    /// M⁻¹, symmetric. If M or A M⁻¹Aᵀ is singular, they are NaN.
     pub fn evaluate(
         &mut self,
         weights: &[f64],
@@ -53,14 +54,14 @@ impl Accelerations {
         self.solver.solve(&self.workspace, [q, v], a, compliance)
     }
 
-    /// M of the last evaluation, entry (i, j), of every sample.
+    /// Entry (i, j) of M in the last evaluation, for every sample.
     pub fn mass(&self, i: usize, j: usize) -> Row {
         mass(&self.solver.pattern, &self.workspace, i, j)
     }
 }
 
 impl MotionSolver {
-    /// For a mass matrix of this pattern, on rods; `definite` as in [`Accelerations::with_rods`].
+    /// Creates the solver for a mass matrix of this pattern, with rods; `definite` as in [`Accelerations::with_rods`].
     pub fn new(pattern: Pattern, rods: Rods, definite: bool) -> Self {
         let n = pattern.size();
         let compliance = vec![Row::default(); if rods.count() > 0 { n * n } else { 0 }];
@@ -69,7 +70,7 @@ impl MotionSolver {
         Self { pattern, cholesky, lu, rods, definite, compliance, right, solutions }
     }
 
-    /// As [`Accelerations::evaluate`], from the outputs of [`System::equation_of_motion`] in a workspace.
+    /// Same as [`Accelerations::evaluate`], from the outputs of [`System::equation_of_motion`] in a workspace.
     pub fn solve(
         &mut self,
         motion: &Workspace,
@@ -90,7 +91,7 @@ impl MotionSolver {
         failures
     }
 
-    /// v̇ and M⁻¹ without constraints, one block of M after the other.
+    /// Computes v̇ and M⁻¹ without constraints, block by block of M.
     fn free(&mut self, motion: &Workspace, a: &mut [Row], mut compliance: Option<&mut [Row]>) -> Failures {
         let mut failures = Failures::default();
         a.copy_from_slice(motion.output(0));
@@ -105,7 +106,7 @@ impl MotionSolver {
         failures
     }
 
-    /// v̇ and M⁻¹ of one block: positive definite samples side by side, others one by one.
+    /// Computes v̇ and M⁻¹ of one block: positive definite samples side by side, the rest one by one.
     fn solve_block(
         &mut self,
         block: usize,
@@ -141,7 +142,7 @@ impl MotionSolver {
         }
     }
 
-    /// One constraint after the other, as if the rest were not there: each takes its own direction out of Π.
+    /// Imposes one constraint after the other, as if the rest did not exist: each removes its own direction from Π.
     fn constrain(
         &self,
         [q, v]: [&[Row]; 2],
@@ -161,12 +162,12 @@ impl MotionSolver {
     }
 }
 
-/// M of the equation of motion, entry (i, j).
+/// Entry (i, j) of M in the equation of motion.
 fn mass(pattern: &Pattern, motion: &Workspace, i: usize, j: usize) -> Row {
     pattern.direction(i, j).map_or(Row::default(), |direction| motion.output(1 + direction)[i])
 }
 
-/// What failed is not a number.
+/// Sets failed samples to NaN.
 fn spoil(failures: &Failures, rows: &mut [Row]) {
     for (sample, _) in failures.0.iter().enumerate().filter(|(_, failed)| **failed) {
         rows.iter_mut().for_each(|row| row.0[sample] = f64::NAN);

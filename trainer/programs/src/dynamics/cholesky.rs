@@ -1,27 +1,27 @@
 use crate::row::{Row, WIDTH};
 use wide::f64x8;
 
-/// The factors of a small symmetric positive definite matrix of every sample, A = LDLᵀ, in storage that is used again; of as many
-/// rows of samples as there are.
+/// Factors of small symmetric positive definite matrices, A = LDLᵀ, one per sample and for any number of rows of samples; the storage is
+/// reused.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cholesky {
     n: usize,
     rows: usize,
-    /// L below the diagonal, 1/D on it; row by row.
+    /// L below the diagonal and 1/D on it, row by row.
     entries: Vec<Row>,
-    /// Whether all pivots are positive numbers, of every sample: 1, else 0.
+    /// Whether all pivots of a sample are positive numbers: 1 if so, otherwise 0.
     positive: Vec<Row>,
 }
 
 impl Cholesky {
-    /// Factors the matrix of these entries below and on the diagonal. Samples whose matrix is not positive definite are `false`; what
-    /// is solved with them is no number.
+    /// Factors the matrix with these entries on and below the diagonal. Returns `false` for samples whose matrix is not positive definite;
+    /// solutions for them are NaN.
     pub fn factor(&mut self, n: usize, entry: impl Fn(usize, usize) -> Row) -> [bool; WIDTH] {
         self.factor_rows(n, 1, |i, j, place| place[0] = entry(i, j));
         std::array::from_fn(|k| self.is_positive(0, k))
     }
 
-    /// The same of so many rows of samples: `write` writes entry (i, j) of all of them.
+    /// Does the same for `rows` rows of samples: `write` writes entry (i, j) of all of them.
     pub fn factor_rows(&mut self, n: usize, rows: usize, write: impl Fn(usize, usize, &mut [Row])) {
         (self.n, self.rows) = (n, rows);
         self.entries.resize(n * n * rows, Row::default());
@@ -38,19 +38,19 @@ impl Cholesky {
         self.positive[row].0[sample] > 0.0
     }
 
-    /// Whether those of all samples of a row are.
+    /// Whether the matrices of all samples of a row are positive definite.
     pub fn are_positive(&self, row: usize) -> bool {
         let [first, second] = self.positive[row].load();
         (first & second).simd_eq(f64x8::ONE).all()
     }
 
-    /// Takes column k out of the rows below.
+    /// Eliminates column k from the rows below.
     fn eliminate(&mut self, k: usize) {
         let (n, rows) = (self.n, self.rows);
         let at = |i: usize, j: usize| (i * n + j) * rows;
         for (d, positive) in self.entries[at(k, k)..].iter_mut().zip(&mut self.positive) {
             let (own, pivot) = (positive.load(), d.load());
-            // What is no number is not positive either.
+            // NaN counts as not positive.
             let is_number = pivot.map(|d| d.simd_gt(f64x8::ZERO) & d.simd_lt(f64x8::splat(f64::INFINITY)));
             *positive = Row::store(std::array::from_fn(|g| own[g] & is_number[g]));
             *d = Row::store(pivot.map(|d| f64x8::ONE / d));
@@ -58,7 +58,7 @@ impl Cholesky {
         for (i, row) in (k + 1..n).flat_map(|i| (0..rows).map(move |row| (i, row))) {
             let (own, inverse) = (self.entries[at(i, k) + row], self.entries[at(k, k) + row]);
             let factor = own.zip(&inverse, |a, inverse| -a * inverse);
-            // Those of column k that are not divided yet are at or below row i.
+            // Entries of column k that are not divided yet are at or below row i.
             for j in i..n {
                 let other = self.entries[at(j, k) + row];
                 self.entries[at(j, i) + row].add_product(&factor, &other);
@@ -67,13 +67,13 @@ impl Cholesky {
         }
     }
 
-    /// Replaces b by A⁻¹b; all rows of samples of its first number come first.
+    /// Replaces b by A⁻¹b; all rows of samples of the first number come first.
     pub fn solve(&self, b: &mut [Row]) {
         let (n, rows) = (self.n, self.rows);
         let entry = |i: usize, j: usize, row: usize| &self.entries[(i * n + j) * rows + row];
         let below = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
         let above = (0..n).rev().flat_map(|i| (i + 1..n).map(move |j| (i, j)));
-        // −L is what is kept.
+        // The stored entries are −L.
         for (i, j) in below {
             for row in 0..rows {
                 let x = b[j * rows + row];
@@ -97,7 +97,7 @@ impl Cholesky {
 mod tests {
     use super::*;
 
-    /// BᵀB + I/2, B of every sample another; sample 5 is made indefinite.
+    /// BᵀB + I/2 with a different B for every sample; sample 5 is made indefinite.
     fn matrix(n: usize) -> impl Fn(usize, usize) -> Row {
         let b =
             |i: usize, j: usize, sample: usize| (1.3 * i as f64 - 0.7 * (j * j) as f64 + sample as f64).sin();

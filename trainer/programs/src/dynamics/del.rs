@@ -4,10 +4,10 @@ use super::newton::{Equations, Factors, Newton};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
 
-/// Increments that the guess of the next one extrapolates from.
+/// Number of past increments from which the guess of the next one is extrapolated.
 const HISTORY: usize = 3;
 
-/// The variational integrator of a system, for samples side by side.
+/// Variational integrator of a system, for samples side by side.
 #[derive(Clone, Debug)]
 pub struct Del {
     pub(crate) integrals: Integrals,
@@ -15,26 +15,26 @@ pub struct Del {
     factors: Factors,
 }
 
-/// Where trajectories are: positions, momenta and the last paths, n rows each.
+/// State of trajectories: positions, momenta and the last paths, n rows each.
 #[derive(Clone, Debug, Default)]
 pub struct DelState {
-    /// q, m or rad.
+    /// Position q, m or rad.
     pub q: Vec<Row>,
-    /// p = L_v.
+    /// Momentum p = L_v.
     pub p: Vec<Row>,
-    /// (w, s) of the last steps, newest first.
+    /// Paths (w, s) of the last steps, newest first.
     history: Vec<[Vec<Row>; 2]>,
-    /// What could not be solved, at this step or one before.
+    /// Samples that could not be solved, in this step or an earlier one.
     pub failed: Failures,
 }
 
 impl Del {
-    /// Steps of h > 0, s.
+    /// Creates an integrator with step h > 0, s.
     pub fn new(system: &System, h: f64, order: Order, newton: Newton) -> Self {
         Self { integrals: Integrals::new(system, h, order), newton, factors: Factors::new() }
     }
 
-    /// The state at q₁ that two positions and the controls at them determine.
+    /// Returns the state at q₁ that is determined by two positions and the controls at them.
     pub fn start(&mut self, weights: &[f64], [q0, q1]: [&[Row]; 2], tau: [&[Row]; 2]) -> DelState {
         let h = self.integrals.h;
         let w: Vec<Row> = q0.iter().zip(q1).map(|(a, b)| b.zip(a, |b, a| (b - a) / h)).collect();
@@ -44,14 +44,14 @@ impl Del {
         DelState { q: q1.to_vec(), p: balance.end_momentum(), history: vec![[w, interval.s]], failed }
     }
 
-    /// The state of these positions and velocities: p = L_v(q, v).
+    /// Returns the state with these positions and velocities: p = L_v(q, v).
     pub fn start_at(&mut self, weights: &[f64], q: &[Row], v: &[Row]) -> DelState {
         let p = self.integrals.momentum(weights, q, v);
         let straight = [v.to_vec(), vec![Row::default(); q.len()]];
         DelState { q: q.to_vec(), p, history: vec![straight], failed: Failures::default() }
     }
 
-    /// One step on, under controls τ at both of its ends. What fails is not a number from here on.
+    /// Advances the state by one step, under controls τ at both of its ends. Failed samples are NaN from then on.
     pub fn step(&mut self, weights: &[f64], state: &mut DelState, tau: [&[Row]; 2]) {
         let [w, s] = state.guess();
         let mut interval = Interval { s, ..Interval::new(&state.q, &w, tau) };
@@ -69,12 +69,12 @@ impl Del {
 }
 
 impl DelState {
-    /// The path of the last step: w and s.
+    /// Path of the last step: w and s.
     pub(crate) fn last(&self) -> [&[Row]; 2] {
         self.history.first().map_or([&[], &[]], |[w, s]| [w, s])
     }
 
-    /// w and s, extrapolated by the polynomials through the last ones.
+    /// Guess of w and s, extrapolated by the polynomials through the last ones.
     fn guess(&self) -> [Vec<Row>; 2] {
         let weights: &[f64] = match self.history.len() {
             0 | 1 => &[1.0],

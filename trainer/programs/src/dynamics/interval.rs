@@ -1,26 +1,26 @@
-//! The path of one step, and the sums over it ([`leastaction_core::discrete`] has the equations).
+//! Path of one step, and the sums over it ([`leastaction_core::discrete`] has the equations).
 
 use crate::program::{Program, Workspace};
 use crate::row::Row;
 use crate::system::{DerivativeOutputs, System};
 
-/// The order of a step: 2, the midpoint rule, or 4, a quadratic path with two Gauss points.
+/// Order of a step: 2, the midpoint rule, or 4, a quadratic path with two Gauss points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// 2.
+    /// Order 2.
     Two,
-    /// 4.
+    /// Order 4.
     Four,
 }
 
-/// A Gauss point: c between 0 and 1, and its weight b.
+/// A Gauss point: its place c between 0 and 1, and its weight b.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GaussPoint {
     pub c: f64,
     pub weight: f64,
 }
 
-/// How a first variation weighs F and L_v at a Gauss point.
+/// Weights of F and L_v in a first variation at a Gauss point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Variation {
     pub force: f64,
@@ -28,29 +28,29 @@ pub(crate) struct Variation {
 }
 
 impl GaussPoint {
-    /// D₁: of the start position.
+    /// D₁, the variation of the start position.
     pub fn start(&self, h: f64) -> Variation {
         Variation { force: h * (1.0 - self.c), momentum: -1.0 }
     }
 
-    /// D₂: of the end position; also how the point moves with hw.
+    /// D₂, the variation of the end position; also the derivatives of the point's position and velocity in w.
     pub fn end(&self, h: f64) -> Variation {
         Variation { force: h * self.c, momentum: 1.0 }
     }
 
-    /// D_m: of the bubble; also how the point moves with s.
+    /// D_m, the variation of the bubble; also the derivatives of the point's position and velocity in s.
     pub fn bubble(&self, h: f64) -> Variation {
         Variation { force: h * 4.0 * self.c * (1.0 - self.c), momentum: 4.0 * (1.0 - 2.0 * self.c) }
     }
 
-    /// Whether it lies in the first half of the step, where a bubble that grows speeds the motion up.
+    /// Whether the point lies in the first half of the step, where a growing bubble speeds up the motion.
     pub fn is_early(&self) -> bool {
         self.c < 0.5
     }
 }
 
 impl Order {
-    /// The Gauss points.
+    /// Gauss points of the order.
     pub(crate) fn points(self) -> &'static [GaussPoint] {
         const LATE: f64 = 0.788_675_134_594_812_9;
         match self {
@@ -65,29 +65,29 @@ impl Order {
     }
 }
 
-/// A step's path: where it starts, its increment w = (q₁ − q₀)/h, its bubble s (0 at order 2), and the control at both ends,
-/// linear between; n rows each.
+/// Path of a step: its start, its increment w = (q₁ − q₀)/h, its bubble s (0 at order 2), and the control at both ends, linear between
+/// them; n rows each.
 #[derive(Clone, Debug, Default)]
 pub struct Interval {
-    /// q₀.
+    /// Start position q₀.
     pub q0: Vec<Row>,
-    /// w.
+    /// Increment w.
     pub w: Vec<Row>,
-    /// s.
+    /// Bubble s.
     pub s: Vec<Row>,
-    /// τ at the start and at the end.
+    /// Control τ at the start and at the end.
     pub tau: [Vec<Row>; 2],
 }
 
 impl Interval {
-    /// A straight path.
+    /// Creates a straight path.
     pub fn new(q0: &[Row], w: &[Row], tau: [&[Row]; 2]) -> Self {
         let s = vec![Row::default(); q0.len()];
         Self { q0: q0.to_vec(), w: w.to_vec(), s, tau: tau.map(<[Row]>::to_vec) }
     }
 
-    /// The part of what is taken from w and s of a sample after which Newton's method looks again: up to rest where a velocity at one of
-    /// these Gauss points changes its sign from beyond where forces bend.
+    /// Fraction of a sample's Newton update of w and s that is applied before the equations are evaluated again. If the update reverses a
+    /// velocity at one of these Gauss points from beyond the range in which forces bend, it stops where that velocity is 0.
     pub(crate) fn trusted_part<'p>(
         &self,
         points: impl Iterator<Item = &'p GaussPoint>,
@@ -125,14 +125,14 @@ impl Interval {
     }
 }
 
-/// The sums over an interval that a step is made of, with F = L_q + Q + τ; n rows each.
+/// Sums over an interval that make up a step, with F = L_q + Q + τ; n rows each.
 #[derive(Clone, Debug, Default)]
 pub struct Balance {
-    /// D₁L_d + f⁻ = Σ b \[h(1 − c)F − L_v\].
+    /// Sum D₁L_d + f⁻ = Σ b \[h(1 − c)F − L_v\].
     pub d1_ld: Vec<Row>,
-    /// D_mL_d + f_m = Σ b \[hβF + γL_v\].
+    /// Sum D_mL_d + f_m = Σ b \[hβF + γL_v\].
     pub dm_ld: Vec<Row>,
-    /// h Σ b F.
+    /// Impulse h Σ b F.
     pub impulse: Vec<Row>,
 }
 
@@ -153,16 +153,16 @@ impl Balance {
         self.impulse.iter_mut().zip(force).for_each(|(sum, force)| sum.add_scaled(h * b, force));
     }
 
-    /// p₁ = D₂L_d + f⁺.
+    /// Momentum p₁ = D₂L_d + f⁺.
     pub fn end_momentum(&self) -> Vec<Row> {
         self.impulse.iter().zip(&self.d1_ld).map(|(impulse, d1)| impulse.zip(d1, |a, b| a - b)).collect()
     }
 }
 
-/// A balance with its exact derivatives, n × n rows each, row by row.
+/// A balance with its exact derivatives, n × n rows each, in row-major order.
 #[derive(Clone, Debug, Default)]
 pub struct Linearised {
-    /// The sums.
+    /// The sums themselves.
     pub balance: Balance,
     /// ∂ d1_ld/∂w.
     pub momentum_w: Vec<Row>,
@@ -172,15 +172,15 @@ pub struct Linearised {
     pub bubble_w: Vec<Row>,
     /// ∂ dm_ld/∂s.
     pub bubble_s: Vec<Row>,
-    /// What the forces' change with the velocity at the early Gauss point adds to ∂ dm_ld/∂s.
+    /// Part of ∂ dm_ld/∂s from the velocity dependence of the forces at the early Gauss point.
     pub early_force_s: Vec<Row>,
     /// ∂(D₂L_d + f⁺)/∂s.
     pub end_momentum_s: Vec<Row>,
-    /// The size of the terms that rounding acts on, also where they cancel; n rows.
+    /// Magnitude of the terms that rounding acts on, even if they cancel; n rows.
     pub scale: Vec<Row>,
 }
 
-/// What evaluates intervals of one step and order.
+/// Evaluator of intervals of one step size and order.
 #[derive(Clone, Debug)]
 pub(crate) struct Integrals {
     pub h: f64,
@@ -200,7 +200,7 @@ impl Integrals {
         Self { h, order, n: system.n(), first, second: second.with_workspace(), bends, at }
     }
 
-    /// How far from rest forces bend ([`Energies::bends`](crate::energies::Energies::bends)), n rows.
+    /// Speed up to which forces bend ([`Energies::bends`](crate::energies::Energies::bends)), n rows.
     pub fn bends(&mut self, weights: &[f64]) -> Option<Vec<Row>> {
         let (program, workspace) = self.bends.as_mut()?;
         let nothing = vec![Row::default(); self.n];
@@ -208,7 +208,7 @@ impl Integrals {
         Some(workspace.output(0).to_vec())
     }
 
-    /// The balance from first derivatives alone.
+    /// Computes the balance from first derivatives alone.
     pub fn balance(&mut self, weights: &[f64], interval: &Interval) -> Balance {
         let mut sum = Balance::zero(self.n);
         for point in self.order.points() {
@@ -221,14 +221,14 @@ impl Integrals {
         sum
     }
 
-    /// L_v(q, v).
+    /// Momentum L_v(q, v).
     pub fn momentum(&mut self, weights: &[f64], q: &[Row], v: &[Row]) -> Vec<Row> {
         let (program, workspace) = &mut self.first;
         program.run(weights, &[q, v, &vec![Row::default(); self.n]], workspace, &mut []);
         workspace.output(1).to_vec()
     }
 
-    /// The balance and its derivatives.
+    /// Computes the balance and its derivatives.
     pub fn linearise(&mut self, weights: &[f64], interval: &Interval) -> Linearised {
         let n = self.n;
         let zero = vec![Row::default(); n * n];
@@ -254,13 +254,13 @@ impl Integrals {
         sum
     }
 
-    /// Evaluates F and L_v with their derivatives at one point, for what reads them next.
+    /// Evaluates F and L_v with their derivatives at one point, for the functions that read them next.
     pub fn differentiate(&mut self, weights: &[f64], at: [&[Row]; 3]) {
         let (program, workspace) = &mut self.second;
         program.run(weights, &at, workspace, &mut []);
     }
 
-    /// ∂L_v/∂q, or M, of the last [`Integrals::differentiate`]: column j.
+    /// Column j of ∂L_v/∂q and of M in the last [`Integrals::differentiate`].
     pub fn momentum_columns(&self, j: usize) -> [&[Row]; 2] {
         [self.at.momentum_q(j), self.at.mass(j)].map(|output| self.second.1.output(output))
     }
@@ -280,8 +280,8 @@ impl Integrals {
         }
     }
 
-    /// Adds how b (row.force F + row.momentum L_v) moves where the point does by `column`: its position by the force part, its velocity
-    /// by the momentum part. n × n rows.
+    /// Adds the derivative of b (row.force F + row.momentum L_v) when the point moves along `column`: its position by the force part, its
+    /// velocity by the momentum part. n × n rows.
     pub fn add_block(&self, (b, row, column): (f64, Variation, Variation), to: &mut [Row]) {
         let (n, at, workspace) = (self.n, self.at, &self.second.1);
         for j in 0..n {
@@ -323,7 +323,7 @@ impl Integrals {
     }
 }
 
-/// x + y.
+/// Returns x + y.
 pub(crate) fn plus(x: &[Row], y: &[Row]) -> Vec<Row> {
     x.iter().zip(y).map(|(x, y)| x.zip(y, |x, y| x + y)).collect()
 }

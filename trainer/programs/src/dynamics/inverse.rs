@@ -4,14 +4,14 @@ use crate::row::{Row, WIDTH};
 use crate::sparsity::Pattern;
 use crate::system::System;
 
-/// Updates of Newton's method at most, where friction sees the control.
+/// Maximum number of Newton updates if friction depends on the control.
 const MOST_UPDATES: usize = 16;
-/// Of the torques' size, what is left of the equation when it is solved.
+/// Residual at which the equation counts as solved, relative to the size of the torques.
 const SOLVED: f64 = 1e-14;
 
-/// Inverse dynamics: the control τ of an acceleration, τ + Q(q, v, τ) = M v̇ − L_q + L_vq v.
+/// Inverse dynamics: the control τ for an acceleration, τ + Q(q, v, τ) = M v̇ − L_q + L_vq v.
 ///
-/// Where Q sees τ the equation is implicit, and solved by Newton's method with ∂Q/∂τ from τ = 0.
+/// If Q depends on τ, the equation is implicit; it is solved by Newton's method with ∂Q/∂τ, starting at τ = 0.
 #[derive(Clone, Debug)]
 pub struct InverseDynamics {
     pattern: Pattern,
@@ -22,7 +22,7 @@ pub struct InverseDynamics {
 }
 
 impl InverseDynamics {
-    /// Those of a system; rods carry nothing.
+    /// Creates the inverse dynamics of a system; rods are ignored.
     pub fn new(system: &System) -> Self {
         let with_workspace = |program: Program| (program.clone(), program.workspace());
         let (motion, pattern) = system.equation_of_motion();
@@ -31,7 +31,7 @@ impl InverseDynamics {
         Self { pattern, motion: with_workspace(motion), load, lu: Lu::default(), left }
     }
 
-    /// Writes τ(q, v, v̇), n rows, N or N m. What cannot be solved is not a number.
+    /// Writes τ(q, v, v̇), n rows, N or N m. Samples that cannot be solved are NaN.
     pub fn evaluate(&mut self, weights: &[f64], [q, v, a]: [&[Row]; 3], tau: &mut [Row]) -> Failures {
         tau.fill(Row::default());
         let mut failures = Failures::default();
@@ -55,7 +55,7 @@ impl InverseDynamics {
         failures
     }
 
-    /// What is left: M v̇ − (L_q − L_vq v + Q + τ).
+    /// Computes the residual M v̇ − (L_q − L_vq v + Q + τ).
     fn run(&mut self, weights: &[f64], [q, v, a]: [&[Row]; 3], tau: &[Row]) {
         let (program, workspace) = &mut self.motion;
         program.run_outputs(weights, &[q, v, tau], workspace);
@@ -70,7 +70,7 @@ impl InverseDynamics {
         }
     }
 
-    /// τ ← τ + (1 + ∂Q/∂τ)⁻¹ left, sample by sample.
+    /// Updates τ ← τ + (1 + ∂Q/∂τ)⁻¹ left, sample by sample.
     fn update(&mut self, weights: &[f64], [q, v]: [&[Row]; 2], tau: &mut [Row], failures: &mut Failures) {
         let Some((program, workspace)) = &mut self.load else { return };
         program.run_outputs(weights, &[q, v, tau], workspace);
@@ -88,7 +88,7 @@ impl InverseDynamics {
     }
 }
 
-/// The larger magnitude of every sample.
+/// The larger magnitude in every sample.
 fn larger(a: &Row, b: &Row) -> Row {
     a.zip(b, |a, b| a.abs().max(b.abs()))
 }

@@ -1,4 +1,4 @@
-/// The factors of a small square matrix, PA = LU with partial pivoting, in storage that is used again.
+/// Factors of a small square matrix, PA = LU with partial pivoting; the storage is reused.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lu {
     n: usize,
@@ -8,7 +8,7 @@ pub(crate) struct Lu {
 }
 
 impl Lu {
-    /// Factors the matrix of these entries; `false` where it is singular or not finite.
+    /// Factors the matrix with these entries; returns `false` if it is singular or not finite.
     pub fn factor(&mut self, n: usize, entry: impl Fn(usize, usize) -> f64) -> bool {
         self.n = n;
         self.entries.clear();
@@ -42,7 +42,7 @@ impl Lu {
         true
     }
 
-    /// A⁻¹b.
+    /// Returns A⁻¹b.
     pub fn solve(&mut self, b: impl Fn(usize) -> f64) -> &[f64] {
         let n = self.n;
         self.solution.clear();
@@ -59,7 +59,7 @@ impl Lu {
         &self.solution
     }
 
-    /// A⁻ᵀb.
+    /// Returns A⁻ᵀb.
     pub fn solve_transposed(&mut self, b: impl Fn(usize) -> f64) -> &[f64] {
         let n = self.n;
         let mut x: Vec<f64> = (0..n).map(b).collect();

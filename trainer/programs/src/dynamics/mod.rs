@@ -1,4 +1,4 @@
-//! Motion of systems of any size, samples side by side: accelerations, and steps of the discrete Euler–Lagrange equation.
+//! Motion of systems of any size, with samples side by side: accelerations, and steps of the discrete Euler–Lagrange equation.
 
 mod acceleration;
 mod cholesky;
@@ -31,12 +31,12 @@ pub(crate) use rods::take_out;
 
 use crate::row::{Row, WIDTH};
 
-/// Which samples could not be computed.
+/// Marks of the samples that could not be computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Failures(pub [bool; WIDTH]);
 
 impl Failures {
-    /// Those of either.
+    /// Samples that failed in either.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         let mut both = self;
@@ -44,9 +44,9 @@ impl Failures {
         both
     }
 
-    /// Adds those that have a number which is not finite.
+    /// Adds the samples with a number that is not finite.
     pub(crate) fn add_not_finite(&mut self, rows: &[Row]) {
-        // 0 times what is not finite is no number.
+        // 0 times a number that is not finite is NaN.
         let mut sum = Row::default();
         rows.iter().for_each(|row| sum.add_scaled(0.0, row));
         self.0.iter_mut().zip(sum.0).for_each(|(failed, sum)| *failed |= sum.is_nan());

@@ -2,31 +2,31 @@ use super::interval::{Balance, Integrals, Interval, Linearised};
 use super::{Failures, Lu};
 use crate::row::{Row, WIDTH};
 
-/// The bounds of Newton's method, as [`leastaction_core::discrete::Newton`] has them.
+/// Limits of Newton's method, as in [`leastaction_core::discrete::Newton`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
-    /// Updates at most.
+    /// Maximum number of updates.
     pub max_iterations: usize,
-    /// Stop at this relative residual.
+    /// Relative residual at which the iteration stops.
     pub stop: f64,
-    /// A solution whose residual stays above is a failure.
+    /// Largest residual of an accepted solution; above it, the sample fails.
     pub accept: f64,
 }
 
-/// A residual that falls by less than this factor asks for a new matrix.
+/// Ratio of two successive residuals above which a new matrix is computed.
 const SLOW: f64 = 0.05;
 
 /// Factors of every sample's matrix.
 pub(crate) type Factors = Vec<Lu>;
 
-/// How far each sample is.
+/// Progress of each sample.
 struct Progress {
     residual: [f64; WIDTH],
     done: [bool; WIDTH],
     failed: Failures,
 }
 
-/// The equations of an interval: both ends given (`p0` is none), or the end unknown.
+/// Equations of an interval: with both ends given (`p0` is `None`), or with an unknown end.
 pub(crate) struct Equations<'i> {
     pub integrals: &'i mut Integrals,
     pub weights: &'i [f64],
@@ -34,7 +34,7 @@ pub(crate) struct Equations<'i> {
 }
 
 impl Equations<'_> {
-    /// Unknowns of a sample.
+    /// Number of unknowns of a sample.
     fn count(&self, n: usize) -> usize {
         match (self.p0, self.integrals.order.has_bubble()) {
             (Some(_), true) => 2 * n,
@@ -43,7 +43,7 @@ impl Equations<'_> {
         }
     }
 
-    /// Equation i at a balance.
+    /// Residual of equation i at a balance.
     fn left(&self, balance: &Balance, i: usize, sample: usize) -> f64 {
         let n = balance.d1_ld.len();
         match self.p0 {
@@ -53,7 +53,7 @@ impl Equations<'_> {
         }
     }
 
-    /// Factors the matrices of all samples; those that are singular fail.
+    /// Factors the matrices of all samples; those with a singular matrix fail.
     pub fn factor(&self, linearised: &Linearised, factors: &mut Factors) -> Failures {
         let n = linearised.scale.len();
         let mut failures = Failures::default();
@@ -102,7 +102,7 @@ impl Equations<'_> {
 }
 
 impl Newton {
-    /// Solves an interval from a guess: residual → update, until nothing is left of any sample or no more can be reached. One
+    /// Solves an interval from a guess by repeated updates, until the residual of every sample vanishes or cannot be reduced further. One
     /// matrix serves as long as the residuals fall fast.
     pub(crate) fn solve(
         &self,
@@ -145,8 +145,8 @@ impl Newton {
     }
 }
 
-/// Moves w and s of the samples that are not done, as far as forces that bend let the matrix be trusted: of an interval whose ends are
-/// given at the late Gauss point alone.
+/// Updates w and s of the samples that are not done, as far as the matrix can be trusted in spite of forces that bend; for an interval with
+/// given ends, only the late Gauss point limits the update.
 fn update(
     equations: &Equations,
     balance: &Balance,
@@ -170,16 +170,17 @@ fn update(
     }
 }
 
-/// Whether a change of the bubble between two given ends goes the way of what is left of its equation.
+/// Whether a change of the bubble between two given ends has the direction of the residual of its equation.
 ///
-/// A bubble that grows speeds up the early Gauss point and slows down the late one. Friction at the late one therefore works against
-/// it, as inertia does, but at the early one with it: where it bends sharply the equation turns back there, and an update
-/// may lead the wrong way. It is then repeated without the early friction's derivative, and so goes the right way, if not as fast.
+/// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point therefore opposes it, as
+/// inertia does, but friction at the early one helps it: where that friction bends sharply, the equation is not monotonic and an update may
+/// lead the wrong way. The update is then repeated without the derivative of the early friction, which gives the right direction, if not
+/// the same speed.
 fn leads_on(change: &[f64], left: impl Fn(usize) -> f64) -> bool {
     change.iter().enumerate().map(|(i, change)| change * left(i)).sum::<f64>() > 0.0
 }
 
-/// Factors the matrix of a bubble between two given ends without the derivative of the early friction; false where that is singular.
+/// Factors the matrix of a bubble between two given ends without the derivative of the early friction; returns `false` if it is singular.
 fn without_early_friction(linearised: &Linearised, sample: usize, lu: &mut Lu) -> bool {
     let n = linearised.scale.len();
     let of = |rows: &[Row], i: usize, j: usize| rows[i * n + j].0[sample];

@@ -4,8 +4,8 @@ use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
 
-/// Accelerations v̇ of one sample without constraints, of many coordinates: nodes and edges lie side by side, and so do the blocks of
-/// the mass matrix.
+/// Accelerations v̇ of a single sample with many coordinates and without constraints: nodes and edges lie side by side, and so do the
+/// blocks of the mass matrix.
 #[derive(Clone, Debug)]
 pub struct OneSampleAccelerations {
     n: usize,
@@ -13,7 +13,7 @@ pub struct OneSampleAccelerations {
     workspace: Workspace,
     inputs: [Vec<Row>; 3],
     groups: Vec<Group>,
-    /// v̇ of all groups, and where its numbers are among them.
+    /// v̇ of all groups, and the positions of the coordinates in it.
     solved: Vec<Row>,
     coordinates: Picks,
     lu: Lu,
@@ -23,16 +23,16 @@ pub struct OneSampleAccelerations {
 #[derive(Clone, Debug)]
 struct Group {
     size: usize,
-    /// The places of the blocks in the rows of a number of all blocks, ascending.
+    /// Ascending positions of the blocks in the rows that hold one number of all blocks.
     blocks: Vec<u32>,
     rows: usize,
-    /// The first output of their equations.
+    /// First output of their equations.
     first: usize,
     cholesky: Cholesky,
 }
 
 impl OneSampleAccelerations {
-    /// Those of a system without constraints.
+    /// Creates the accelerations of a system without constraints.
     pub fn new(system: &System) -> Self {
         let (n, (program, pattern)) = (system.n(), system.equation_of_motion_in_blocks());
         let (mut groups, mut places) = (Vec::new(), vec![NOWHERE; n.next_multiple_of(WIDTH)]);
@@ -58,10 +58,10 @@ impl OneSampleAccelerations {
         }
     }
 
-    /// Writes v̇(q, v, τ), m/s² or rad/s², n numbers each; `false` where M is singular or v̇ is not finite.
+    /// Writes v̇(q, v, τ), m/s² or rad/s², n numbers each; returns `false` if M is singular or v̇ is not finite.
     ///
     /// # Panics
-    /// Where a vector is shorter than n.
+    /// If a vector is shorter than n.
     pub fn evaluate(&mut self, weights: &[f64], [q, v, tau]: [&[f64]; 3], a: &mut [f64]) -> bool {
         for (rows, x) in self.inputs.iter_mut().zip([q, v, tau]) {
             let (whole, rest) = x[..self.n].as_chunks();
@@ -86,7 +86,7 @@ impl OneSampleAccelerations {
 }
 
 impl Group {
-    /// That of these blocks, whose equations are the outputs from `first` on.
+    /// Creates the group of these blocks, whose equations are the outputs from `first` on.
     fn new(program: &Program, first: usize, blocks: &[Vec<usize>]) -> Self {
         let (form, size) = (program.form(first), blocks[0].len());
         let places = (0..blocks.len()).map(|block| form.place(block) as u32).collect();
@@ -99,14 +99,14 @@ impl Group {
         blocks
     }
 
-    /// The row and the lane of the blocks in these rows.
+    /// Row and lane of every block in this row.
     fn blocks_in(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
         let [start, end] =
             [row, row + 1].map(|row| self.blocks.partition_point(|b| (*b as usize) < WIDTH * row));
         self.blocks[start..end].iter().map(|place| (*place as usize / WIDTH, *place as usize % WIDTH))
     }
 
-    /// Writes v̇ of all blocks; `false` where one of them is singular.
+    /// Writes v̇ of all blocks; returns `false` if one of them is singular.
     fn solve(&mut self, motion: &Workspace, lu: &mut Lu, x: &mut [Row]) -> bool {
         let (size, first, rows) = (self.size, self.first, self.rows);
         // Outputs: L_q − L_vq v + Q + τ, then the entries of M row by row.

@@ -4,8 +4,8 @@ use crate::row::{Row, WIDTH};
 use leastaction_core::model::Rod;
 use leastaction_core::scalar::{product, sum};
 
-/// Massless rods between particles and to the origin, any number: holonomic constraints φ = (|d|² − ℓ²)/(2ℓ) = 0, m, of the
-/// difference d of their ends ([`leastaction_core::constraints::Holonomic`]). Coordinates are node after node.
+/// Massless rods between particles or from the origin, in any number: holonomic constraints φ = (|d|² − ℓ²)/(2ℓ) = 0, m, on the difference
+/// d of their ends ([`leastaction_core::constraints::Holonomic`]). Coordinates are ordered node by node.
 ///
 /// With φ = ½(q·φ_qq q − ℓ) and φ_qq constant, the gradient is φ_qq q, a row of A, and (Ȧv) = v·φ_qq v, m/s².
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Rods {
 }
 
 impl Rods {
-    /// Rods in 2 or 3 dimensions; nodes beyond those of the system are a panic when they are evaluated.
+    /// Creates rods in 2 or 3 dimensions; evaluating them panics if a node is beyond those of the system.
     pub fn new(dimension: usize, rods: &[Rod]) -> Self {
         Self { dimension, rods: rods.to_vec() }
     }
@@ -25,7 +25,7 @@ impl Rods {
         self.rods.len()
     }
 
-    /// The nodes that a rod joins, with the sign of their positions in d.
+    /// Nodes that a rod joins, with the sign of their positions in d.
     fn ends(&self, k: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
         let rod = self.rods[k];
         [(Some(rod.to), 1.0), (rod.from, -1.0)]
@@ -33,7 +33,7 @@ impl Rods {
             .filter_map(|(node, sign)| Some((usize::from(node?), sign)))
     }
 
-    /// φ of every rod, m, to twice the precision of f64 near 0.
+    /// Values φ of all rods, m, to twice the precision of f64 near 0.
     pub fn values(&self, q: &[Row]) -> Vec<Row> {
         let value = |k: usize| Row(std::array::from_fn(|sample| self.value(k, q, sample)));
         (0..self.count()).map(value).collect()
@@ -56,7 +56,7 @@ impl Rods {
         0.5 * (high + low) / length
     }
 
-    /// φ_qq x of a rod, n rows: ∂φ/∂q at x = q, and how it changes in time at x = v.
+    /// Product φ_qq x of a rod, n rows: ∂φ/∂q for x = q, and its rate of change for x = v.
     pub fn gradient(&self, k: usize, x: &[Row]) -> Vec<Row> {
         let mut gradient = vec![Row::default(); x.len()];
         for i in 0..self.dimension {
@@ -69,12 +69,12 @@ impl Rods {
         gradient
     }
 
-    /// A, a row a rod: m × n rows.
+    /// Jacobian A, one row per rod: m × n rows.
     pub fn gradients(&self, q: &[Row]) -> Vec<Row> {
         (0..self.count()).flat_map(|k| self.gradient(k, q)).collect()
     }
 
-    /// ∂(Aᵀλ)/∂q = Σ λ φ_qq, symmetric: n × n rows.
+    /// Matrix ∂(Aᵀλ)/∂q = Σ λ φ_qq, symmetric: n × n rows.
     pub fn turned(&self, lambda: &[Row], n: usize) -> Vec<Row> {
         let mut sum = vec![Row::default(); n * n];
         for (k, lambda) in lambda.iter().enumerate() {
@@ -92,8 +92,8 @@ impl Rods {
     }
 }
 
-/// Takes the direction of a constraint out of symmetric matrices: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa). Samples where that
-/// cannot be done fail: where a·Πa is 0 or not finite, or `definite` and it is negative.
+/// Removes the direction of a constraint from symmetric matrices: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa). A sample fails if a·Πa is 0 or
+/// not finite, or if it is negative and `definite` is set.
 pub(crate) fn take_out(matrix: &mut [Row], a: &[Row], definite: bool, failures: &mut Failures) -> Vec<Row> {
     let mut lever = times(matrix, a);
     let flexibility = dot(a, &lever);

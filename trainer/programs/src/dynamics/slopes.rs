@@ -3,17 +3,17 @@ use crate::program::{Program, Workspace};
 use crate::row::Row;
 use crate::system::System;
 
-/// Accelerations of a system without constraints, and how they move with the state, with the workspace to compute them in.
+/// Accelerations of a system without constraints and their derivatives with respect to the state, with the workspace to compute them.
 #[derive(Clone, Debug)]
 pub struct AccelerationSlopes {
     accelerations: Accelerations,
     columns: (Program, Workspace),
-    /// M⁻¹, row by row.
+    /// Compliance M⁻¹, row by row.
     compliance: Vec<Row>,
 }
 
 impl AccelerationSlopes {
-    /// Those of a system.
+    /// Creates the accelerations and derivatives of a system.
     pub fn new(system: &System) -> Self {
         let n = system.n();
         Self {
@@ -23,7 +23,7 @@ impl AccelerationSlopes {
         }
     }
 
-    /// Writes v̇(q, v, τ), n rows, and its Jacobian ∂v̇/∂(q, v), column by column: of every coordinate of q and then of v n rows.
+    /// Writes v̇(q, v, τ), n rows, and its Jacobian ∂v̇/∂(q, v), column by column: n rows for every coordinate of q and then of v.
     pub fn evaluate(
         &mut self,
         weights: &[f64],
@@ -42,7 +42,7 @@ impl AccelerationSlopes {
         failures
     }
 
-    /// M⁻¹ of the last evaluation, \[n\]\[n\].
+    /// Compliance M⁻¹ of the last evaluation, \[n\]\[n\].
     pub fn compliance(&self) -> &[Row] {
         &self.compliance
     }

@@ -7,16 +7,16 @@ use leastaction_core::energy::arm::{
     ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, Joint, Rotation, TreeBody, TreeError, Vector,
 };
 
-/// Where a body's joint is, all of which is known.
+/// Joint of a body, with its known kinematics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmJoint {
-    /// How it moves, and on which body.
+    /// Kind of the joint, and the body that carries it.
     pub body: TreeBody,
-    /// R of the joint's frame on the parent's, x_parent = Rx + p.
+    /// Rotation R of the joint's frame in the parent's, x_parent = Rx + p.
     pub rotation: Rotation<f64>,
-    /// p, m.
+    /// Position p, m.
     pub place: Vector<f64>,
-    /// The unit axis, in the joint's frame.
+    /// Unit axis in the joint's frame.
     pub axis: Vector<f64>,
 }
 
@@ -24,20 +24,19 @@ pub struct ArmJoint {
 ///
 /// L = Σ ½m|u|² + u·(ω × mc) + ½ω·Iω + ½Jq̇² + γ·(mr + mc).
 ///
-/// The weight block has the numbers of a model file: γ (m/s²), then the
-/// [`ArmParameters`](leastaction_core::energy::arm::ArmParameters) of every body, of which those of the joint's frame are
-/// not read: they are the [`ArmJoint`]'s.
+/// The weight block has the numbers of a model file: γ (m/s²), then the [`ArmParameters`](leastaction_core::energy::arm::ArmParameters) of
+/// every body. The entries for the joint's frame are not read; those of the [`ArmJoint`] are used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmEnergies {
     joints: Vec<ArmJoint>,
 }
 
-/// Where the ten inertial numbers of a body begin among its own.
+/// Position of the first of the ten inertial numbers among a body's numbers.
 const INERTIAL: usize = ARM_PARAMETERS - 11;
-/// Where its rotor is.
+/// Position of the rotor among a body's numbers.
 const ROTOR: usize = ARM_PARAMETERS - 1;
 
-/// A body that moves, in its own frame.
+/// Motion of a body, in its own frame.
 #[derive(Clone, Copy)]
 struct Moving {
     /// (cos q, sin q) of a revolute joint, q of a prismatic one.
@@ -47,30 +46,30 @@ struct Moving {
 }
 
 impl ArmEnergies {
-    /// The tree of these joints, parents first.
+    /// Creates the tree with these joints, parents first.
     ///
     /// # Errors
-    /// [`TreeError::Empty`] for no body, [`TreeError::Parent`] for a body on one that does not come before it.
+    /// [`TreeError::Empty`] without bodies, [`TreeError::Parent`] for a body on one that does not precede it.
     pub fn new(joints: Vec<ArmJoint>) -> Result<Self, TreeError> {
         check_tree(joints.iter().map(|joint| &joint.body))?;
         Ok(Self { joints })
     }
 
-    /// Numbers of a body in the weight block, from one of its own on.
+    /// Numbers of a body in the weight block, `count` of them from its number `first` on.
     fn numbers(builder: &mut Builder, body: usize, first: usize, count: usize) -> Node {
         builder.parameters(ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * body + first, count)
     }
 }
 
 impl ArmJoint {
-    /// Rᵀx.
+    /// Returns Rᵀx.
     fn into_joint(self, builder: &mut Builder, x: Node) -> Node {
         let [a, b, c] = self.rotation;
         let transposed = [0, 1, 2].map(|k| [a[k], b[k], c[k]]);
         applied(builder, &transposed, x)
     }
 
-    /// A vector of the joint's frame turned by the angle ∓q: cos q (1 − aaᵀ)x ± sin q a × x + aaᵀx.
+    /// Returns a vector of the joint's frame turned by the angle ±q: cos q (1 − aaᵀ)x ± sin q a × x + aaᵀx.
     fn turned(self, builder: &mut Builder, [cosine, sine]: [Node; 2], x: Node) -> Node {
         let a = self.axis;
         let along: Rotation<f64> = std::array::from_fn(|i| std::array::from_fn(|j| a[i] * a[j]));
@@ -83,7 +82,7 @@ impl ArmJoint {
         builder.sum(turned, along)
     }
 
-    /// The body on this joint, its parent moving so.
+    /// Motion of the body on this joint, given that of its parent.
     fn carried(self, builder: &mut Builder, parent: Option<Moving>, [q, v]: [Node; 2]) -> Moving {
         let place = builder.constant(&self.place);
         let [angular, linear] = match parent {
@@ -112,7 +111,8 @@ impl ArmJoint {
         }
     }
 
-    /// mass and first moments of what is carried, about the origin of the parent's frame, from those about this body's.
+    /// First moment of the bodies carried, about the origin of the parent's frame, from their mass and their first moment about this
+    /// body's.
     fn moment_below(self, builder: &mut Builder, joint: [Node; 2], [mass, moment]: [Node; 2]) -> Node {
         let moment = match self.body.joint {
             Joint::Revolute => self.turned(builder, joint, moment),
@@ -129,7 +129,7 @@ impl ArmJoint {
     }
 }
 
-/// Mx of a known matrix.
+/// Returns Mx for a known matrix.
 fn applied(builder: &mut Builder, matrix: &Rotation<f64>, x: Node) -> Node {
     let mut sum = builder.zeros(3);
     for j in 0..3 {
@@ -141,7 +141,7 @@ fn applied(builder: &mut Builder, matrix: &Rotation<f64>, x: Node) -> Node {
     sum
 }
 
-/// a × b.
+/// Returns a × b.
 fn cross(builder: &mut Builder, a: Node, b: Node) -> Node {
     let [ahead, behind] = [[1, 2, 0], [2, 0, 1]];
     let [first, second] = [(ahead, behind), (behind, ahead)].map(|(of_a, of_b)| {
@@ -151,13 +151,13 @@ fn cross(builder: &mut Builder, a: Node, b: Node) -> Node {
     builder.difference(first, second)
 }
 
-/// cx of a vector in space.
+/// Returns cx for a vector in space.
 fn times(builder: &mut Builder, c: Node, x: Node) -> Node {
     let c = builder.repeated(c, 3);
     builder.product(c, x)
 }
 
-/// Ix of I_xx, I_xy, I_yy, I_xz, I_yz, I_zz.
+/// Returns Ix, with I given as I_xx, I_xy, I_yy, I_xz, I_yz, I_zz.
 fn symmetric(builder: &mut Builder, inertia: Node, x: Node) -> Node {
     const COLUMNS: [[usize; 3]; 3] = [[0, 1, 3], [1, 2, 4], [3, 4, 5]];
     let mut sum = builder.zeros(3);

@@ -28,30 +28,30 @@ struct Frame {
     spin: Node,
     /// (cos φ, sin φ).
     axis: Node,
-    /// Where the joint is, m, and its velocity, m/s.
+    /// Position of the joint, m, and its velocity, m/s.
     origin: Node,
     velocity: Node,
 }
 
 impl BodiesEnergies {
-    /// The tree of these bodies, parents first.
+    /// Creates the tree of these bodies, parents first.
     ///
     /// # Errors
-    /// [`TreeError::Empty`] for no body, [`TreeError::Parent`] for a body on one that does not come before it.
+    /// [`TreeError::Empty`] without bodies, [`TreeError::Parent`] for a body on one that does not precede it.
     pub fn new(bodies: Vec<TreeBody>) -> Result<Self, TreeError> {
         check_tree(bodies.iter())?;
         let known = vec![None; GRAVITY_PARAMETERS + BODY_PARAMETERS * bodies.len()];
         Ok(Self { bodies, known })
     }
 
-    /// The same for weight blocks whose number i always is `known[i]` where that is given: programs are shorter, and have no
-    /// derivatives in those numbers. `None` where there are not as many as numbers in the block.
+    /// Fixes number i of all weight blocks to `known[i]` wherever that is given: programs are shorter, and have no derivatives in those
+    /// numbers. `None` if the length differs from that of the block.
     #[must_use]
     pub fn with_known(self, known: Vec<Option<f64>>) -> Option<Self> {
         (known.len() == self.known.len()).then_some(Self { known, ..self })
     }
 
-    /// A number of the weight block.
+    /// Returns a number of the weight block.
     fn number(&self, builder: &mut Builder, at: usize) -> Node {
         match self.known[at] {
             Some(known) => builder.constant(&[known]),
@@ -77,7 +77,7 @@ impl Frame {
         Self { angle: none, spin: none, axis, origin, velocity: origin }
     }
 
-    /// The frame of a body with these numbers, on this one.
+    /// Frame of a body with these numbers, carried by this one.
     fn carried(
         &self,
         builder: &mut Builder,
@@ -103,7 +103,7 @@ impl Frame {
         }
     }
 
-    /// A point that turns with the body, and its velocity, from where it is beside the origin.
+    /// Position and velocity of a point that turns with the body, from its position relative to the origin.
     fn point(&self, builder: &mut Builder, beside: Node) -> [Node; 2] {
         let across = across(builder, beside);
         let turning = times(builder, self.spin, across);
@@ -111,7 +111,7 @@ impl Frame {
     }
 }
 
-/// (cos φ, sin φ).
+/// Returns (cos φ, sin φ).
 fn direction(builder: &mut Builder, angle: Node) -> Node {
     if let Some(known) = builder.known(angle) {
         let (sine, cosine) = known[0].sin_cos();
@@ -121,14 +121,14 @@ fn direction(builder: &mut Builder, angle: Node) -> Node {
     builder.joined(&components)
 }
 
-/// The vector a quarter turn ahead.
+/// Returns the vector turned by +90°.
 fn across(builder: &mut Builder, x: Node) -> Node {
     let exchanged = builder.gather(x, &[1, 0]);
     let signs = builder.constant(&[-1.0, 1.0]);
     builder.product(signs, exchanged)
 }
 
-/// What has these components along an axis and across it.
+/// Returns the vector with these components along an axis and across it.
 fn turned(builder: &mut Builder, axis: Node, [along, aside]: [Node; 2]) -> Node {
     let along = times(builder, along, axis);
     let normal = across(builder, axis);
@@ -136,13 +136,13 @@ fn turned(builder: &mut Builder, axis: Node, [along, aside]: [Node; 2]) -> Node 
     builder.sum(along, aside)
 }
 
-/// cx.
+/// Returns cx.
 fn times(builder: &mut Builder, c: Node, x: Node) -> Node {
     let c = builder.repeated(c, 2);
     builder.product(c, x)
 }
 
-/// cx².
+/// Returns cx².
 fn square(builder: &mut Builder, c: Node, x: Node) -> Node {
     let square = builder.dot(x, x);
     builder.product(c, square)

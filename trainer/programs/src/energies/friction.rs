@@ -1,4 +1,4 @@
-//! Friction beside the forces that a family has: damping, and dry friction that grows with the load.
+//! Friction in addition to the forces of a family: damping, and dry friction that grows with the load.
 
 use super::Energies;
 use crate::builder::{Builder, Node};
@@ -6,33 +6,33 @@ use crate::function::Function;
 use leastaction_core::model::FrictionNumber;
 use leastaction_core::network::Activation;
 
-/// Numbers of one group of dry friction.
+/// Count of the numbers of dry friction of one group.
 const DRY_NUMBERS: usize = FrictionNumber::ALL.len();
 
-/// Dry friction, Q = −(c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε), as [`leastaction_core::forces::Coulomb`].
+/// Dry friction, Q = −(c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε), see [`leastaction_core::forces::Coulomb`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DryLaw {
     /// None, and no numbers for it.
     #[default]
     None,
-    /// It does not grow with the load: every c_load is known to be 0.
+    /// Friction that does not grow with the load: every c_load is known to be 0.
     Unloaded,
-    /// All of it.
+    /// The complete law.
     Loaded,
 }
 
-/// The laws of friction that a weight block has numbers for.
+/// Laws of friction that a weight block has numbers for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrictionLaws {
     /// Q = −b v.
     pub viscous: bool,
-    /// Of the dry friction.
+    /// Law of dry friction.
     pub dry: DryLaw,
 }
 
-/// A model with friction of its coordinates, beside whatever forces it has. Its weight block is that of a model file: the model's
-/// numbers; b ≥ 0 of each group (N s/m or N m s/rad) where there is damping; then, where there is dry friction, c ≥ 0, 0 ≤ c_load < 1,
-/// τ_s > 0 and ε > 0 of each group, group after group (N or N m; 1; N or N m; m/s or rad/s).
+/// A model with friction of its coordinates, in addition to its own forces. Its weight block is that of a model file: the model's numbers;
+/// with damping, b ≥ 0 of each group (N s/m or N m s/rad); then, with dry friction, c ≥ 0, 0 ≤ c_load < 1, τ_s > 0 and ε > 0 of each group,
+/// group after group (N or N m; 1; N or N m; m/s or rad/s).
 #[derive(Clone, Debug)]
 pub struct WithFriction<E> {
     model: E,
@@ -42,37 +42,37 @@ pub struct WithFriction<E> {
 }
 
 impl<E: Energies> WithFriction<E> {
-    /// Coordinate i has the friction of group `of[i]` of so many groups; `None` where there are not as many coordinates, or a group
-    /// is missing.
+    /// Gives coordinate i the friction of group `of[i]` of `groups` groups; `None` if the number of coordinates differs or a group does not
+    /// exist.
     pub fn new(model: E, laws: FrictionLaws, groups: usize, of: Vec<usize>) -> Option<Self> {
         let fits = of.len() == model.n() && of.iter().all(|group| *group < groups);
         fits.then_some(Self { model, laws, groups, of })
     }
 
-    /// Numbers of damping.
+    /// Count of the numbers of damping.
     fn viscous_numbers(&self) -> usize {
         if self.laws.viscous { self.groups } else { 0 }
     }
 
-    /// Numbers of dry friction.
+    /// Count of the numbers of dry friction.
     fn dry_numbers(&self) -> usize {
         if self.laws.dry == DryLaw::None { 0 } else { DRY_NUMBERS * self.groups }
     }
 
-    /// b of every coordinate.
+    /// Damping b of every coordinate.
     fn viscous(&self, builder: &mut Builder) -> Node {
         let all = builder.parameters(self.model.parameters(), self.viscous_numbers());
         builder.gather(all, &self.of)
     }
 
-    /// A number of dry friction of every coordinate.
+    /// One number of dry friction for every coordinate.
     fn dry(&self, builder: &mut Builder, number: FrictionNumber) -> Node {
         let all = builder.parameters(self.model.parameters() + self.viscous_numbers(), self.dry_numbers());
         let own: Vec<usize> = self.of.iter().map(|group| DRY_NUMBERS * group + number as usize).collect();
         builder.gather(all, &own)
     }
 
-    /// c + c_load τ²/(√(τ² + τ_s²) + τ_s), without the second term where there is none.
+    /// Level c + c_load τ²/(√(τ² + τ_s²) + τ_s); without load dependence, c alone.
     fn level(&self, builder: &mut Builder, tau: Node) -> Node {
         let constant = self.dry(builder, FrictionNumber::Constant);
         if self.laws.dry != DryLaw::Loaded {

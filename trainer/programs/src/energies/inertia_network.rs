@@ -4,7 +4,7 @@ use crate::function::Function;
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::network::Activation;
 
-/// Inertia matrix and potential of a mechanism from one network, with viscous damping of every coordinate where it is learned
+/// Inertia matrix and potential of a mechanism from a single network, with viscous damping of every coordinate if it is learned
 /// ([`leastaction_core::energy::inertia_network`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct InertiaNetworkEnergies {
@@ -15,7 +15,7 @@ pub struct InertiaNetworkEnergies {
 }
 
 impl InertiaNetworkEnergies {
-    /// The model of this shape: the network's numbers, then the coefficients of damping, N s/m or N m s.
+    /// Creates the model of this shape: the network's numbers, then the damping coefficients, N s/m or N m s.
     pub fn new(
         coordinates: Vec<Coordinate>,
         (widths, activation): (&[usize], Activation),
@@ -28,7 +28,7 @@ impl InertiaNetworkEnergies {
         Self { coordinates, inertia, network, damped }
     }
 
-    /// T = ½vᵀHv from the outputs that H is made of.
+    /// Kinetic energy T = ½vᵀHv from the outputs that H is made of.
     fn kinetic(&self, builder: &mut Builder, outputs: Node, v: Node) -> Node {
         let n = self.n();
         let diagonal = builder.part(outputs, 0..n);
@@ -57,7 +57,7 @@ impl InertiaNetworkEnergies {
     }
 }
 
-/// |Bv|² + ε|v|², B of `count` rows by its entries at these rows and columns, the others 0.
+/// Returns |Bv|² + ε|v|², where B has `count` rows, the given entries at these rows and columns, and zeros elsewhere.
 fn square(
     builder: &mut Builder,
     entries: Node,

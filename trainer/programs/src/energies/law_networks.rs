@@ -1,4 +1,4 @@
-//! Laws with networks beside a model: dissipation, and a potential that corrects its own.
+//! Laws with networks beside a model: dissipation, and a potential that corrects the model's own.
 
 use super::{Energies, Network, features};
 use crate::builder::{Builder, Node};
@@ -6,24 +6,24 @@ use crate::function::Function;
 use leastaction_core::energy::inertia_network::{Coordinate, feature_count};
 use leastaction_core::network::Activation;
 
-/// What a law's network sees of a model's coordinates, and its hidden layers.
+/// Inputs of a law's network, in a model's coordinates, and its hidden layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LawNetwork {
-    /// How the position of every coordinate enters, `None` for one that is not seen; those behind the last are not seen either.
+    /// Kind of each coordinate as an input; `None`, or beyond the end, for one that is no input.
     pub coordinates: Vec<Option<Coordinate>>,
-    /// Units of the hidden layers.
+    /// Numbers of units in the hidden layers.
     pub widths: Vec<usize>,
-    /// Of the hidden layers.
+    /// Activation of the hidden layers.
     pub activation: Activation,
 }
 
 impl LawNetwork {
-    /// The numbers of the coordinates that are seen.
+    /// Numbers of the coordinates that are inputs.
     fn seen(&self) -> Vec<usize> {
         (0..self.coordinates.len()).filter(|i| self.coordinates[*i].is_some()).collect()
     }
 
-    /// How positions enter.
+    /// Kinds of the coordinates whose positions are inputs; the rest count as cyclic.
     fn kinds(&self) -> Vec<Coordinate> {
         self.coordinates.iter().map(|kind| kind.unwrap_or(Coordinate::Cyclic)).collect()
     }
@@ -33,26 +33,26 @@ impl LawNetwork {
     }
 }
 
-/// −LLᵀv, as [`leastaction_core::forces::Dissipation`].
+/// Dissipation −LLᵀv, see [`leastaction_core::forces::Dissipation`].
 #[derive(Clone, Debug)]
 struct Dissipation {
     seen: Vec<usize>,
     kinds: Vec<Coordinate>,
-    /// First of the scales, before the network.
+    /// Position of the first scale; the scales precede the network.
     start: usize,
     network: Network,
 }
 
-/// V_c, as [`leastaction_core::forces::PotentialCorrection`].
+/// Potential V_c, see [`leastaction_core::forces::PotentialCorrection`].
 #[derive(Clone, Debug)]
 struct Potential {
     kinds: Vec<Coordinate>,
     network: Network,
 }
 
-/// A model with networks beside its energies and forces: Q = −L(q, v)Lᵀv and V + V_c(q). Its weight block is that of a model file:
-/// the model's numbers; where there is dissipation the scale of every velocity that it sees (m/s or rad/s), then its network; where
-/// there is a potential its network.
+/// A model with networks beside its energies and forces: Q = −L(q, v)Lᵀv and V + V_c(q). Its weight block is that of a model file: the
+/// model's numbers; with a dissipation, the scale of every input velocity (m/s or rad/s) and then its network; with a potential, its
+/// network.
 #[derive(Clone, Debug)]
 pub struct WithNetworks<E> {
     model: E,
@@ -87,7 +87,7 @@ impl Dissipation {
     }
 }
 
-/// The vector with Σ l x\[from\] at every place `to`, of so many.
+/// Vector of `m` entries with Σ l x\[from\] at every place `to`.
 fn transposed(
     builder: &mut Builder,
     l: Node,
@@ -100,7 +100,7 @@ fn transposed(
 }
 
 impl<E: Energies> WithNetworks<E> {
-    /// With these laws; `None` where one sees coordinates that the model has not, or none at all.
+    /// Adds these laws; `None` if one has inputs that the model does not have, or no inputs at all.
     pub fn new(model: E, dissipation: Option<&LawNetwork>, potential: Option<&LawNetwork>) -> Option<Self> {
         let fits = |law: &LawNetwork| law.coordinates.len() <= model.n() && !law.seen().is_empty();
         let sees = potential.is_none_or(|law| feature_count(&law.kinds()) > 0);

@@ -1,4 +1,4 @@
-//! The families of [`leastaction_core::energy`], their Lagrangians written down for any size.
+//! The families of [`leastaction_core::energy`], with their Lagrangians written down for any size.
 
 mod arm;
 mod bodies;
@@ -25,7 +25,7 @@ use crate::function::Function;
 use leastaction_core::energy::bodies::{TreeBody, TreeError};
 use leastaction_core::energy::inertia_network::Coordinate;
 
-/// s(q) of coordinates of these kinds: translations, then the cosines of all angles, then their sines.
+/// Features s(q) of coordinates of these kinds: translations, then the cosines of all angles, then their sines.
 fn features(builder: &mut Builder, kinds: &[Coordinate], q: Node) -> Node {
     let of = |kind| (0..kinds.len()).filter(|i| kinds[*i] == kind).collect::<Vec<_>>();
     let (translations, angles) = (of(Coordinate::Translation), of(Coordinate::Angle));
@@ -34,7 +34,7 @@ fn features(builder: &mut Builder, kinds: &[Coordinate], q: Node) -> Node {
     builder.joined(&[translations, cosines, sines])
 }
 
-/// Whether bodies form a tree, parents first.
+/// Checks that bodies form a tree, parents first.
 fn check_tree<'b>(bodies: impl ExactSizeIterator<Item = &'b TreeBody>) -> Result<(), TreeError> {
     if bodies.len() == 0 {
         return Err(TreeError::Empty);
@@ -47,21 +47,21 @@ fn check_tree<'b>(bodies: impl ExactSizeIterator<Item = &'b TreeBody>) -> Result
     Ok(())
 }
 
-/// A family's model of some shape: its energies over a weight block, and the forces beside them.
+/// A family's model of a given shape: its energies over a weight block, and the forces beside them.
 pub trait Energies {
     /// Number of coordinates n.
     fn n(&self) -> usize;
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     fn parameters(&self) -> usize;
-    /// T(q, v) and V(q), J, vectors of one number each; q in m or rad, v in m/s or rad/s.
+    /// Energies T(q, v) and V(q), J, as vectors of one number each; q in m or rad, v in m/s or rad/s.
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2];
-    /// Q(q, v, τ), N or N m, beside the control force τ; 0 where it is not written down.
+    /// Force Q(q, v, τ) beside the control force τ, N or N m; 0 by default.
     fn force(&self, builder: &mut Builder, _: Node, v: Node, _: Node) -> Node {
         let n = builder.length(v);
         builder.zeros(n)
     }
-    /// How far from rest a force like friction bends, of each coordinate, m/s or rad/s: Newton's method looks again where a velocity
-    /// changes its sign from further away ([`leastaction_core::forces::Forces::trusted_part`]). `None` where no force does.
+    /// Speed of each coordinate up to which a force such as friction bends, m/s or rad/s: Newton's method evaluates again if an update
+    /// reverses a velocity from beyond it ([`leastaction_core::forces::Forces::trusted_part`]). `None` if no force bends.
     fn bends(&self, _: &mut Builder) -> Option<Node> {
         None
     }

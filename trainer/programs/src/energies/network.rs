@@ -3,16 +3,16 @@ use crate::function::Function;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::network::Activation;
 
-/// Numbers that are the same for all inputs of a kind.
+/// Numbers that all inputs of a kind share.
 pub(crate) struct Kinds<'k> {
-    /// Those of every kind, `width` each, kind after kind.
+    /// Numbers of every kind, `width` each, kind after kind.
     pub table: Node,
     pub width: usize,
-    /// The kind of every input.
+    /// Kind of every input.
     pub of: &'k [usize],
 }
 
-/// The places of so many entries each of these items.
+/// Positions of the entries of these items, `each` per item.
 pub(crate) fn entries(items: impl IntoIterator<Item = usize>, each: usize) -> Vec<usize> {
     items.into_iter().flat_map(|item| item * each..(item + 1) * each).collect()
 }
@@ -25,7 +25,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// The network of this shape whose numbers begin at `start`.
+    /// Creates the network of this shape whose numbers begin at `start`.
     pub fn new(shape: &NetworkShape, start: usize) -> Self {
         let (widths, depth) = shape.widths();
         Self::of_widths(
@@ -36,7 +36,7 @@ impl Network {
         )
     }
 
-    /// A network of as many inputs and outputs as may be.
+    /// Creates a network with any numbers of inputs and outputs.
     pub fn of_widths(
         inputs: usize,
         widths: &[usize],
@@ -53,24 +53,25 @@ impl Network {
         Self { layers, activation }
     }
 
-    /// Position of the number after its last.
+    /// Position of the number after the network's last one.
     pub fn end(&self) -> usize {
         self.layers.last().map_or(0, Layer::end)
     }
 
-    /// y(x).
+    /// Output y(x).
     pub fn output(&self, builder: &mut Builder, x: Node) -> Node {
         self.outputs(builder, 1, x)
     }
 
-    /// y of so many inputs x, one after the other; so are the outputs.
+    /// Outputs y for `columns` inputs x, one after the other; the outputs have the same order.
     pub fn outputs(&self, builder: &mut Builder, columns: usize, x: Node) -> Node {
         let Some((first, others)) = self.layers.split_first() else { return x };
         let y = builder.linear(*first, columns, x);
         self.behind(builder, others, columns, y)
     }
 
-    /// y of so many inputs x, each behind the numbers of its kind. What the first layer makes of those is computed once for a kind.
+    /// Outputs y for inputs x that are each preceded by the numbers of their kind. The first layer's product with these numbers is computed
+    /// once per kind.
     pub(crate) fn outputs_of_kinds(&self, builder: &mut Builder, kinds: &Kinds, x: Node) -> Node {
         let (columns, width) = (kinds.of.len(), kinds.width);
         let Some((first, others)) = self.layers.split_first().filter(|_| width > 0) else {
@@ -84,7 +85,7 @@ impl Network {
         self.behind(builder, others, columns, y)
     }
 
-    /// What follows a layer's outputs y.
+    /// Applies the remaining layers to a layer's outputs y.
     fn behind(&self, builder: &mut Builder, layers: &[Layer], columns: usize, y: Node) -> Node {
         let mut y = y;
         for layer in layers {

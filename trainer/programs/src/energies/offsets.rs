@@ -1,24 +1,24 @@
-//! Drives whose torque is off by a constant.
+//! Drives whose torque has a constant offset.
 
 use super::Energies;
 use crate::builder::{Builder, Node};
 
-/// A model whose drives add a constant to the logged torque, τ = u + o. Its weight block is that of the model, then o of every
-/// coordinate, N or N m, with other numbers around them where there are such.
+/// A model whose drives add a constant to the logged torque, τ = u + o. Its weight block is that of the model, then the offset o of every
+/// coordinate, N or N m, with other numbers around the offsets if there are any.
 #[derive(Clone, Debug)]
 pub struct WithOffsets<E> {
     energies: E,
-    /// Numbers between those of the model and the offsets, and behind these.
+    /// Count of the numbers between those of the model and the offsets, and of those after the offsets.
     beside: [usize; 2],
 }
 
 impl<E: Energies> WithOffsets<E> {
-    /// Offsets right behind the weights of a model.
+    /// Adds offsets directly after the weights of a model.
     pub fn new(energies: E) -> Self {
         Self { energies, beside: [0; 2] }
     }
 
-    /// The same with so many numbers between those of the model and the offsets, and behind these, that nothing depends on.
+    /// Adds unused numbers between those of the model and the offsets, and after the offsets.
     #[must_use]
     pub fn among(self, beside: [usize; 2]) -> Self {
         Self { beside, ..self }

@@ -4,21 +4,21 @@ use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
 
-/// v̇(q, v, u) − a.
+/// Loss of accelerations: v̇(q, v, u) − a.
 pub struct AccelerationLoss {
     n: usize,
     solver: MotionSolver,
-    /// The equation of motion with the derivatives of its residual along one direction, and along n.
+    /// Equation of motion with the derivatives of its residual, along one direction and along n.
     motions: [(Program, Workspace); 2],
 }
 
 impl AccelerationLoss {
-    /// That of a system without constraints.
+    /// Creates the loss for a system without constraints.
     pub fn new(system: &System) -> Self {
         Self::with_rods(system, Rods::default(), true)
     }
 
-    /// That of a system on rods. `definite`: whether M must be positive along what they allow.
+    /// Creates the loss for a system with rods. `definite`: whether A M⁻¹Aᵀ must be positive definite.
     pub fn with_rods(system: &System, rods: Rods, definite: bool) -> Self {
         let n = system.n();
         let [one, all] = [1, n].map(|directions| system.equation_of_motion_with_residual(directions));
@@ -37,7 +37,7 @@ impl Loss for AccelerationLoss {
         Some(logged.iter().map(|a| a.zip(a, |a, _| -a)).collect())
     }
 
-    /// ∂v̇ = Π ∂(F − d/dt L_v) with v̇ held on the right, Π = M⁻¹ but for what the rods take out.
+    /// ∂v̇ = Π ∂(F − d/dt L_v) with v̇ held fixed on the right; Π is M⁻¹ without the directions of the rods.
     fn evaluate(
         &mut self,
         weights: &[f64],

@@ -11,26 +11,26 @@ pub struct DelLoss {
     n: usize,
     integrals: Integrals,
     newton: Newton,
-    /// Whether the residual is that of the next position; else that of the DEL equation.
+    /// Whether the residual is that of the next position; otherwise it is that of the DEL equation.
     next_position: bool,
-    /// For one direction, and for n.
+    /// Programs for one direction, and for n.
     pulls: [(Program, Workspace); 2],
     factors: [Factors; 2],
 }
 
-/// The variation of an interval's end, or of its start.
+/// Variation of an interval's end, or of its start.
 type End = fn(&GaussPoint, f64) -> Variation;
 
-/// Weights of the equations of one interval in the residual components: n rows a component.
+/// Weights of the equations of one interval in the residual components: n rows per component.
 struct Weighing {
-    /// Of D₁L_d, or of D₂L_d.
+    /// Weights of D₁L_d, or of D₂L_d.
     y: Vec<Row>,
-    /// Of D_mL_d.
+    /// Weights of D_mL_d.
     z: Vec<Row>,
 }
 
 impl DelLoss {
-    /// The loss of the next position, or that of the DEL residual, at steps of h, s.
+    /// Creates the loss of the next position, or that of the DEL residual, for the step size h, s.
     pub fn new(system: &System, h: f64, order: Order, next_position: bool) -> Self {
         let n = system.n();
         let pulls = [1, n].map(|directions| system.along(directions).with_workspace());
@@ -39,7 +39,7 @@ impl DelLoss {
         Self { n, integrals, newton, next_position, pulls, factors: Default::default() }
     }
 
-    /// Adds the derivatives of one interval's equations, weighed.
+    /// Adds the weighted derivatives of one interval's equations.
     fn pull(
         &mut self,
         weights: &[f64],
@@ -65,8 +65,8 @@ impl DelLoss {
         }
     }
 
-    /// With G = p₁ + d1_ld the DEL residual and the bubbles following their own equations: of every component the weights of
-    /// both intervals' equations in its derivative. The next position follows from 0 = dG + K dw.
+    /// Weights of both intervals' equations in the derivative of every residual component. G = p₁ + d1_ld is the DEL residual, and the
+    /// bubbles follow their own equations; the next position follows from 0 = dG + K dw.
     fn weighings(
         &mut self,
         weights: &[f64],

@@ -5,18 +5,18 @@ use crate::row::Row;
 use crate::steps::{RungeKutta, State, sum};
 use crate::system::System;
 
-/// The end of an explicit Runge–Kutta step from a logged state, less the logged state there: positions, then velocities
-/// (L-NODE). A stage is under the control at its time. Without constraints.
+/// Result of an explicit Runge–Kutta step from a logged state, less the next logged state: positions, then velocities (L-NODE). Each stage
+/// has the control at its time. Without constraints.
 ///
-/// With y_k the adjoint of stage k's acceleration in a residual component, the component's derivative in θ is Σ y_k·∂v̇_k =
-/// Σ ∂/∂θ \[(F − d/dt L_v)·M⁻¹y_k\] at the stages' states and accelerations.
+/// With y_k the adjoint of stage k's acceleration in a residual component, the component's derivative in θ is Σ y_k·∂v̇_k = Σ ∂/∂θ \[(F −
+/// d/dt L_v)·M⁻¹y_k\] at the stages' states and accelerations.
 pub struct NextStateLoss {
     n: usize,
     h: f64,
     method: RungeKutta,
     accelerations: Accelerations,
     tangents: (Program, Workspace),
-    /// For one direction, and for 2n.
+    /// Programs for one direction, and for 2n.
     pulls: [(Program, Workspace); 2],
 }
 
@@ -30,7 +30,7 @@ struct Stage {
 }
 
 impl NextStateLoss {
-    /// That of a system, at steps of h, s.
+    /// Creates the loss of a system for the step size h, s.
     pub fn new(system: &System, h: f64, method: RungeKutta) -> Self {
         let n = system.n();
         Self {
@@ -86,7 +86,7 @@ impl NextStateLoss {
         (stages, failures)
     }
 
-    /// M⁻¹y of every stage, y the adjoints of the accelerations in an end weighed by `end_bar`.
+    /// Returns M⁻¹y of every stage, where y are the adjoints of the accelerations in an end weighted by `end_bar`.
     fn adjoints(&self, stages: &[Stage], end_bar: &State) -> Vec<Vec<Row>> {
         let (n, h) = (self.n, self.h);
         let zero = vec![Row::default(); 2 * n];

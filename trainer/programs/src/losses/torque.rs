@@ -5,21 +5,21 @@ use crate::row::Row;
 use crate::sparsity::Pattern;
 use crate::system::System;
 
-/// The torque that a motion takes by the model, less the logged one: M v̇ + L_vq v − L_q − Q(q, v, τ) − τ at logged (q, v, v̇) and τ, each
-/// coordinate's in a unit of its own.
+/// Torque that a motion needs by the model, less the logged one: M v̇ + L_vq v − L_q − Q(q, v, τ) − τ at logged (q, v, v̇) and τ, with a
+/// separate unit for each coordinate.
 ///
-/// It divides by no inertia, so noise of v̇ is not amplified; but it stands beside the inertia, which it makes too small. Source:
-/// Lutter, Ritter and Peters, "Deep Lagrangian Networks", ICLR 2019.
+/// Nothing is divided by the inertia, so noise of v̇ is not amplified; but the noise multiplies the inertia, whose estimate becomes too
+/// small. Source: Lutter, Ritter and Peters, "Deep Lagrangian Networks", ICLR 2019.
 pub struct TorqueLoss {
-    /// One over the unit of every coordinate's torque, 1/(N m) or 1/N.
+    /// Reciprocal of the unit of every coordinate's torque, 1/(N m) or 1/N.
     per_unit: Vec<f64>,
     pattern: Pattern,
-    /// The equation of motion with the derivatives of its residual along one direction, and along n.
+    /// Equation of motion with the derivatives of its residual, along one direction and along n.
     motions: [(Program, Workspace); 2],
 }
 
 impl TorqueLoss {
-    /// That of a system without constraints, in N m or N.
+    /// Creates the loss of a system without constraints, in N m or N.
     pub fn new(system: &System) -> Self {
         let n = system.n();
         let [one, all] = [1, n].map(|directions| system.equation_of_motion_with_residual(directions));
@@ -27,14 +27,14 @@ impl TorqueLoss {
         Self { per_unit: vec![1.0; n], pattern, motions: [one.0, all.0].map(Program::with_workspace) }
     }
 
-    /// The same in these units, N m or N, one a coordinate: light joints beside heavy ones count in theirs.
+    /// Sets these units, N m or N, one per coordinate, so that light joints count as much as heavy ones.
     #[must_use]
     pub fn in_units(mut self, units: &[f64]) -> Self {
         self.per_unit.iter_mut().zip(units).for_each(|(per_unit, unit)| *per_unit = unit.recip());
         self
     }
 
-    /// M a − (L_q − L_vq v + Q + τ).
+    /// Writes M a − (L_q − L_vq v + Q + τ).
     fn unbalanced(&self, workspace: &Workspace, a: &[Row], residual: &mut [Row]) {
         for (i, (residual, right)) in residual.iter_mut().zip(workspace.output(0)).enumerate() {
             *residual = right.zip(right, |right, _| -right);

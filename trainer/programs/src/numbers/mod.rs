@@ -1,8 +1,8 @@
-//! Programs of short vectors, number by number.
+//! Programs of short vectors, computed number by number.
 //!
-//! Energies of bodies are written in vectors of two or three numbers, of which many are 0 or 1. Number by number, what is known is
-//! computed once, what is the same is computed once, what is 0 is not computed; nothing is gathered or scattered. So are small networks
-//! beside bodies, whose layers would otherwise make vectors of all.
+//! Energies of bodies are written in vectors of two or three numbers, many of which are 0 or 1. Number by number, known numbers and equal
+//! numbers are computed only once and zeros not at all; nothing is gathered or scattered. Small networks beside bodies are treated
+//! likewise, since their layers would otherwise need all inputs as vectors.
 
 mod run;
 mod values;
@@ -12,13 +12,14 @@ use crate::program::Program;
 use crate::row::Row;
 use values::{Id, Results, Value, Values};
 
-/// Operations at most: longer programs are of long vectors, which are fast as they are. An arm of seven joints has 20,000 of short ones.
+/// Maximum number of operations: longer programs have long vectors, which are fast as they are. An arm of seven joints takes 20,000
+/// operations on short ones.
 const MOST: usize = 1 << 16;
 
-/// A place for a number of every sample.
+/// Place for a number of every sample.
 type Register = u32;
 
-/// One operation on numbers of samples side by side.
+/// An operation on numbers of samples side by side.
 #[derive(Clone, Copy, Debug)]
 enum Operation {
     Input {
@@ -45,7 +46,7 @@ enum Operation {
         y: Register,
         to: Register,
     },
-    /// xy + z.
+    /// Computes xy + z.
     ProductSum {
         x: Register,
         y: Register,
@@ -57,7 +58,7 @@ enum Operation {
         x: Register,
         to: [Option<Register>; ORDERS],
     },
-    /// Adds to a number of a row of the Jacobian.
+    /// Adds to an entry of a row of the Jacobian.
     Add {
         row: u32,
         at: u32,
@@ -65,25 +66,25 @@ enum Operation {
     },
 }
 
-/// A program number by number.
+/// A program that runs number by number.
 #[derive(Clone, Debug)]
 pub(crate) struct Numbers {
-    /// For the outputs, and for the rows after them.
+    /// Operations for the outputs, and for the rows after them.
     parts: [Vec<Operation>; 2],
     registers: usize,
     constants: Vec<(Register, f64)>,
-    /// Where the numbers of every output are.
+    /// Registers of the numbers of every output.
     outputs: Vec<Vec<Register>>,
 }
 
 impl Numbers {
-    /// Those of a program; `None` where it is long, or applies layers of networks that are not to be taken apart.
+    /// Converts a program; `None` if it is too long, or applies layers of networks that may not be taken apart.
     pub fn of(program: &Program, with_layers: bool) -> Option<Self> {
         let (values, results) = Values::of(program, with_layers)?;
         (values.len() <= MOST).then(|| Allocation::new(&values).numbers(&results))
     }
 
-    /// Registers that it takes.
+    /// Registers that a run needs.
     pub fn registers(&self) -> Vec<Row> {
         let mut registers = vec![Row::default(); self.registers];
         self.constants.iter().for_each(|(to, c)| registers[*to as usize] = Row::splat(*c));
@@ -91,18 +92,18 @@ impl Numbers {
     }
 }
 
-/// Chooses the order of operations, and registers.
+/// Choice of the order of operations, and of the registers.
 struct Allocation<'v> {
     values: &'v Values,
     places: Vec<Option<Register>>,
-    /// After which operation, in order, a value is read no more.
+    /// Rank of the operation that reads a value last.
     last_read: Vec<usize>,
     is_needed: Vec<bool>,
     free: Vec<Register>,
     program: Numbers,
 }
 
-/// Part 0 of a program is for the outputs, part 1 for the rows; what is in neither is not computed.
+/// Part of the values that are not computed; part 0 is for the outputs, part 1 for the rows.
 const NEVER: usize = 2;
 
 impl<'v> Allocation<'v> {
@@ -133,7 +134,7 @@ impl<'v> Allocation<'v> {
             self.compute(0, *value);
             self.release(rank, *value);
         }
-        // What the outputs have is also added to rows, after them.
+        // Values computed for the outputs may also be added to rows, after them.
         early.iter().for_each(|value| self.add(*value, &adds));
         for (rank, value) in (early.len()..).zip(&late) {
             self.compute(1, *value);
@@ -152,7 +153,7 @@ impl<'v> Allocation<'v> {
         self.program.parts[1].extend(own.map(|(row, at)| Operation::Add { row: *row, at: *at, x }));
     }
 
-    /// In which part each value is computed.
+    /// Part in which each value is computed.
     fn parts(&self, results: &Results) -> Vec<usize> {
         let mut parts = vec![NEVER; self.values.len()];
         results.rows.iter().for_each(|(_, _, x)| parts[*x as usize] = 1);
@@ -173,12 +174,12 @@ impl<'v> Allocation<'v> {
             self.last_read[*value as usize] = rank;
             self.values.reads(*value).for_each(|x| self.last_read[x as usize] = rank);
         }
-        // Outputs stay, and what is there before them and added to rows after them.
+        // Outputs stay, and so do values computed before them that are added to rows after them.
         let early = results.rows.iter().map(|(_, _, x)| x).filter(|x| parts[**x as usize] == 0);
         results.outputs.iter().flatten().chain(early).for_each(|x| self.last_read[*x as usize] = usize::MAX);
     }
 
-    /// Makes room again for what is read no more; constants stay.
+    /// Frees the registers of values that are not read any more; constants stay.
     fn release(&mut self, rank: usize, value: Id) {
         let mut read: Vec<Id> = self.values.reads(value).chain([value]).collect();
         read.sort_unstable();
@@ -252,8 +253,7 @@ mod tests {
         Row(std::array::from_fn(|sample| (1.3 * k as f64 + 0.7 * sample as f64).sin()))
     }
 
-    /// A tree of three bodies, of which some numbers are known, with friction that grows with the load, and with networks where they are
-    /// asked for.
+    /// A tree of three bodies, some of whose numbers are known, with friction that grows with the load, and with networks on request.
     fn system(with_networks: bool) -> System {
         let parents = [None, Some(0), Some(0)];
         let bodies = parents.map(|parent| TreeBody { joint: Joint::Revolute, parent });
@@ -268,7 +268,7 @@ mod tests {
         System::new(&WithNetworks::new(rubbing, networks.0, networks.1).unwrap())
     }
 
-    /// Outputs and rows are those of the vectors' program, but for rounding.
+    /// Outputs and rows equal those of the vectors' program up to rounding.
     #[test]
     fn number_by_number_the_results_are_the_same() {
         check_results(&system(false));
@@ -293,7 +293,7 @@ mod tests {
             let results = [program, vectors].map(|program| {
                 let mut workspace = program.workspace();
                 let mut rows = vec![vec![Row::default(); system.parameters()]; program.rows()];
-                // Twice, so that nothing of a run is left for the next.
+                // Run twice, so that a remainder of one run would spoil the next.
                 for _ in 0..2 {
                     rows.iter_mut().flatten().for_each(|row| *row = Row::default());
                     program.run(&weights, &inputs, &mut workspace, &mut rows);

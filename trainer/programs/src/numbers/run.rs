@@ -1,4 +1,4 @@
-//! Operations as they run.
+//! Execution of the operations.
 
 use super::{Numbers, Operation};
 use crate::function::ORDERS;
@@ -6,7 +6,7 @@ use crate::row::Row;
 use wide::f64x8;
 
 impl Numbers {
-    /// Computes the outputs, and copies them to `outputs`.
+    /// Computes the outputs, and passes their numbers to `output`.
     pub fn run_outputs(
         &self,
         weights: &[f64],

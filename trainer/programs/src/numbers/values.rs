@@ -1,4 +1,4 @@
-//! What every number of a program is, each once.
+//! Values of a program's numbers, each stored once.
 
 use crate::builder::Layer;
 use crate::function::{Function, ORDERS};
@@ -6,20 +6,20 @@ use crate::program::{Program, Step};
 use crate::row::Row;
 use std::collections::HashMap;
 
-/// A value among all.
+/// Number of a value.
 pub(super) type Id = u32;
 
-/// What a number of every sample is.
+/// Definition of a number of every sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Value {
-    /// By its bits.
+    /// A constant, as its bits.
     Constant(u64),
     Input(u32, u32),
     Parameter(u32),
     Sum(Id, Id),
     Difference(Id, Id),
     Product(Id, Id),
-    /// xy + z.
+    /// Computes xy + z.
     ProductSum(Id, Id, Id),
     /// A derivative of the function with this number.
     Curve {
@@ -29,7 +29,7 @@ pub(super) enum Value {
     },
 }
 
-/// Values in an order in which each follows those that it is made of.
+/// Values in an order in which each follows its operands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Values {
     all: Vec<Value>,
@@ -39,7 +39,7 @@ pub(super) struct Values {
     functions: HashMap<u32, Function>,
 }
 
-/// What a program is for: the values of its outputs, and what it adds to rows of the Jacobian: row, place and value.
+/// Results of a program: the values of its outputs, and its additions to rows of the Jacobian, as row, position and value.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Results {
     pub outputs: Vec<Vec<Id>>,
@@ -47,7 +47,7 @@ pub(super) struct Results {
 }
 
 impl Values {
-    /// Those of a program; `None` where it has steps that are not of single numbers.
+    /// Converts a program; `None` if it has steps that cannot be taken apart into single numbers.
     pub fn of(program: &Program, with_layers: bool) -> Option<(Self, Results)> {
         let (mut values, mut results) = (Self { with_layers, ..Self::default() }, Results::default());
         let mut slots: Vec<Vec<Id>> = program.slots.iter().map(|length| vec![0; *length]).collect();
@@ -68,7 +68,7 @@ impl Values {
         Some((values, results))
     }
 
-    /// Makes one operation of a sum and of a product that nothing else reads.
+    /// Merges a sum with a product that nothing else reads into one operation.
     fn fuse(&mut self, results: &Results) {
         let mut reads = vec![0; self.len()];
         let wanted = results.outputs.iter().flatten().chain(results.rows.iter().map(|(_, _, x)| x));
@@ -103,7 +103,7 @@ impl Values {
         matches!(self.get(id), Value::Constant(_))
     }
 
-    /// What a value is made of.
+    /// Operands of a value.
     pub fn reads(&self, id: Id) -> impl Iterator<Item = Id> + use<> {
         let of = match self.get(id) {
             Value::Constant(_) | Value::Input(..) | Value::Parameter(_) => [None; 3],
@@ -114,7 +114,7 @@ impl Values {
         of.into_iter().flatten()
     }
 
-    /// A derivative of a function, where it is asked for.
+    /// Returns a derivative of a function, if one is stored.
     pub fn curve(&self, function: u32, order: u8, x: Id) -> Option<Id> {
         self.known.get(&Value::Curve { function, order, x }).copied()
     }
@@ -123,7 +123,7 @@ impl Values {
         self.functions[&number]
     }
 
-    /// What a step writes; `None` for one of layers or of one sample.
+    /// Writes the values of a step; `None` for a step on layers (if they are not taken apart) or on a single sample.
     fn step(&mut self, step: &Step, slots: &mut [Vec<Id>], results: &mut Results) -> Option<()> {
         match step {
             Step::Input { number, to } => {
@@ -174,7 +174,7 @@ impl Values {
         Some(())
     }
 
-    /// What a step of a layer writes; `None` for one of a sample alone.
+    /// Writes the values of a step on a layer; `None` for a step on a single sample.
     fn layer(&mut self, step: &Step, slots: &mut [Vec<Id>], results: &mut Results) -> Option<()> {
         match step {
             Step::Linear { layer, bias, x, to, .. } => {
@@ -203,7 +203,7 @@ impl Values {
         self.value(Value::Parameter(layer.weight(i, j) as u32))
     }
 
-    /// Wx, and + b where there is one.
+    /// Returns Wx, plus b if there is a bias.
     fn applied(&mut self, layer: &Layer, bias: bool, x: &[Id]) -> Vec<Id> {
         let output = |values: &mut Self, i: usize| {
             let start = match bias {
@@ -219,7 +219,7 @@ impl Values {
         (0..layer.outputs).map(|i| output(self, i)).collect()
     }
 
-    /// Wᵀy.
+    /// Returns Wᵀy.
     fn applied_transposed(&mut self, layer: &Layer, y: &[Id]) -> Vec<Id> {
         let input = |values: &mut Self, j: usize| {
             let start = values.constant(0.0);
@@ -232,7 +232,7 @@ impl Values {
         (0..layer.inputs).map(|j| input(self, j)).collect()
     }
 
-    /// Adds ȳxᵀ to a row, and ȳ where the biases are meant too.
+    /// Adds ȳxᵀ to a row, and ȳ for the biases if `bias` is set.
     fn outer(
         &mut self,
         (row, layer, bias): (usize, &Layer, bool),
@@ -253,7 +253,7 @@ impl Values {
         }
     }
 
-    /// Of two slots number by number; the shorter one is repeated.
+    /// Applies `f` to two slots entry by entry; the shorter one is repeated.
     fn pairwise(
         &mut self,
         slots: &[Vec<Id>],
@@ -272,7 +272,7 @@ impl Values {
     }
 
     fn constant(&mut self, c: f64) -> Id {
-        // −0 is 0: what it is added to or multiplied by is the same number.
+        // Here −0 becomes 0: sums and products with either are equal numbers.
         self.value(Value::Constant((c + 0.0).to_bits()))
     }
 
@@ -283,7 +283,7 @@ impl Values {
         }
     }
 
-    /// The number whose negative this is.
+    /// Returns the number whose negative this is, if it is stored as a negative.
     fn negated(&self, id: Id) -> Option<Id> {
         match self.get(id) {
             Value::Product(x, y) if self.known(x) == Some(-1.0) => Some(y),
@@ -327,7 +327,7 @@ impl Values {
         self.value(Value::Product(x.min(y), x.max(y)))
     }
 
-    /// A derivative of a function of a number.
+    /// Returns a derivative of a function of a number.
     fn derivative(&mut self, function: Function, order: usize, x: Id) -> Id {
         if let Some(known) = self.known(x) {
             let mut curve = [Row::default(); ORDERS];

@@ -1,4 +1,4 @@
-//! Vectors of one sample in the forms that the steps want which read them.
+//! Vectors of a single sample, in the forms that the steps reading them want.
 
 use super::Scheduler;
 use crate::builder::Node;
@@ -7,12 +7,12 @@ use crate::program::{Slot, Step};
 use crate::row::WIDTH;
 
 impl Scheduler<'_> {
-    /// How a node's numbers lie; several samples lie side by side in all of them alike.
+    /// Form of a node; with several samples side by side all nodes have the same form.
     pub(super) fn form(&self, node: Node) -> Form {
         self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node))
     }
 
-    /// The slot of a node in this form, where columns lie side by side.
+    /// Slot of a node in this form, if columns lie side by side.
     pub(super) fn in_form(&mut self, node: Node, form: Form) -> Slot {
         let slot = self.place(node);
         let Some(layout) = &self.layout else { return slot };
@@ -35,18 +35,18 @@ impl Scheduler<'_> {
         to
     }
 
-    /// The slot of a node in columns of so many units, where columns lie side by side.
+    /// Slot of a node in columns of `units` units, if columns lie side by side.
     pub(super) fn in_columns(&mut self, node: Node, units: usize) -> Slot {
         self.in_form(node, self.form(node).in_units(units))
     }
 
-    /// The slots of the results.
+    /// Slots of the results.
     pub(super) fn outputs(&mut self, outputs: &[Node]) -> Vec<Slot> {
         self.program.forms.resize(outputs.len(), Form::of_units(1));
         (0..outputs.len()).map(|k| self.in_form(outputs[k], self.program.forms[k])).collect()
     }
 
-    /// Columns that a layer is applied to whose inputs are these: of one sample several lie side by side.
+    /// Number of columns, or rows of columns, that a layer with this input is applied to: with a single sample, columns lie side by side.
     pub(super) fn columns(&self, columns: usize, x: Node, units: usize) -> usize {
         match &self.layout {
             None => columns,
@@ -55,7 +55,7 @@ impl Scheduler<'_> {
         }
     }
 
-    /// The slots of two nodes that are combined number by number.
+    /// Slots of two nodes that are combined entry by entry.
     pub(super) fn alike(&mut self, node: Node, of: [Node; 2]) -> [Slot; 2] {
         let units = self.form(node).units;
         of.map(|x| self.in_columns(x, units))

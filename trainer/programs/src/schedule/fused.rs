@@ -1,4 +1,4 @@
-//! Operations that are computed together: sums with what is gathered for them, products with a function.
+//! Operations that are computed together: sums with the gathering of their summands, products with a function.
 
 use super::{Scheduler, reads_of};
 use crate::builder::{Node, Operation};
@@ -6,7 +6,7 @@ use crate::function::Function;
 use crate::reverse::WeightTerm;
 
 impl<'b> Scheduler<'b> {
-    /// Finds the functions that only one product reads, computed at numbers that no other derivative is computed at.
+    /// Finds functions that only one product reads, and of which no other derivative is computed at the same vector.
     pub(super) fn find_factors(&mut self, order: &[Node], outputs: &[Node], rows: &[Vec<WeightTerm>]) {
         let mut readers = vec![0; self.ranks.len()];
         let mut count = |node: Node| readers[node.index()] += 1;
@@ -23,7 +23,7 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// Whether a node is a function, and no other derivative of it is needed.
+    /// Whether a node is a function of which no other derivative is needed.
     fn is_computed_alone(&self, node: Node) -> bool {
         match &self.builder.operations[node.index()] {
             Operation::Map { function, x, .. } => self.maps[&(*function, *x)].iter().flatten().count() == 1,
@@ -31,7 +31,7 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// The function among the factors of a product that is computed with it, its order and argument, and the other factor.
+    /// Function among the factors of a product that is computed with it, its order and argument, and the other factor.
     pub(super) fn factor(&self, product: Node) -> Option<(Function, usize, Node, Node)> {
         let factor = self.factors.get(&product)?;
         match (&self.builder.operations[product.index()], &self.builder.operations[factor.index()]) {
@@ -43,7 +43,7 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// What the step that computes a node reads.
+    /// Nodes read by the step that computes a node.
     pub(super) fn reads(&self, node: Node) -> Vec<Node> {
         let operation = &self.builder.operations[node.index()];
         let mut read = Vec::new();
@@ -57,8 +57,8 @@ impl<'b> Scheduler<'b> {
         read
     }
 
-    /// The vector that numbers to be added up are read from, and from where: what they are gathered from where nothing else needs them
-    /// gathered.
+    /// Vector from which summands are read, and their positions in it: the source of the gathering, if nothing else needs the gathered
+    /// vector.
     pub(super) fn summands(&self, x: Node) -> (Node, Option<&'b [u32]>) {
         let fused = self.layout.as_ref().is_some_and(|layout| layout.is_fused(x));
         match &self.builder.operations[x.index()] {

@@ -6,32 +6,32 @@ use crate::program::{Program, Workspace};
 use crate::row::Row;
 use crate::system::System;
 
-/// Explicit Runge–Kutta steps of a system without constraints, as [`NextStateLoss`](crate::losses::NextStateLoss) has them, with
-/// their derivatives carried along.
+/// Explicit Runge–Kutta steps of a system without constraints, those of [`NextStateLoss`](crate::losses::NextStateLoss), that carry their
+/// derivatives along.
 ///
-/// With v̇ = M⁻¹(F − L_vq v + τ) a number moves the acceleration of a stage by δv̇ = M⁻¹(∂_q R δq + ∂_v R δv + ∂_τ(Q + τ) δτ + ∂_θ R),
-/// R = F − L_vq v − M v̇ at constant v̇.
+/// With v̇ = M⁻¹(F − L_vq v + τ), a change of a number changes the acceleration of a stage by δv̇ = M⁻¹(∂_q R δq + ∂_v R δv + ∂_τ(Q + τ) δτ
+/// + ∂_θ R), with R = F − L_vq v − M v̇ at constant v̇.
 pub struct ExplicitSteps {
     n: usize,
     h: f64,
     method: RungeKutta,
-    /// Positions of the weights that derivatives are carried in.
+    /// Positions of the weights whose derivatives are carried.
     learned: Vec<usize>,
     solver: MotionSolver,
-    /// The equation of motion, with the gradient of its residual along n directions.
+    /// Equation of motion, with the gradient of its residual along n directions.
     motion: (Program, Workspace),
     columns: (Program, Workspace),
     stages: Stages,
-    /// M⁻¹, row by row.
+    /// Compliance M⁻¹, row by row.
     compliance: Vec<Row>,
-    /// M⁻¹∂_θ R: for every coordinate as many rows as the weight block has numbers.
+    /// Gradients M⁻¹∂_θ R: for every coordinate, rows of the length of the weight block.
     gradients: Vec<Vec<Row>>,
-    /// ∂v̇/∂(q, v, τ): a row of 3n for every coordinate.
+    /// Derivatives ∂v̇/∂(q, v, τ): a row of 3n for every coordinate.
     slopes: Vec<Row>,
 }
 
 impl ExplicitSteps {
-    /// Those of a system, of h, s; derivatives in all weights.
+    /// Creates the steps of a system with step size h, s, with derivatives in all weights.
     pub fn new(system: &System, h: f64, method: RungeKutta) -> Self {
         let (n, weights) = (system.n(), system.parameters());
         let (motion, pattern) = system.equation_of_motion_with_residual(n);
@@ -50,13 +50,13 @@ impl ExplicitSteps {
         }
     }
 
-    /// The same with derivatives in the weights at these positions alone.
+    /// Restricts the derivatives to the weights at these positions.
     #[must_use]
     pub fn with_learned(self, learned: Vec<usize>) -> Self {
         Self { learned, ..self }
     }
 
-    /// v̇ of a stage, and M⁻¹ where it is wanted.
+    /// Computes v̇ of a stage, and M⁻¹ if `differentiate` is set.
     fn accelerate(&mut self, weights: &[f64], differentiate: bool) -> Failures {
         let (program, workspace) = &mut self.motion;
         let ([q, v, tau], a) = self.stages.motion();
@@ -64,7 +64,7 @@ impl ExplicitSteps {
         self.solver.solve(workspace, [q, v], a, differentiate.then_some(&mut self.compliance[..]))
     }
 
-    /// How v̇ of the stage moves with q, v, τ, and with the weights where any is learned.
+    /// Computes the derivatives of the stage's v̇ in q, v, τ, and in the weights if any is learned.
     fn differentiate(&mut self, weights: &[f64], tangents: &Tangents) {
         let n = self.n;
         let [q, v, tau, a] = self.stages.moved();
@@ -88,7 +88,7 @@ impl ExplicitSteps {
         }
     }
 
-    /// How the stage moves with every number: by the state that it is at, and on its own.
+    /// Computes the derivatives of the stage in every number: through its state, and directly.
     fn carry(&mut self, tangents: &Tangents, (controls, time): (&[ControlTangent], f64)) {
         let (n, weights) = (self.n, tangents.weights());
         let (gradients, learned) = (&self.gradients, &self.learned);

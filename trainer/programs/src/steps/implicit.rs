@@ -7,51 +7,51 @@ use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
 
-/// Bounds of Newton's method in these steps.
+/// Limits of Newton's method in these steps.
 const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-9 };
 
-/// Steps of the discrete Euler–Lagrange equation of a system without constraints ([`leastaction_core::discrete`] has the
-/// equations), with their derivatives carried along. States are (q, p).
+/// Steps of the discrete Euler–Lagrange equation of a system without constraints ([`leastaction_core::discrete`] has the equations) that
+/// carry their derivatives along. States are (q, p).
 ///
-/// With x = (w, s), G(x; q₀, p₀, τ, θ) = (p₀ + D₁L_d + f⁻, D_mL_d + f_m) = 0 and e = (q₁, p₁) = (q₀ + hw, p₀ + impulse), a number moves
-/// the end by δe + YδG at constant x, with Y = −e_x G_x⁻¹ (the implicit function theorem). Both are sums over the Gauss points of δF and
-/// δL_v, so that the rows ∂/∂θ \[F·δq + L_v·δv\] of all 2n numbers of the end give its derivatives in the weights.
+/// With x = (w, s), G(x; q₀, p₀, τ, θ) = (p₀ + D₁L_d + f⁻, D_mL_d + f_m) = 0 and e = (q₁, p₁) = (q₀ + hw, p₀ + impulse), a change of a
+/// number changes the end by δe + YδG at constant x, with Y = −e_x G_x⁻¹ (the implicit function theorem). Both are sums over the Gauss
+/// points of δF and δL_v, so the rows ∂/∂θ \[F·δq + L_v·δv\] of all 2n numbers of the end give its derivatives in the weights.
 pub struct VariationalSteps {
     n: usize,
     del: Del,
-    /// Positions of the weights that derivatives are carried in.
+    /// Positions of the weights whose derivatives are carried.
     learned: Vec<usize>,
-    /// ∂Q/∂τ, where a force depends on the control.
+    /// Derivative ∂Q/∂τ, if a force depends on the control.
     load: Option<(Program, Workspace)>,
     /// Gradients of L_v along n directions, and of F and L_v along 2n.
     momentum: (Program, Workspace),
     pulls: (Program, Workspace),
-    /// ∂e/∂θ at constant (q₀, p₀): for each of 2n as many rows as the weight block has numbers.
+    /// Derivatives ∂e/∂θ at constant (q₀, p₀): for each of the 2n numbers, rows of the length of the weight block.
     gradients: Vec<Vec<Row>>,
     sums: Sums,
     lu: Lu,
-    /// The last states, which paths are extrapolated from.
+    /// Last states, from which paths are extrapolated.
     last: DelState,
     moved: Vec<Row>,
 }
 
-/// How the equations of a step (those of momenta, then those of bubbles) and its impulse move; row by row.
+/// Derivatives of the equations of a step (those of momenta, then those of bubbles) and of its impulse, row by row.
 #[derive(Default)]
 struct Sums {
-    /// In x: of the equations m × m blocks of n × n, of the impulse m blocks; m = 1, with bubbles 2.
+    /// Derivatives in x: m × m blocks of n × n for the equations, m blocks for the impulse; m = 1, or 2 with bubbles.
     of_path: Vec<Vec<Row>>,
     impulse_of_path: Vec<Vec<Row>>,
-    /// In q₀: m blocks, and that of the impulse.
+    /// Derivatives in q₀: m blocks, and the block of the impulse.
     of_start: Vec<Vec<Row>>,
-    /// In τ at the start and at the end: the same.
+    /// Derivatives in τ at the start and at the end, each with the same blocks.
     of_control: [Vec<Vec<Row>>; 2],
 }
 
-/// How a position at a Gauss point moves with q₀.
+/// Derivative of a position at a Gauss point in q₀.
 const POSITION: Variation = Variation { force: 1.0, momentum: 0.0 };
 
 impl Sums {
-    /// Of so many kinds of equations, of n each.
+    /// Clears the sums for the given number of kinds of equations, n of each.
     fn reset(&mut self, kinds: usize, n: usize) {
         let clear = |blocks: &mut Vec<Vec<Row>>, count: usize| {
             blocks.resize(count, Vec::new());
@@ -72,18 +72,18 @@ impl Sums {
     }
 }
 
-/// How e moves at constant θ, and how it moves with the equations.
+/// Derivatives of e at constant θ, and with respect to the equations.
 struct Transition {
     /// Y: 2n rows of m n.
     of_equations: Vec<Row>,
-    /// In (q₀, p₀): 2n rows of 2n.
+    /// Derivatives in (q₀, p₀): 2n rows of 2n.
     of_state: Vec<Row>,
-    /// In τ at the start and at the end: 2n rows of n.
+    /// Derivatives in τ at the start and at the end: 2n rows of n.
     of_control: [Vec<Row>; 2],
 }
 
 impl VariationalSteps {
-    /// Those of a system, of h, s; derivatives in all weights.
+    /// Creates the steps of a system with step size h, s, with derivatives in all weights.
     pub fn new(system: &System, h: f64, order: Order) -> Self {
         let (n, weights) = (system.n(), system.parameters());
         Self {
@@ -101,13 +101,13 @@ impl VariationalSteps {
         }
     }
 
-    /// The same with derivatives in the weights at these positions alone.
+    /// Restricts the derivatives to the weights at these positions.
     #[must_use]
     pub fn with_learned(self, learned: Vec<usize>) -> Self {
         Self { learned, ..self }
     }
 
-    /// The equations of a step by how they weigh F and L_v at a Gauss point, and how x moves that point.
+    /// Weights of F and L_v at a Gauss point in the equations of a step, and the derivatives of that point in x.
     fn variations(&self, point: &GaussPoint) -> [[Variation; 2]; 2] {
         let h = self.del.integrals.h;
         [[point.start(h), point.bubble(h)], [point.end(h), point.bubble(h)]]
@@ -117,7 +117,7 @@ impl VariationalSteps {
         if self.del.integrals.order.has_bubble() { 2 } else { 1 }
     }
 
-    /// Sums how the equations and the impulse move over the Gauss points of a path.
+    /// Sums the derivatives of the equations and of the impulse over the Gauss points of a path.
     fn sum(&mut self, weights: &[f64], path: &Interval) {
         let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
         self.sums.reset(kinds, n);
@@ -145,7 +145,7 @@ impl VariationalSteps {
         }
     }
 
-    /// Adds how c(τ + Q) moves with τ at both ends, at a part of the step.
+    /// Adds the derivatives of c(τ + Q) in τ at both ends, at a given fraction of the step.
     fn add_control(&mut self, k: usize, c: f64, part: f64) {
         let n = self.n;
         for (share, blocks) in [1.0 - part, part].into_iter().zip(&mut self.sums.of_control) {
@@ -157,7 +157,7 @@ impl VariationalSteps {
         }
     }
 
-    /// How e moves with the equations: Yᵀ = −G_x⁻ᵀ e_xᵀ. A sample whose matrix is singular is no number.
+    /// Derivatives of e with respect to the equations: Yᵀ = −G_x⁻ᵀ e_xᵀ. A sample with a singular matrix is NaN.
     fn of_equations(&mut self) -> Vec<Row> {
         let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
         let unknowns = kinds * n;
@@ -180,12 +180,12 @@ impl VariationalSteps {
         of_equations
     }
 
-    /// How the end of a path moves.
+    /// Derivatives of the end of a path.
     fn transition(&mut self, weights: &[f64], path: &Interval) -> Transition {
         self.sum(weights, path);
         let (n, of_equations) = (self.n, self.of_equations());
         let (kinds, unit) = (self.kinds(), Row::splat(1.0));
-        // Yδ of the equations, and what the impulse gains.
+        // Yδ of the equations, plus the change of the impulse.
         let moved = |blocks: &[Vec<Row>]| -> Vec<Row> {
             let equations = blocks[..kinds].concat();
             let mut rows: Vec<Row> =
@@ -204,7 +204,7 @@ impl VariationalSteps {
         Transition { of_equations, of_state, of_control }
     }
 
-    /// How e moves with the weights at constant (q₀, p₀).
+    /// Computes the derivatives of e in the weights at constant (q₀, p₀).
     fn pull(&mut self, weights: &[f64], path: &Interval, of_equations: &[Row]) {
         let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
         self.gradients.iter_mut().for_each(|row| row.fill(Row::default()));
@@ -231,7 +231,7 @@ impl VariationalSteps {
         }
     }
 
-    /// From how (q, v) moves to how (q, p) does: δp = ∂L_v/∂q δq + M δv + ∂L_v/∂θ.
+    /// Converts derivatives of (q, v) into those of (q, p): δp = ∂L_v/∂q δq + M δv + ∂L_v/∂θ.
     fn carry_to_momenta(&mut self, weights: &[f64], [q, v]: [&[Row]; 2], tangents: &mut Tangents) {
         let (n, learned) = (self.n, tangents.weights());
         let none = vec![Row::default(); n];
@@ -253,7 +253,7 @@ impl VariationalSteps {
         }
     }
 
-    /// ∂L_v/∂θ, row by row.
+    /// Computes ∂L_v/∂θ, row by row.
     fn pull_momenta(&mut self, weights: &[f64], at: [&[Row]; 3]) {
         let n = self.n;
         self.gradients[..n].iter_mut().for_each(|row| row.fill(Row::default()));
@@ -264,7 +264,7 @@ impl VariationalSteps {
         program.run(weights, &inputs, workspace, &mut self.gradients[..n]);
     }
 
-    /// How the end of a path moves with every number.
+    /// Carries the derivatives in every number to the end of a path.
     fn carry(
         &mut self,
         weights: &[f64],
@@ -298,7 +298,7 @@ impl VariationalSteps {
 }
 
 impl Steps for VariationalSteps {
-    /// p = L_v(q, v).
+    /// Sets p = L_v(q, v).
     fn begin(&mut self, weights: &[f64], state: &mut State, tangents: Option<&mut Tangents>) {
         let (q, v) = state.split_at(self.n);
         self.last = self.del.start_at(weights, q, v);

@@ -1,4 +1,4 @@
-//! Steps of motions side by side that carry derivatives along: what losses over windows of many steps are made of.
+//! Steps of motions side by side that carry derivatives along: the basis of losses over windows of many steps.
 
 mod explicit;
 mod implicit;
@@ -15,19 +15,19 @@ pub use tangents::{ControlTangent, Tangents, combine_positions};
 use crate::dynamics::Failures;
 use crate::row::Row;
 
-/// Positions, then velocities, or momenta where steps are of these: 2n rows, m or rad and m/s or rad/s.
+/// Positions, then velocities, or momenta if the steps use them: 2n rows, m or rad and m/s or rad/s.
 pub type State = Vec<Row>;
 
-/// Steps from state to state, samples side by side, that carry derivatives along.
+/// Steps from state to state, with samples side by side, that carry derivatives along.
 pub trait Steps: Send {
-    /// Makes of positions and velocities what the steps are from and to, with how it moves.
+    /// Converts positions and velocities into the state that the steps use, together with its derivatives.
     fn begin(&mut self, weights: &[f64], state: &mut State, tangents: Option<&mut Tangents>);
 
-    /// One step on, under controls τ at its start and end, linear between; with `tangents` also how the new state moves, of which
-    /// numbers of the control each moves as `controls` says. A sample that cannot be computed is no number from here on.
+    /// Advances the state by one step, under controls τ at its start and end, linear between them; with `tangents` also the derivatives of
+    /// the state, where the pair's `controls` are those of the control. A sample that cannot be computed is NaN from then on.
     ///
     /// # Panics
-    /// Where the numbers of coordinates, of learned weights or of controls do not fit.
+    /// If the numbers of coordinates, of learned weights or of controls do not fit.
     fn step(
         &mut self,
         weights: &[f64],

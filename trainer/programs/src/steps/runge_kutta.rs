@@ -7,17 +7,17 @@ use super::State;
 pub enum RungeKutta {
     /// The explicit midpoint rule, of order 2: two stages.
     Midpoint,
-    /// Kutta's 3/8 rule, of order 4: four stages. It is what SyMo's authors call RK4.
+    /// Kutta's 3/8 rule, of order 4: four stages. SyMo's authors call it RK4.
     ThreeEighths,
 }
 
 impl RungeKutta {
-    /// The 3/8 rule for order 4, the midpoint rule for 2 or whatever else.
+    /// Returns the 3/8 rule for order 4, otherwise the midpoint rule.
     pub fn of_order(order: u8) -> Self {
         if order == 4 { Self::ThreeEighths } else { Self::Midpoint }
     }
 
-    /// Of each stage, how much of the rates of the stages before it.
+    /// Shares of the rates of the earlier stages in each stage.
     pub fn stages(self) -> &'static [&'static [f64]] {
         match self {
             Self::Midpoint => &[&[], &[0.5]],
@@ -25,12 +25,12 @@ impl RungeKutta {
         }
     }
 
-    /// When each stage is, as a fraction of the step.
+    /// Time of each stage, as a fraction of the step.
     pub fn times(self) -> impl Iterator<Item = f64> {
         self.stages().iter().map(|shares| shares.iter().sum())
     }
 
-    /// How much of the rate of each stage the end has.
+    /// Share of the rate of each stage in the end of the step.
     pub fn end(self) -> &'static [f64] {
         match self {
             Self::Midpoint => &[0.0, 1.0],
@@ -39,7 +39,7 @@ impl RungeKutta {
     }
 }
 
-/// The state and h times the sum of these, each times its share.
+/// Returns the state plus h times the sum of the rates, each times its share.
 pub(crate) fn sum<'r>(state: &State, h: f64, shares: impl Iterator<Item = (f64, &'r State)>) -> State {
     let mut sum = state.clone();
     for (share, rate) in shares {

@@ -1,23 +1,23 @@
-//! The stages of a Runge–Kutta step, in storage that is used again.
+//! Stages of a Runge–Kutta step, in storage that is reused.
 
 use super::tangents::Tangents;
 use super::{RungeKutta, State};
 use crate::row::Row;
 
-/// Rates of change of the state and of its derivatives, stage by stage.
+/// Rates of the state and of its derivatives, stage by stage.
 pub(super) struct Stages {
     n: usize,
     method: RungeKutta,
-    /// The stage that was entered last.
+    /// Number of the stage that was entered last.
     present: usize,
-    /// The state that it is at, and τ there.
+    /// State of that stage, and τ there.
     at: State,
     tau: Vec<Row>,
-    /// (v, v̇) of every stage.
+    /// Rates (v, v̇) of every stage.
     rates: Vec<State>,
-    /// Of every stage how (v, v̇) moves: 2n rows for each number.
+    /// Derivatives of (v, v̇) of every stage: 2n rows for each number.
     tangents: Vec<Vec<Row>>,
-    /// How the state of the present stage moves with one number.
+    /// Derivative of the present stage's state in one number.
     moved: Vec<Row>,
 }
 
@@ -36,7 +36,8 @@ impl Stages {
         }
     }
 
-    /// Begins a stage: from a state with a step of h, where the stages before it say; τ from the start of the step to its end.
+    /// Begins a stage of a step of h from a state, at the point given by the earlier stages; τ is given at the start and at the end of the
+    /// step.
     pub fn enter(&mut self, stage: usize, (state, h): (&State, f64), (tau, time): ([&[Row]; 2], f64)) {
         self.present = stage;
         self.at.copy_from_slice(state);
@@ -48,20 +49,20 @@ impl Stages {
         self.rates[stage][..self.n].copy_from_slice(&self.at[self.n..]);
     }
 
-    /// q, v and τ of the stage, and the place of its v̇.
+    /// Returns q, v and τ of the stage, and the place for its v̇.
     pub fn motion(&mut self) -> ([&[Row]; 3], &mut [Row]) {
         let (q, v) = self.at.split_at(self.n);
         ([q, v, &self.tau], &mut self.rates[self.present][self.n..])
     }
 
-    /// Its q, v, τ and v̇.
+    /// Returns q, v, τ and v̇ of the stage.
     pub fn moved(&self) -> [&[Row]; 4] {
         let (q, v) = self.at.split_at(self.n);
         [q, v, &self.tau, &self.rates[self.present][self.n..]]
     }
 
-    /// How the stage moves with every number: δv̇ = ∂_q v̇ δq + ∂_v v̇ δv + `own` (of a coordinate and a number), with rows of `slopes` as
-    /// long as q, v and τ together.
+    /// Computes the derivatives of the stage in every number: δv̇ = ∂_q v̇ δq + ∂_v v̇ δv + `own` (for a coordinate and a number), where
+    /// rows of `slopes` have the length of q, v and τ together.
     pub fn carry(
         &mut self,
         (tangents, h): (&Tangents, f64),
@@ -90,13 +91,13 @@ impl Stages {
         }
     }
 
-    /// Adds to how v̇_i of the stage moves with a number.
+    /// Adds to the derivative of v̇_i of the stage in a number.
     pub fn add(&mut self, number: usize, i: usize, change: &Row, slope: &Row) {
         let place = &mut self.tangents[self.present][2 * self.n * number + self.n + i];
         place.add_product(slope, change);
     }
 
-    /// Takes a state, and how it moves, to the end of the step.
+    /// Advances a state and its derivatives to the end of the step.
     pub fn finish(&self, (state, h): (&mut State, f64), tangents: Option<&mut Tangents>) {
         let shares = || self.method.end().iter().map(|share| h * share);
         for (share, rate) in shares().zip(&self.rates) {

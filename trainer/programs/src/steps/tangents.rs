@@ -1,31 +1,31 @@
 use crate::row::Row;
 
-/// How states of n coordinates move with numbers: the learned ones of the weight block, then those that the control depends on, then
-/// the start states.
+/// Derivatives of states of n coordinates in numbers: the learned ones of the weight block, then those that the control depends on, then
+/// those of the start states.
 #[derive(Clone, Debug)]
 pub struct Tangents {
     weights: usize,
     controls: usize,
-    /// Rows of a state, 2n.
+    /// Number of rows of a state, 2n.
     width: usize,
-    /// ∂x of one number after the other.
+    /// Derivatives ∂x, one number after the other.
     rows: Vec<Row>,
 }
 
-/// How the control of one coordinate moves with one number.
+/// Derivative of the control of one coordinate in one number.
 #[derive(Clone, Debug)]
 pub struct ControlTangent {
-    /// Which of the numbers that the control depends on.
+    /// Position among the numbers that the control depends on.
     pub number: usize,
-    /// The coordinate whose τ moves.
+    /// Coordinate whose τ changes.
     pub coordinate: usize,
-    /// ∂τ at the start and at the end of a step.
+    /// Derivatives ∂τ at the start and at the end of a step.
     pub change: [Row; 2],
 }
 
 impl Tangents {
-    /// Those of a start: 1 for each of its own 2n numbers, 0 for `weights` numbers of the weight block and `controls` of the
-    /// control.
+    /// Creates the derivatives of a start state: 1 for each of its own 2n numbers, 0 for `weights` numbers of the weight block and
+    /// `controls` numbers of the control.
     pub fn at_start(n: usize, weights: usize, controls: usize) -> Self {
         let (before, width) = (weights + controls, 2 * n);
         let mut rows = vec![Row::default(); width * (before + width)];
@@ -33,7 +33,7 @@ impl Tangents {
         Self { weights, controls, width, rows }
     }
 
-    /// ∂x of a number: positions first.
+    /// Derivatives ∂x in a number: positions first.
     pub fn of(&self, number: usize) -> &[Row] {
         &self.rows[number * self.width..][..self.width]
     }
@@ -42,22 +42,22 @@ impl Tangents {
         &mut self.rows[number * self.width..][..self.width]
     }
 
-    /// Learned numbers of the weight block.
+    /// Count of the learned numbers of the weight block.
     pub fn weights(&self) -> usize {
         self.weights
     }
 
-    /// Numbers that the control depends on.
+    /// Count of the numbers that the control depends on.
     pub fn controls(&self) -> usize {
         self.controls
     }
 
-    /// All numbers.
+    /// Count of all numbers.
     pub fn columns(&self) -> usize {
         self.rows.len().checked_div(self.width).unwrap_or(0)
     }
 
-    /// ∂x of every number.
+    /// Derivatives ∂x in every number.
     pub fn each(&self) -> impl Iterator<Item = &[Row]> {
         self.rows.chunks_exact(self.width)
     }
@@ -66,7 +66,7 @@ impl Tangents {
         self.rows.chunks_exact_mut(self.width)
     }
 
-    /// Sets ∂q of every number to these shares of what it is in others, which have the same numbers: each time those of ∂q and ∂v.
+    /// Sets ∂q in every number to shares of ∂q and ∂v in two others, which have the same numbers.
     pub fn combine_positions(&mut self, others: [(&Self, [f64; 2]); 2]) {
         let (width, n) = (self.width, self.width / 2);
         for (number, moved) in self.rows.chunks_exact_mut(width).enumerate() {
@@ -75,7 +75,7 @@ impl Tangents {
     }
 }
 
-/// Sets positions to these shares of those of two states, and of their velocities.
+/// Sets positions to shares of the positions and velocities of two states.
 pub fn combine_positions(q: &mut [Row], states: [(&[Row], [f64; 2]); 2]) {
     let n = q.len();
     for (i, q) in q.iter_mut().enumerate() {

@@ -1,10 +1,10 @@
-//! What holds of every loss.
+//! Checks that hold for every loss.
 
 use leastaction_programs::dynamics::Failures;
 use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Row, WIDTH};
 
-/// The residuals of samples of which none fails.
+/// Residuals of samples, none of which fails.
 pub fn evaluate(loss: &mut dyn Loss, weights: &[f64], block: &Block) -> Vec<Row> {
     let mut residual = vec![Row::default(); loss.components()];
     let failures = loss.evaluate(weights, block, &mut residual, Derivatives::None);
@@ -12,7 +12,7 @@ pub fn evaluate(loss: &mut dyn Loss, weights: &[f64], block: &Block) -> Vec<Row>
     residual
 }
 
-/// The Jacobian against central differences, and the gradient against the Jacobian.
+/// Checks the Jacobian against central differences, and the gradient against the Jacobian.
 pub fn check_derivatives(loss: &mut dyn Loss, weights: &[f64], block: &Block, tolerance: f64) {
     let (n, p) = (loss.components(), weights.len());
     let mut residual = vec![Row::default(); n];
@@ -62,7 +62,7 @@ fn differentiated(
     (failures, residual, rows)
 }
 
-/// Of a block with some bad samples these fail, with residual, Jacobian and gradient 0, and the others are as in the good block.
+/// Checks that bad samples of a block fail, with residual, Jacobian and gradient 0, and that the rest equal those of the good block.
 pub fn check_failures(loss: &mut dyn Loss, weights: &[f64], [good, bad]: [&Block; 2], failing: &[usize]) {
     let (none, residual, rows) = differentiated(loss, weights, good);
     let (failures, found, found_rows) = differentiated(loss, weights, bad);

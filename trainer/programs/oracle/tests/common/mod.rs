@@ -16,7 +16,7 @@ use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Relative rounding errors that are let pass, of numbers of the size 1.
+/// Tolerance for relative rounding errors, of numbers of size 1.
 const TOLERANCE: f64 = 1e-12;
 
 /// Random weights, |w| < 0.8.
@@ -25,7 +25,7 @@ pub fn random_weights(count: usize, seed: u64) -> Vec<f64> {
     (0..count).map(|_| stream.random_range(-0.8..0.8)).collect()
 }
 
-/// Weights, and random numbers of every sample: q, v, τ, a, then two vectors a direction.
+/// Weights, and random numbers for every sample: q, v, τ, a, then two vectors per direction.
 pub struct Numbers<const N: usize> {
     pub weights: Vec<f64>,
     vectors: Vec<Vec<Row>>,
@@ -49,7 +49,7 @@ impl<const N: usize> Numbers<N> {
         let inputs: Vec<&[Row]> = inputs.iter().map(|i| &self.vectors[*i][..]).collect();
         let mut rows = vec![vec![Row::default(); self.weights.len()]; program.rows()];
         let mut workspace = program.workspace();
-        // Twice: a run must not depend on what the one before has left.
+        // Run twice: a run must not depend on what the one before has left.
         program.run(&self.weights, &inputs, &mut workspace, &mut rows);
         rows.iter_mut().for_each(|row| row.fill(Row::default()));
         program.run(&self.weights, &inputs, &mut workspace, &mut rows);
@@ -57,11 +57,11 @@ impl<const N: usize> Numbers<N> {
     }
 }
 
-/// Steps of weights whose differences are taken.
+/// Size of the changes of weights for differences.
 const STEP: f64 = 1e-5;
 
-/// Rows ∂/∂θ y·(L_q − L_vq v − M a) of a system against differences of its equation of motion, number by number; numbers that are not
-/// read have none.
+/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) of a system against differences of its equation of motion, number by number; numbers that
+/// are not read have none.
 pub fn check_gradients_of_motion<const N: usize>(
     (system, weights): (&System, &[f64]),
     seed: u64,
@@ -92,7 +92,7 @@ pub fn check_gradients_of_motion<const N: usize>(
     }
 }
 
-/// Viscous damping, its coefficients at these places of the weight block; nowhere: there is none.
+/// Viscous damping with its coefficients at these positions of the weight block; `None` means no damping.
 pub fn damping<S: Scalar, const N: usize>(weights: &[S], positions: Option<[usize; N]>) -> Viscous<S, N> {
     positions.map_or(Viscous::none(), |positions| Viscous { coefficients: positions.map(|at| weights[at]) })
 }
@@ -104,7 +104,7 @@ fn close(found: f64, expected: f64, size: f64) {
     assert!(error <= bound, "{found} instead of {expected}, off by {error:e}");
 }
 
-/// Checks everything that a [`System`] gives against core's model over the same weights, which `motion` evaluates over any.
+/// Checks everything that a [`System`] gives against core's model over the same weights; `motion` evaluates core's model over any weights.
 /// `size` is that of the terms that cancel in first derivatives.
 pub fn check<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     model: &dyn Energies,
@@ -159,7 +159,7 @@ pub fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     }
 }
 
-/// Accelerations of a sample alone, whose columns lie side by side, are those of samples side by side where M is not singular.
+/// Accelerations of a single sample, whose columns lie side by side, equal those of samples side by side, if M is not singular.
 fn check_one_sample<const N: usize>(system: &System, numbers: &Numbers<N>) {
     let inputs = [0, 1, 2].map(|vector| &numbers.vectors[vector][..]);
     let mut expected = vec![Row::default(); N];

@@ -17,7 +17,7 @@ use leastaction_programs::energies::{Energies, GraphEnergies};
 use leastaction_programs::losses::{Block, RodsLoss};
 use leastaction_programs::{Row, System, WIDTH};
 
-/// The step, s.
+/// Step size, s.
 pub const H: f64 = 0.06;
 
 /// A kinetic energy that is not quadratic, and a drag that is not linear.
@@ -73,7 +73,7 @@ impl<const D: usize> Case<D> {
         self.rods.iter().map(Rod::constraint).collect()
     }
 
-    /// Positions on the rods, and velocities, another for every seed.
+    /// Positions on the rods, and velocities, different for every seed.
     pub fn start(&self, seed: usize) -> [Vec<[f64; D]>; 2] {
         let vector = |k: usize| -> [f64; D] { std::array::from_fn(|i| 1.3 * wave(5 * k + i + 17 * seed)) };
         let mut q: Vec<[f64; D]> = (0..self.nodes.len()).map(vector).collect();
@@ -87,7 +87,7 @@ impl<const D: usize> Case<D> {
         [q, (0..self.nodes.len()).map(|k| vector(k + 7)).collect()]
     }
 
-    /// Triples of the motion that RATTLE gives under a control that is another at every step.
+    /// Triples of the motion that RATTLE gives under a control that differs at every step.
     pub fn stepped(&self, order: discrete::Order, kind: ControlKind) -> Block {
         let (graph, rods) = (self.graph(&self.weights), self.constraints());
         let mechanism = Constrained::new(&graph, &rods[..]).expect("rods");
@@ -121,7 +121,7 @@ impl<const D: usize> Case<D> {
         RodsLoss::new(&self.system(), self.rods(), H, order, next_position).expect("of particles")
     }
 
-    /// Positions near the rods, velocities and accelerations that nothing follows.
+    /// Positions near the rods, with velocities and accelerations of no motion.
     pub fn disturbed(&self) -> Block {
         let starts: Vec<[Vec<[f64; D]>; 2]> = (0..WIDTH).map(|seed| self.start(seed)).collect();
         let of = |part: usize| -> Vec<Vec<f64>> {
@@ -139,12 +139,12 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// A number between −1 and 1 that is another for every k.
+/// A number between −1 and 1 that differs for every k.
 pub fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }
 
-/// A row a component of the first vectors, one a sample.
+/// Rows of vectors: one row per component, one vector per sample.
 pub fn rows(vectors: &[Vec<f64>]) -> Vec<Row> {
     (0..vectors[0].len()).map(|i| Row(std::array::from_fn(|sample| vectors[sample][i]))).collect()
 }

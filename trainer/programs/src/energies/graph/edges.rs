@@ -1,4 +1,4 @@
-//! What one edge has: the separation of its ends, and a potential of it.
+//! Energy of an edge: the separation of its ends, and a potential of it.
 
 use super::GraphEnergies;
 use super::nodes::squares;
@@ -6,18 +6,18 @@ use crate::builder::{Builder, Node};
 use crate::function::Function;
 use leastaction_core::energy::graph::{Edge, EdgeShape, GraphShape, Separation};
 
-/// The edges of one type.
+/// Edges of one type.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EdgeGroup {
     kind: usize,
     pub shape: EdgeShape,
-    /// Their places in the list of all edges.
+    /// Positions of these edges in the list of all edges.
     pub places: Vec<usize>,
     ends: Vec<[usize; 2]>,
 }
 
 impl EdgeGroup {
-    /// Those of every type that has any.
+    /// Returns the groups of all types that have edges.
     pub fn all(shape: &GraphShape, edges: &[Edge]) -> Vec<Self> {
         let groups = shape.edges.iter().enumerate().map(|(kind, shape)| {
             let of_kind = |place: &usize| usize::from(edges[*place].kind) == kind;
@@ -30,7 +30,7 @@ impl EdgeGroup {
 }
 
 impl GraphEnergies {
-    /// z of all edges, group by group: r = |x_a − x_b|, m, or r², m².
+    /// Separations z of all edges, group by group: r = |x_a − x_b|, m, or r², m².
     pub(super) fn separations(&self, builder: &mut Builder, q: Node) -> Vec<Node> {
         let minus = builder.scaled(-1.0, q);
         let mut separations = Vec::new();
@@ -47,7 +47,7 @@ impl GraphEnergies {
         separations
     }
 
-    /// Σ U = Σ c₁z + c₂z² + net(z).
+    /// Sum Σ U = Σ c₁z + c₂z² + net(z).
     pub(super) fn pairs(&self, builder: &mut Builder, group: &EdgeGroup, z: Node) -> Node {
         let sums = [builder.total(z), builder.dot(z, z)];
         let sums = builder.joined(&sums);

@@ -1,30 +1,30 @@
-//! One round of messages (LGNN): every node sums what its edges send it, every edge is updated by both of its nodes, and both
-//! have a potential.
+//! One round of messages (LGNN): every node sums the messages of its edges, every edge is updated by both of its nodes, and nodes and edges
+//! have potentials.
 
 use super::GraphEnergies;
 use crate::builder::{Builder, Node};
 use crate::energies::network::{Kinds, entries};
 use leastaction_core::energy::graph::{Edge, GraphShape, MessageShape};
 
-/// The messages of a graph.
+/// Messages of a graph.
 ///
-/// A message f_v(h ‖ e) depends on its sender through the sender's type alone, so an edge whose ends are of one type sends one
-/// message to both.
+/// A message f_v(h ‖ e) depends on its sender only through the sender's type, so an edge whose ends have the same type sends one message to
+/// both.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Messages {
     shape: MessageShape,
-    /// Numbers of an edge's embedding.
+    /// Length of an edge's embedding.
     width: usize,
-    /// The ends of every edge.
+    /// Ends of every edge.
     ends: Vec<[usize; 2]>,
-    /// The edge of every message, and the type of its sender.
+    /// Edge of every message, and the type of its sender.
     sent: Vec<[usize; 2]>,
-    /// Every message that arrives, and the node that it arrives at.
+    /// Every arriving message, with the node that it arrives at.
     received: Vec<[usize; 2]>,
 }
 
 impl Messages {
-    /// Those of a graph, where the model has any.
+    /// Returns the messages of a graph; `None` if the model has none.
     pub fn new(shape: &GraphShape, nodes: &[u8], edges: &[Edge]) -> Option<Self> {
         let embedding = shape.edges.iter().next().and_then(|edge| shape.networks.get(edge.embedding?));
         let mut messages = Self {
@@ -54,7 +54,7 @@ impl Messages {
 }
 
 impl GraphEnergies {
-    /// V = 2Σ_edges f₁(e′) + Σ_i f₂(n_i), from the separations of all groups of edges.
+    /// Potential V = 2Σ_edges f₁(e′) + Σ_i f₂(n_i), from the separations of all groups of edges.
     pub(super) fn round(&self, builder: &mut Builder, messages: &Messages, separations: &[Node]) -> Node {
         let e = self.edge_embeddings(builder, messages, separations);
         let n = self.received(builder, messages, e);
@@ -71,7 +71,7 @@ impl GraphEnergies {
         potential
     }
 
-    /// e = f_b(z) of all edges, in their order.
+    /// Embeddings e = f_b(z) of all edges, in their order.
     fn edge_embeddings(&self, builder: &mut Builder, messages: &Messages, separations: &[Node]) -> Node {
         let length = messages.width * messages.ends.len();
         let mut e = builder.zeros(length);
@@ -84,7 +84,7 @@ impl GraphEnergies {
         e
     }
 
-    /// n_i = h_i + Σ_j f_v(h_j ‖ e_ij) of all nodes, h_i the embedding of node i's type.
+    /// Sums n_i = h_i + Σ_j f_v(h_j ‖ e_ij) for all nodes, with h_i the embedding of node i's type.
     fn received(&self, builder: &mut Builder, messages: &Messages, e: Node) -> Node {
         let (width, types) = (self.numbers.embedding, self.numbers.node_types);
         let table: Vec<Node> = (0..types).map(|kind| self.numbers.embedding(builder, kind)).collect();
@@ -101,7 +101,7 @@ impl GraphEnergies {
         builder.sum(own, sums)
     }
 
-    /// e′_ij = e_ij + f_e(n_i ∘ n_j) of all edges.
+    /// Updated embeddings e′_ij = e_ij + f_e(n_i ∘ n_j) of all edges.
     fn updated(&self, builder: &mut Builder, messages: &Messages, e: Node, n: Node) -> Node {
         let [a, b] = [0, 1].map(|end| {
             let nodes = entries(messages.ends.iter().map(|ends| ends[end]), self.numbers.embedding);

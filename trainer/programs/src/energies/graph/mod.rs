@@ -1,8 +1,8 @@
-//! Particles with energies of their own, of the edges between them and of messages along those
-//! ([`leastaction_core::energy::graph`]), for any number of nodes and edges.
+//! Particles with energies of their own, of the edges between them and of messages along the edges ([`leastaction_core::energy::graph`]),
+//! for any number of nodes and edges.
 //!
-//! All nodes of a type, and all edges of a type, are columns of the same operations: the list has the same length for two nodes
-//! as for thousands, and evaluating it takes time in proportion to nodes and edges.
+//! All nodes of a type, and all edges of a type, are columns of the same operations: the list has the same length for two nodes as for
+//! thousands, and evaluating it takes time in proportion to the number of nodes and edges.
 
 mod edges;
 mod messages;
@@ -17,18 +17,18 @@ use leastaction_core::model::ModelError;
 use messages::Messages;
 use nodes::NodeGroup;
 
-/// A graph of particles (LGNN; Bhattoo, Ranu, Krishnan, MLST 2023), coordinates node after node:
+/// A graph of particles (LGNN; Bhattoo, Ranu, Krishnan, MLST 2023), with coordinates node after node:
 ///
 /// L = Σ_i T_i(|v_i|²) − Σ_i V_i(x_i) − Σ_edges U(z) − V_messages,
 ///
-/// with drag Q on every node by its own velocity; [`GraphShape`] says what the terms are.
+/// with drag Q on every node, a function of its own velocity; [`GraphShape`] defines the terms.
 ///
-/// Only the model file limits its size, by the width of its fields: 65,536 nodes, and the numbers of types, networks, hidden
-/// layers and of an embedding that core has constants for.
+/// The size is limited only by the fields of the model file, 65,536 nodes, and by core's constants for the numbers of types, networks and
+/// hidden layers and for the length of an embedding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraphEnergies {
     dimension: usize,
-    /// The type of every node.
+    /// Types of all nodes.
     kinds: Vec<u8>,
     nodes: Vec<NodeGroup>,
     edges: Vec<EdgeGroup>,
@@ -38,12 +38,11 @@ pub struct GraphEnergies {
 }
 
 impl GraphEnergies {
-    /// The graph of these nodes, each by its type, and edges. `start` is the position of the model's first number in the weight
-    /// block; the numbers before it belong to others.
+    /// Creates the graph of these nodes, given by their types, and edges. `start` is the position of the model's first number in the weight
+    /// block; the numbers before it have other owners.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] for a shape that does not fit in itself, [`ModelError::Graph`] for a graph that does not fit the
-    /// shape.
+    /// [`ModelError::OutOfRange`] for an inconsistent shape, [`ModelError::Graph`] for a graph that does not fit the shape.
     pub fn new(shape: &GraphShape, nodes: &[u8], edges: &[Edge], start: usize) -> Result<Self, ModelError> {
         if let Some(what) = shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
@@ -71,13 +70,13 @@ impl GraphEnergies {
         &self.networks[usize::from(network)]
     }
 
-    /// The sum of a network's outputs over so many inputs x, a vector of one number.
+    /// Sum of a network's outputs over `columns` inputs x, as a vector of one number.
     fn total(&self, builder: &mut Builder, network: u8, columns: usize, x: Node) -> Node {
         let y = self.network(network).outputs(builder, columns, x);
         builder.total(y)
     }
 
-    /// Where the vectors of these nodes are among the coordinates, node after node.
+    /// Positions of the vectors of these nodes among the coordinates, node after node.
     fn coordinates(&self, nodes: impl IntoIterator<Item = usize>) -> Vec<usize> {
         entries(nodes, self.dimension)
     }
@@ -122,8 +121,8 @@ impl Energies for GraphEnergies {
     }
 }
 
-/// Where the numbers of types are in the weight block: of each node type mass, drag, field, kinetic embedding, embedding; then of
-/// each edge type c₁ and c₂.
+/// Positions of the types' numbers in the weight block: mass, drag, field, kinetic embedding and embedding of each node type; then c₁ and
+/// c₂ of each edge type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Numbers {
     start: usize,
@@ -146,7 +145,7 @@ impl Numbers {
         }
     }
 
-    /// The position of a node type's first number.
+    /// Position of a node type's first number.
     fn node(&self, kind: usize) -> usize {
         self.start + kind * (2 + self.dimension + self.kinetic_embedding + self.embedding)
     }
@@ -172,23 +171,23 @@ impl Numbers {
         builder.parameters(start, self.embedding)
     }
 
-    /// c₁ and c₂ of an edge type.
+    /// Coefficients c₁ and c₂ of an edge type.
     fn law(&self, builder: &mut Builder, kind: usize) -> Node {
         builder.parameters(self.node(self.node_types) + EDGE_NUMBERS * kind, EDGE_NUMBERS)
     }
 
-    /// The position of the number after the last.
+    /// Position of the number after the last one.
     fn end(&self) -> usize {
         self.node(self.node_types) + EDGE_NUMBERS * self.edge_types
     }
 }
 
-/// The item of every entry, of so many each of `items` items.
+/// Item of every entry, with `each` entries for each of `items` items.
 fn owners(items: usize, each: usize) -> Vec<usize> {
     (0..items * each).map(|entry| entry / each).collect()
 }
 
-/// f(`embedding` ‖ x) of so many inputs x.
+/// Outputs f(`embedding` ‖ x) for `columns` inputs x.
 fn embedded(builder: &mut Builder, network: &Network, embedding: Node, (columns, x): (usize, Node)) -> Node {
     let kinds = Kinds { table: embedding, width: builder.length(embedding), of: &vec![0; columns] };
     network.outputs_of_kinds(builder, &kinds, x)

@@ -1,11 +1,11 @@
-//! What one node has: kinetic energy, potential, drag.
+//! Terms of one node: kinetic energy, potential, drag.
 
 use super::{GraphEnergies, embedded, owners};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
 use leastaction_core::energy::graph::{Drag, GraphShape, Kinetic, NodeShape, Potential};
 
-/// The nodes of one type.
+/// Nodes of one type.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NodeGroup {
     kind: usize,
@@ -14,7 +14,7 @@ pub(super) struct NodeGroup {
 }
 
 impl NodeGroup {
-    /// Those of every type that has any.
+    /// Returns the groups of all types that have nodes.
     pub fn all(shape: &GraphShape, kinds: &[u8]) -> Vec<Self> {
         let groups = shape.nodes.iter().enumerate().map(|(kind, shape)| {
             let nodes = (0..kinds.len()).filter(|node| usize::from(kinds[*node]) == kind).collect();
@@ -25,13 +25,13 @@ impl NodeGroup {
 }
 
 impl GraphEnergies {
-    /// Their part of a vector of all coordinates, node after node.
+    /// The group's part of a vector of all coordinates, node after node.
     fn own(&self, builder: &mut Builder, group: &NodeGroup, x: Node) -> Node {
         let coordinates = self.coordinates(group.nodes.iter().copied());
         builder.gather(x, &coordinates)
     }
 
-    /// Σ T: ½m|v|², or net(k ‖ |v|²), k the kinetic embedding.
+    /// Sum Σ T: ½m|v|², or net(k ‖ |v|²) with the kinetic embedding k.
     pub(super) fn kinetic(&self, builder: &mut Builder, group: &NodeGroup, v: Node) -> Node {
         let v = self.own(builder, group, v);
         match group.shape.kinetic {
@@ -51,7 +51,7 @@ impl GraphEnergies {
         }
     }
 
-    /// Σ V: 0, g·x, or g·x + net(h ‖ x), h the embedding.
+    /// Sum Σ V: 0, g·x, or g·x + net(h ‖ x) with the embedding h.
     pub(super) fn potential(&self, builder: &mut Builder, group: &NodeGroup, q: Node) -> Node {
         let x = self.own(builder, group, q);
         match group.shape.potential {
@@ -68,7 +68,7 @@ impl GraphEnergies {
         }
     }
 
-    /// Σ g·x.
+    /// Sum Σ g·x.
     fn uniform(&self, builder: &mut Builder, group: &NodeGroup, x: Node) -> Node {
         let d = self.dimension;
         let axes: Vec<usize> = (0..builder.length(x)).map(|i| i % d).collect();
@@ -77,7 +77,7 @@ impl GraphEnergies {
         builder.dot(field, sum)
     }
 
-    /// Q at all coordinates, N, 0 at those of others: 0, −cv, or −(c + |net(v_i)|)v_i component by component.
+    /// Force Q on all coordinates, N, 0 outside the group: 0, −cv, or −(c + |net(v_i)|)v_i component by component.
     pub(super) fn drag(&self, builder: &mut Builder, group: &NodeGroup, v: Node) -> Node {
         let (n, coordinates) = (builder.length(v), self.coordinates(group.nodes.iter().copied()));
         let own = builder.gather(v, &coordinates);
@@ -99,7 +99,7 @@ impl GraphEnergies {
     }
 }
 
-/// |x|² of each of so many vectors.
+/// Squares |x|² of `count` vectors.
 pub(super) fn squares(builder: &mut Builder, x: Node, count: usize) -> Node {
     let (each, product) = (builder.length(x) / count, builder.product(x, x));
     builder.scatter(product, &owners(count, each), count)

@@ -1,4 +1,4 @@
-//! Element types: how the coordinates of an element move it, its numbers, and its potential.
+//! Element types: the motion that an element's coordinates give it, its numbers, and its potential.
 
 use super::on_axes;
 use crate::builder::{Builder, Node};
@@ -6,7 +6,7 @@ use crate::energies::Network;
 use crate::function::Function;
 use leastaction_core::energy::modular::{Input, SPACE, TransformShape, TypeShape};
 
-/// The map from an element's coordinates to what they add to positions ([`leastaction_core::energy::modular::Transform`]).
+/// Map from an element's coordinates to the displacement they add ([`leastaction_core::energy::modular::Transform`]).
 #[derive(Clone, Debug, PartialEq)]
 enum Transform {
     Network { position: Network, velocity: Option<Network>, input: Input },
@@ -20,12 +20,12 @@ enum Transform {
 pub(super) struct ElementType {
     transform: Transform,
     potential: Option<Network>,
-    /// The place of mass, moment of inertia, centre and length.
+    /// Position of mass, moment of inertia, centre and length.
     start: usize,
 }
 
 impl ElementType {
-    /// The type whose numbers begin at `start`, with its networks among these.
+    /// Creates the type whose numbers begin at `start`; `networks` are all networks of the model.
     pub fn new(shape: &TypeShape, networks: &[Network], start: usize) -> Self {
         let network = |i: u8| networks[usize::from(i)].clone();
         let transform = match shape.transform {
@@ -39,23 +39,23 @@ impl ElementType {
         Self { transform, potential: shape.potential.map(network), start }
     }
 
-    /// m, kg.
+    /// Mass m, kg.
     pub fn mass(&self, builder: &mut Builder) -> Node {
         builder.parameters(self.start, 1)
     }
 
-    /// I, kg m².
+    /// Moment of inertia I, kg m².
     pub fn inertia(&self, builder: &mut Builder) -> Node {
         builder.parameters(self.start + 1, 1)
     }
 
-    /// Where the centre lies between what the element hangs from (0) and what it carries (1), for every axis.
+    /// Position of the centre between the element's parent (0) and its children (1), repeated for every axis.
     pub fn centre(&self, builder: &mut Builder) -> Node {
         let centre = builder.parameters(self.start + 2, 1);
         on_axes(builder, centre)
     }
 
-    /// What an element's coordinates add to the position of everything it carries, s(q), m.
+    /// Displacement s(q), m, that an element's coordinates add to the position of everything it carries.
     pub fn displacement(&self, builder: &mut Builder, q: Node) -> Node {
         match &self.transform {
             Transform::Network { position, input, .. } => {
@@ -75,7 +75,7 @@ impl ElementType {
         }
     }
 
-    /// ModLaNet's separate velocity map T_v(q)v, m/s, where it is a network of its own; without it the velocity is the exact rate of
+    /// ModLaNet's separate velocity map T_v(q)v, m/s, if the type has a network for it; otherwise the velocity is the exact rate of
     /// [`ElementType::displacement`].
     pub fn velocity(&self, builder: &mut Builder, q: Node, v: Node) -> Option<Node> {
         let Transform::Network { velocity: Some(network), input, .. } = &self.transform else { return None };
@@ -85,13 +85,13 @@ impl ElementType {
         Some(builder.product(map, v))
     }
 
-    /// U₁(x) per unit of mass, J/kg, where the type has a potential of its own.
+    /// Potential U₁(x) per unit of mass, J/kg, if the type has one.
     pub fn potential(&self, builder: &mut Builder, x: Node) -> Option<Node> {
         self.potential.as_ref().map(|network| network.output(builder, x))
     }
 }
 
-/// What a position network sees of a coordinate.
+/// Input of a position network, from a coordinate.
 fn features(builder: &mut Builder, input: Input, q: Node) -> Node {
     match input {
         Input::Translation => q,

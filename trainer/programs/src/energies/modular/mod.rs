@@ -15,28 +15,28 @@ use pair::Pair;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// c₁ and c₂.
+/// Number of the coefficients c₁ and c₂.
 const COEFFICIENTS: usize = 2;
 
-/// A tree of elements: with x_e the centre of element e,
+/// A tree of elements; with x_e the centre of element e,
 ///
 /// L = ½Σ m_e|ẋ_e|² + ½Σ I_e q̇² − c₁Σ m_e U₁(x_e) − c₂Σ_{e<f} m_e m_f U₂(x_e, x_f)   (ModLaNet eqs. 8–10; I_e is ours),
 ///
-/// and viscous damping Q = −c v with one coefficient an element type where it is learned.
+/// and viscous damping Q = −c v with one coefficient per element type, if it is learned.
 ///
-/// A tree may have any number of elements, of which a [`TreeElement`] lets the first 256 carry others; a model file holds trees of at
-/// most 64 coordinates. Element types (6), networks (8) and their hidden layers (4) are as many as [`ModularShape`] holds.
+/// A tree may have any number of elements; a [`TreeElement`] lets the first 256 of them carry others, and a model file holds trees of at
+/// most 64 coordinates. [`ModularShape`] limits element types (6), networks (8) and their hidden layers (4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModularEnergies {
     types: Vec<ElementType>,
     pair: Option<Pair>,
     elements: Vec<Element>,
-    /// The place of the numbers of the first element type in the weight block.
+    /// Position of the numbers of the first element type in the weight block.
     numbers: usize,
     damped: bool,
 }
 
-/// One element with its place among the coordinates.
+/// An element and its range of coordinates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Element {
     kind: usize,
@@ -45,19 +45,19 @@ struct Element {
 }
 
 impl ModularEnergies {
-    /// The tree of these elements, parents first. Its weight block: the networks in order, the
-    /// [`ElementParameters`](leastaction_core::energy::modular::ElementParameters) of each type, c₁ and c₂; then of each type, where
-    /// it is damped, the coefficient of all its coordinates, N s/m or N m s/rad.
+    /// Creates the tree of these elements, parents first. Its weight block holds the networks in order, the
+    /// [`ElementParameters`](leastaction_core::energy::modular::ElementParameters) of each type, c₁ and c₂; and then, with damping, the
+    /// coefficient of each type for all its coordinates, N s/m or N m s/rad.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] for a shape that does not fit in itself ([`ModularShape::invalid_part`]), [`ModelError::Tree`] for
-    /// elements that are no tree of its types.
+    /// [`ModelError::OutOfRange`] for an inconsistent shape ([`ModularShape::invalid_part`]), [`ModelError::Tree`] for elements that are no
+    /// tree of its types.
     pub fn new(shape: &ModularShape, nodes: &[TreeElement], damped: bool) -> Result<Self, ModelError> {
         if let Some(what) = shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
         match shape.tree::<0>(nodes.iter().copied()) {
-            // Any number of coordinates will do.
+            // Any number of coordinates is allowed.
             Ok(_) | Err(TreeError::Coordinates { .. }) => {}
             Err(error) => return Err(ModelError::Tree(error)),
         }
@@ -76,15 +76,16 @@ impl ModularEnergies {
         &self.types[element.kind]
     }
 
-    /// The place of c₁ in the weight block.
+    /// Position of c₁ in the weight block.
     fn coefficients(&self) -> usize {
         self.numbers + ELEMENT_PARAMETERS * self.types.len()
     }
 
-    /// The displacement of every element's centre from what each element's own coordinates give (ModLaNet eq. 7): the sum along the
-    /// way from the ground, of which the element's own part counts as much as its centre says.
+    /// Displacements of all elements' centres, from the displacements of the single elements (ModLaNet eq. 7): the sum along the path from
+    /// the ground, in which the element itself counts in proportion to the position of its centre.
     ///
-    /// Elements are vectors of their own, and not parts of one: so derivatives along a coordinate are those of what it carries alone.
+    /// Elements are separate vectors rather than parts of one, so that derivatives along a coordinate only involve the elements that it
+    /// carries.
     fn centres(&self, builder: &mut Builder, own: &[Node]) -> Vec<Node> {
         let mut tips: Vec<Node> = Vec::new();
         let mut centres = Vec::new();
@@ -99,7 +100,7 @@ impl ModularEnergies {
         centres
     }
 
-    /// What the coordinates of each element give, and its rate.
+    /// Displacements by each element's own coordinates, and their rates.
     fn displacements(&self, builder: &mut Builder, q: Node, v: Node) -> [Vec<Node>; 2] {
         let of = |builder: &mut Builder, x, element: &Element| builder.part(x, element.coordinates.clone());
         let displacements = self.elements.iter().map(|element| {
@@ -117,7 +118,7 @@ impl ModularEnergies {
         [displacements, rates]
     }
 
-    /// ½Σ m_e|ẋ_e|² + ½Σ I_e q̇².
+    /// Kinetic energy ½Σ m_e|ẋ_e|² + ½Σ I_e q̇².
     fn kinetic(&self, builder: &mut Builder, rates: &[Node], v: Node) -> Node {
         let velocities = self.centres(builder, rates);
         let (mut squares, mut turning) = (Sums::default(), Sums::default());
@@ -134,7 +135,7 @@ impl ModularEnergies {
         builder.scaled(0.5, twice)
     }
 
-    /// c₁Σ m_e U₁(x_e) + c₂Σ_{e<f} m_e m_f U₂(x_e, x_f).
+    /// Potential c₁Σ m_e U₁(x_e) + c₂Σ_{e<f} m_e m_f U₂(x_e, x_f).
     fn potential(&self, builder: &mut Builder, displacements: &[Node]) -> Node {
         let x = self.centres(builder, displacements);
         let (mut alone, mut pairs) = (Sums::default(), Sums::default());
@@ -187,7 +188,7 @@ impl Energies for ModularEnergies {
     }
 }
 
-/// Networks one after the other from the front of the weight block, and the place after the last.
+/// Networks placed one after the other from the front of the weight block, and the position after the last.
 fn placed<'s>(shapes: impl Iterator<Item = &'s NetworkShape>) -> (Vec<Network>, usize) {
     let mut end = 0;
     let networks = shapes.map(|shape| {
@@ -199,7 +200,7 @@ fn placed<'s>(shapes: impl Iterator<Item = &'s NetworkShape>) -> (Vec<Network>, 
     (networks, end)
 }
 
-/// The elements with their coordinates, in order.
+/// Elements with their coordinates, in order.
 fn elements(shape: &ModularShape, nodes: &[TreeElement]) -> Vec<Element> {
     let mut end = 0;
     let place = |node: &TreeElement| {
@@ -210,7 +211,7 @@ fn elements(shape: &ModularShape, nodes: &[TreeElement]) -> Vec<Element> {
     nodes.iter().map(place).collect()
 }
 
-/// Sums of numbers by the element types that they belong to: they are multiplied by masses once a type, not once a number.
+/// Sums of numbers by the element types that they belong to, so that each type's sum is multiplied by a mass only once.
 struct Sums<K>(BTreeMap<K, Node>);
 
 impl<K> Default for Sums<K> {
@@ -226,7 +227,7 @@ impl<K: Ord + Copy> Sums<K> {
         self.0.insert(kind, sum);
     }
 
-    /// The sum of all, each multiplied by what `factor` gives for its kind.
+    /// Sum over all kinds, each multiplied by the `factor` of its kind.
     fn weighted(&self, builder: &mut Builder, factor: impl Fn(&mut Builder, K) -> Node) -> Node {
         let mut sum = builder.zeros(1);
         for (kind, own) in &self.0 {
@@ -238,7 +239,7 @@ impl<K: Ord + Copy> Sums<K> {
     }
 }
 
-/// Gives a number to every axis of space.
+/// Repeats a number for every axis of space.
 fn on_axes(builder: &mut Builder, x: Node) -> Node {
     builder.repeated(x, SPACE)
 }

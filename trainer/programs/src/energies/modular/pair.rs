@@ -1,4 +1,4 @@
-//! Potentials of pairs of elements.
+//! Potentials between pairs of elements.
 
 use crate::builder::{Builder, Node};
 use crate::energies::Network;
@@ -13,12 +13,12 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// The pair potential with its network among these.
+    /// Creates the pair potential; `networks` are all networks of the model.
     pub fn new(shape: &PairShape, networks: &[Network]) -> Self {
         Self { network: networks[usize::from(shape.network)].clone(), input: shape.input }
     }
 
-    /// U₂ of two positions, J/kg².
+    /// Potential U₂ of two positions, J/kg².
     pub fn potential(&self, builder: &mut Builder, a: Node, b: Node) -> Node {
         match self.input {
             PairInput::Concat => {
@@ -42,7 +42,7 @@ impl Pair {
         }
     }
 
-    /// ½[U(x) + U(y)], so that the order of the two elements does not matter.
+    /// Mean ½[U(x) + U(y)], which does not depend on the order of the two elements.
     fn mean(&self, builder: &mut Builder, inputs: [Node; 2]) -> Node {
         let [x, y] = inputs.map(|input| self.network.output(builder, input));
         let sum = builder.sum(x, y);
@@ -50,7 +50,7 @@ impl Pair {
     }
 }
 
-/// |a − b|, m; not differentiable where the two meet.
+/// Distance |a − b|, m; not differentiable where the two meet.
 fn distance(builder: &mut Builder, a: Node, b: Node) -> Node {
     let difference = builder.difference(a, b);
     let square = builder.dot(difference, difference);

@@ -1,12 +1,12 @@
 //! Two RATTLE steps through three positions as one chain of steps of order 2.
 //!
-//! With w_k = (x_{k+1} − x_k)/h_k the momentum that a step leaves a point with is what the step before brought, and both
+//! With w_k = (x_{k+1} − x_k)/h_k, the momentum with which a step leaves a point is that with which the step before arrived, plus both
 //! halves of the forces there:
 //!
 //! L_v(w_{k−1}) − L_v(w_k) + ½(h_{k−1} + h_k)(L_q(x_k) + Q(v_k)) + ½(h_{k−1} f_{k−1} + h_k f_k) + A(x_k)ᵀλ_k = 0, φ(x_k) = 0,
 //!
-//! where λ has the impulses of both steps, and v_k is the velocity that the step before arrives with ([`Arrival`]). So two
-//! positions determine what follows without a velocity.
+//! where λ has the impulses of both steps, and v_k is the velocity with which the step before arrives ([`Arrival`]). Two positions
+//! therefore determine the motion without a velocity.
 
 use super::model::{Expansion, RodModel};
 use super::velocity::{Arrival, Velocity};
@@ -14,11 +14,11 @@ use crate::dynamics::{Failures, add, contracted, product};
 use crate::losses::Block;
 use crate::row::Row;
 
-/// The points of two steps.
+/// Points of two steps.
 pub(super) struct Chain {
     pub steps: Vec<Step>,
     pub points: Vec<Point>,
-    /// What is solved for, one after the other.
+    /// Stretches that are solved, one after the other.
     pub stretches: Vec<Stretch>,
     /// Samples that could not be computed.
     pub failures: Failures,
@@ -27,49 +27,49 @@ pub(super) struct Chain {
 /// A step of order 2.
 #[derive(Default)]
 pub(super) struct Step {
-    /// Its length, s.
+    /// Length of the step, s.
     pub h: f64,
-    /// The external force during it, N.
+    /// External force during the step, N.
     control: Vec<Row>,
-    /// L_v at the increment w, kg m/s, and M.
+    /// Momentum L_v at the increment w, kg m/s, and M.
     momentum: Expansion,
 }
 
-/// The end of a step.
+/// End of a step.
 #[derive(Default)]
 pub(super) struct Point {
     /// Position, m.
     pub x: Vec<Row>,
     /// Impulses, N s.
     pub lambda: Vec<Row>,
-    /// φ, m.
+    /// Constraint values φ, m.
     pub phi: Vec<Row>,
-    /// A.
+    /// Constraint Jacobian A.
     pub gradients: Vec<Row>,
-    /// L_q, N, and L_qq.
+    /// Force L_q, N, and L_qq.
     force: Expansion,
     pub velocity: Velocity,
-    /// The derivatives of its equation in the positions of the point before, of itself and of the one after, n × n rows each;
-    /// none where only the last is needed.
+    /// Derivatives of the point's equation with respect to the positions of the point before, of itself and of the point after, n × n rows
+    /// each; the first two are empty if only the last is needed.
     pub slopes: [Vec<Row>; 3],
 }
 
-/// Neighbouring points whose equations are solved together: for their own positions (`ahead` is 0), both ends given, or a point's
-/// for that of the next (`ahead` is 1), which is a RATTLE step.
+/// Neighbouring points whose equations are solved together: either for their own positions (`ahead` is 0), with both ends given; or a
+/// point's equation for the position of the next point (`ahead` is 1), which is a RATTLE step.
 #[derive(Clone, Copy)]
 pub(super) struct Stretch {
-    /// The first point whose equation is solved.
+    /// First point whose equation is solved.
     pub start: usize,
-    /// The point after the last.
+    /// Point after the last one.
     pub end: usize,
     pub ahead: usize,
 }
 
 impl Chain {
-    /// The chain of a block of samples, each of its two steps made of these; `open`: whether the last position is solved for, else
-    /// the equation at the middle one is not.
+    /// Creates the chain of a block of samples, in which each of the two steps consists of these substeps. `open`: whether the last
+    /// position is solved for; if it is given instead, the equation at the middle position is not solved.
     ///
-    /// Points between the logged ones are first guessed on the parabola through these.
+    /// Points between the logged ones are first guessed on the parabola through the logged ones.
     pub fn new(block: &Block, substeps: &[f64], open: bool, rods: usize) -> Self {
         let (middle, last) = (substeps.len(), 2 * substeps.len());
         let mean = |[a, b]: [&[Row]; 2]| -> Vec<Row> {
@@ -98,23 +98,24 @@ impl Chain {
         Self { steps: steps.collect(), points, stretches, failures: Failures::default() }
     }
 
-    /// The point at the middle position.
+    /// Number of the point at the middle position.
     pub fn middle(&self) -> usize {
         self.steps.len() / 2
     }
 
-    /// w_k, m/s.
+    /// Increment w_k, m/s.
     pub fn increment(&self, k: usize) -> Vec<Row> {
         let (h, ends) = (self.steps[k].h, self.points[k].x.iter().zip(&self.points[k + 1].x));
         ends.map(|(a, b)| b.zip(a, |b, a| (b - a) / h)).collect()
     }
 
-    /// ½(h_{k−1} + h_k), s.
+    /// Time ½(h_{k−1} + h_k), s.
     pub fn span(&self, k: usize) -> f64 {
         0.5 * (self.steps[k - 1].h + self.steps[k].h)
     }
 
-    /// Evaluates all that has changed for the equations of a stretch since the last update, or since others were solved.
+    /// Evaluates everything in the equations of a stretch that has changed since the last update, or since another stretch was solved
+    /// (`first`).
     pub fn evaluate(
         &mut self,
         (model, weights): (&mut RodModel, &[f64]),
@@ -144,7 +145,7 @@ impl Chain {
         }
     }
 
-    /// Evaluates everything, with all derivatives, where the equations hold.
+    /// Evaluates everything with all derivatives, once the equations are solved.
     pub fn linearise(&mut self, model: &mut RodModel, weights: &[f64]) {
         let last = self.steps.len();
         self.evaluate((&mut *model, weights), Stretch { start: 1, end: last, ahead: 0 }, true, self.failures);
@@ -169,7 +170,7 @@ impl Chain {
         self.failures = self.failures.or(failures);
     }
 
-    /// What the step before brings to a point but for drag and the constraints, kg m/s.
+    /// Momentum that the step before brings to a point, without drag and constraint forces, kg m/s.
     fn brought(&self, k: usize) -> Vec<Row> {
         let before = &self.steps[k - 1];
         let mut momentum = before.momentum.value.clone();
@@ -178,7 +179,7 @@ impl Chain {
         momentum
     }
 
-    /// What is left of the equation of an inner point, N s.
+    /// Residual of the equation of an inner point, N s.
     pub fn residual(&self, k: usize) -> Vec<Row> {
         let (point, after) = (&self.points[k], &self.steps[k]);
         let mut residual = self.brought(k);
@@ -191,7 +192,7 @@ impl Chain {
         residual
     }
 
-    /// The derivatives of the equation of an inner point, all or that in the position of the point after.
+    /// Derivatives of the equation of an inner point: all, or only that in the position of the point after.
     fn slopes(&self, model: &RodModel, k: usize, all: bool) -> [Vec<Row>; 3] {
         let (n, span, point) = (model.n, self.span(k), &self.points[k]);
         let [before, after] = [k - 1, k].map(|k| &self.steps[k]);
@@ -217,7 +218,7 @@ impl Chain {
     }
 }
 
-/// The parabola through positions at times −1, 0 and 1.
+/// Returns the parabola through positions at times −1, 0 and 1.
 fn parabola([q0, q1, q2]: &[Vec<Row>; 3], t: f64) -> Vec<Row> {
     let mut x = q1.clone();
     for (x, (q0, q2)) in x.iter_mut().zip(q0.iter().zip(q2)) {

@@ -1,9 +1,9 @@
-//! The discrete losses on rods: those of RATTLE, which steps what has rods.
+//! The discrete losses with rods: those of RATTLE, which steps systems with rods.
 //!
-//! A step is a chain of steps of order 2 ([`Chain`]). With y the weights of the points' equations in a residual component, and
-//! z = (∂Q/∂p)ᵀ ½(h_{k−1} + h_k) y those of the equations of v, its derivative in θ is the sum over points of
-//! ∂/∂θ \[F(x_k, v_k)·(½(h_{k−1} + h_k) y_k + ½h_{k−1} z_k) − L_v(v_k)·z_k\] and over steps of
-//! ∂/∂θ \[L_v(w_k)·(y_{k+1} + z_{k+1} − y_k)\]: the multipliers and what is not logged follow by the implicit function theorem.
+//! A step is a chain of steps of order 2 ([`Chain`]). With y the weights of the points' equations in a residual component, and z = (∂Q/∂p)ᵀ
+//! ½(h_{k−1} + h_k) y those of the equations of v, the derivative of the component in θ is the sum over points of ∂/∂θ \[F(x_k,
+//! v_k)·(½(h_{k−1} + h_k) y_k + ½h_{k−1} z_k) − L_v(v_k)·z_k\] and over steps of ∂/∂θ \[L_v(w_k)·(y_{k+1} + z_{k+1} − y_k)\]: the
+//! multipliers and everything that is not logged follow by the implicit function theorem.
 
 mod chain;
 mod model;
@@ -20,24 +20,24 @@ use leastaction_core::discrete;
 use model::RodModel;
 use solve::Adjoints;
 
-/// A loss of three consecutive positions under RATTLE ([`leastaction_core::discrete::rattle`]), for L = T(v) − V(q) with drag Q(v).
-/// The force of a step is the mean of the control during it: at its start where it is held, of both ends where it is linear.
+/// A loss of three consecutive positions under RATTLE ([`leastaction_core::discrete::rattle`]), for L = T(v) − V(q) with drag Q(v). The
+/// force of a step is the mean of the control during it: its start value if it is held, the mean of both ends if it is linear.
 pub struct RodsLoss {
     model: RodModel,
-    /// Lengths of the steps of order 2 that a step is made of, s.
+    /// Lengths of the steps of order 2 that make up a step, s.
     substeps: Vec<f64>,
-    /// Whether the residual is that of the next position; else that of the DEL equation at the middle position, along what the
-    /// constraints there leave free.
+    /// Whether the residual is that of the next position; otherwise it is that of the DEL equation at the middle position, projected onto
+    /// the directions that the constraints there leave free.
     next_position: bool,
-    /// Of L_v along one direction, and along n.
+    /// Programs of L_v along one direction, and along n.
     of_steps: [(Program, Workspace); 2],
-    /// Of F and L_v along one direction, and along n.
+    /// Programs of F and L_v along one direction, and along n.
     of_points: [(Program, Workspace); 2],
 }
 
 impl RodsLoss {
-    /// The loss of the next position, m, or that of the DEL residual, kg m/s, at steps of h, s. `None` where the system is not of
-    /// the form T(v) − V(q) with drag Q(v).
+    /// Creates the loss of the next position, m, or that of the DEL residual, kg m/s, for the step size h, s. `None` if the system does not
+    /// have the form T(v) − V(q) with drag Q(v).
     pub fn new(system: &System, rods: Rods, h: f64, order: Order, next_position: bool) -> Option<Self> {
         let order = match order {
             Order::Two => discrete::Order::Two,
@@ -53,7 +53,7 @@ impl RodsLoss {
         })
     }
 
-    /// Projections to what the constraints at the middle position leave free: their impulses Aᵀλ have no part there.
+    /// Projections onto the directions that the constraints at the middle position leave free: their impulses Aᵀλ have no component there.
     fn tangents(&self, chain: &mut Chain) -> Vec<Row> {
         let n = self.model.n;
         let mut tangent: Vec<Row> = self.units().concat();
@@ -63,14 +63,14 @@ impl RodsLoss {
         tangent
     }
 
-    /// The n unit vectors.
+    /// Returns the n unit vectors.
     fn units(&self) -> Vec<Vec<Row>> {
         let unit = |j: usize| (0..self.model.n).map(|i| Row::splat(f64::from(u8::from(i == j)))).collect();
         (0..self.model.n).map(unit).collect()
     }
 
-    /// Solves a block, evaluates what the residual needs, or all, and writes the residual; returns the tangents, if they have a
-    /// part in it.
+    /// Solves a block, evaluates what the residual needs (or everything, if `derive` is set), and writes the residual; returns the
+    /// projections if the residual uses them.
     fn residual(
         &mut self,
         weights: &[f64],
@@ -101,7 +101,7 @@ impl RodsLoss {
         (chain, tangent)
     }
 
-    /// Adds the derivatives of all equations, weighed.
+    /// Adds the weighted derivatives of all equations.
     fn pull(&mut self, weights: &[f64], chain: &Chain, y: &mut [Vec<Vec<Row>>], rows: &mut [Vec<Row>]) {
         let (n, failures) = (self.model.n, &chain.failures);
         y.iter_mut().flatten().for_each(|y| clear(failures, y));
@@ -138,7 +138,7 @@ impl RodsLoss {
     }
 }
 
-/// z of every point: (∂Q/∂p)ᵀ ½(h_{k−1} + h_k) y, 0 at both ends and without drag.
+/// Weights z of every point: (∂Q/∂p)ᵀ ½(h_{k−1} + h_k) y, 0 at both ends and without drag.
 fn velocity_weights(chain: &Chain, y: &[Vec<Row>]) -> Vec<Vec<Row>> {
     let of = |(k, y): (usize, &Vec<Row>)| {
         let mut z = vec![Row::default(); y.len()];
@@ -192,7 +192,7 @@ impl Loss for RodsLoss {
         let adjoints = Adjoints::new(components.len(), last + 1, self.model.n);
         let mut adjoints = match tangent {
             None => adjoints.moving(last, &components),
-            // It is symmetric.
+            // The projection is symmetric.
             Some(tangent) => {
                 let y: Vec<Vec<Row>> = components.iter().map(|r| times(&tangent, r)).collect();
                 adjoints.weighing(&chain, middle, &y)

@@ -1,30 +1,30 @@
-//! What a chain of RATTLE steps asks of a system.
+//! Parts of a system that a chain of RATTLE steps needs.
 
 use crate::dynamics::{Lu, Rods};
 use crate::program::{Program, Workspace};
 use crate::row::Row;
 use crate::system::System;
 
-/// Newton updates at most.
+/// Maximum number of Newton updates.
 pub(super) const MAX_ITERATIONS: usize = 12;
-/// An update of this relative size is the last: the next would be of the size of its square.
+/// Relative size of the last update: the next one would be of the size of its square.
 pub(super) const SETTLED: f64 = 1e-9;
 
-/// L = T(v) − V(q) with drag Q(v), on rods.
+/// A system L = T(v) − V(q) with drag Q(v) and rods.
 pub(super) struct RodModel {
     pub n: usize,
     pub rods: Rods,
-    /// L_q(q), N.
+    /// Force L_q(q), N.
     pub force: Gradient,
-    /// L_v(v), kg m/s.
+    /// Momentum L_v(v), kg m/s.
     pub momentum: Gradient,
-    /// Q(v), N, where there is any.
+    /// Drag Q(v), N, if there is any.
     pub drag: Option<Gradient>,
     pub lu: Lu,
 }
 
 impl RodModel {
-    /// `None` where the Lagrangian or the drag is of another form.
+    /// Creates the model; `None` if the Lagrangian or the drag has another form.
     pub fn new(system: &System, rods: Rods) -> Option<Self> {
         let parts = system.separable()?;
         Some(Self {
@@ -37,19 +37,19 @@ impl RodModel {
         })
     }
 
-    /// Unknowns of a point: x and λ.
+    /// Number of unknowns of a point: x and λ.
     pub fn size(&self) -> usize {
         self.n + self.rods.count()
     }
 }
 
-/// A vector of q or of v alone, to be evaluated.
+/// A vector that is a function of q or of v alone, with its evaluation.
 pub(super) struct Gradient {
     program: Program,
     workspace: Workspace,
 }
 
-/// Its value, n rows, and its Jacobian, n × n rows.
+/// Value of a vector, n rows, and its Jacobian, n × n rows.
 #[derive(Clone, Default)]
 pub(super) struct Expansion {
     pub value: Vec<Row>,
@@ -62,7 +62,7 @@ impl Gradient {
     }
 
     pub fn at(&mut self, weights: &[f64], x: &[Row]) -> Expansion {
-        // Inputs q, v and τ, of which one is read.
+        // Inputs q, v and τ, only one of which is read.
         self.program.run(weights, &[x; 3], &mut self.workspace, &mut []);
         let n = x.len();
         let slope = (0..n * n).map(|k| self.workspace.output(1 + k % n)[k / n]).collect();
@@ -70,7 +70,7 @@ impl Gradient {
     }
 }
 
-/// Whether each of these is at most `bound`, and a number.
+/// Whether each of these has a magnitude of at most `bound`, and none is NaN.
 pub(super) fn settled(mut x: impl Iterator<Item = f64>, bound: f64) -> bool {
     x.all(|x| x.abs() <= bound)
 }

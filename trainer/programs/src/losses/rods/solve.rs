@@ -1,4 +1,4 @@
-//! Newton's method for the points of a chain, and the transposed equations that its derivatives need.
+//! Newton's method for the points of a chain, and the transposed equations for its derivatives.
 
 use super::chain::{Chain, Stretch};
 use super::model::{MAX_ITERATIONS, RodModel, SETTLED, settled};
@@ -6,7 +6,7 @@ use crate::dynamics::{Failures, Lu, contracted, max_abs};
 use crate::row::{Row, WIDTH};
 
 impl Chain {
-    /// Solves for what is not logged.
+    /// Solves for everything that is not logged.
     pub fn solve(&mut self, model: &mut RodModel, weights: &[f64]) {
         for stretch in self.stretches.clone() {
             self.solve_stretch(model, weights, stretch);
@@ -39,14 +39,14 @@ impl Chain {
         self.failures = self.failures.or(Failures(done.0.map(|done| !done)));
     }
 
-    /// What is left of the equations of a stretch: of every point motion, and φ where its unknown position is.
+    /// Residuals of the equations of a stretch: for every point the equation of motion, and φ at the unknown position.
     fn owed(&self, Stretch { start, end, ahead }: Stretch) -> Vec<Row> {
         (start..end).flat_map(|k| [self.residual(k), self.points[k + ahead].phi.clone()].concat()).collect()
     }
 
-    /// Factors the derivatives of these equations in x and λ, point by point; `false` where they are singular.
+    /// Factors the derivatives of these equations in x and λ, point by point; returns `false` if they are singular.
     ///
-    /// The elimination skips the zeros beside the blocks of neighbours.
+    /// The elimination skips the zeros outside the blocks of neighbours.
     fn factor(&self, lu: &mut Lu, n: usize, Stretch { start, end, ahead }: Stretch, sample: usize) -> bool {
         let size = n + self.points[start].lambda.len();
         lu.factor((end - start) * size, |i, j| {
@@ -66,7 +66,7 @@ impl Chain {
         })
     }
 
-    /// Takes the change from the unknowns of a sample; whether it was so small that it is the last.
+    /// Subtracts the change from the unknowns of a sample; returns whether it was small enough to be the last.
     fn apply(&mut self, stretch: Stretch, change: &[f64], sample: usize, bound: f64) -> bool {
         let (n, Stretch { start, end, ahead }) = (self.points[0].x.len(), stretch);
         let size = change.len() / (end - start);
@@ -82,11 +82,11 @@ impl Chain {
     }
 }
 
-/// Weights y of the equations of all points in so many residual components, n rows a point.
+/// Weights y of the equations of all points in the given number of residual components, n rows per point.
 pub(super) struct Adjoints {
-    /// y of every component and point; 0 at both ends.
+    /// Weights y of every component and point; 0 at both ends.
     pub y: Vec<Vec<Vec<Row>>>,
-    /// How every component moves with the position of every point, by what has a weight.
+    /// Derivative of every component with respect to the position of every point, through the equations that have weights.
     moves: Vec<Vec<Vec<Row>>>,
 }
 
@@ -96,21 +96,21 @@ impl Adjoints {
         Self { y: zero.clone(), moves: zero }
     }
 
-    /// Components that move with the position of a point itself.
+    /// Starts from components that are functions of the position of one point.
     pub fn moving(mut self, point: usize, with: &[Vec<Row>]) -> Self {
         self.moves.iter_mut().zip(with).for_each(|(moves, with)| moves[point].clone_from(with));
         self
     }
 
-    /// Components that an equation has these weights in.
+    /// Starts from components in which an equation has these weights.
     pub fn weighing(mut self, chain: &Chain, k: usize, y: &[Vec<Row>]) -> Self {
         self.y.iter_mut().zip(y).for_each(|(own, y)| own[k].clone_from(y));
         self.push(chain, k);
         self
     }
 
-    /// What is solved moves with the weights, by the implicit function theorem: y = −K⁻ᵀ ∂r, K being block triangular in the
-    /// stretches.
+    /// Adds the dependence of the solved unknowns on the weights, by the implicit function theorem: y = −K⁻ᵀ ∂r, where K is block
+    /// triangular in the stretches.
     pub fn solve(&mut self, chain: &mut Chain, model: &mut RodModel) {
         for stretch in chain.stretches.clone().iter().rev() {
             for sample in 0..WIDTH {

@@ -1,34 +1,34 @@
-//! The velocity at a position, which drag acts with: the second line of a RATTLE step.
+//! Velocity at a position, under which drag acts: the second line of a RATTLE step.
 
 use super::model::{Gradient, MAX_ITERATIONS, RodModel, SETTLED, settled};
 use crate::dynamics::{Failures, Lu, Rods, add, contracted, max_abs, product, times};
 use crate::row::{Row, WIDTH};
 
-/// v with L_v(v) = p + ½h Q(v) + Aᵀμ and A v = 0, its drag, and how that moves.
+/// Velocity v with L_v(v) = p + ½h Q(v) + Aᵀμ and A v = 0, its drag, and the derivatives of the drag.
 #[derive(Clone, Default)]
 pub(super) struct Velocity {
     pub v: Vec<Row>,
-    /// Q(v).
+    /// Drag Q(v).
     pub drag: Vec<Row>,
-    /// ∂Q/∂p.
+    /// Derivative ∂Q/∂p.
     pub drag_p: Vec<Row>,
-    /// ∂Q/∂q by the constraints, p held.
+    /// Derivative ∂Q/∂q through the constraints, at constant p.
     pub drag_q: Vec<Row>,
 }
 
-/// What determines it.
+/// Data that determine the velocity.
 pub(super) struct Arrival<'a> {
-    /// ½h of the step that arrives, s.
+    /// Half the length of the arriving step, ½h, s.
     pub half: f64,
-    /// p, kg m/s: what the step has brought but for drag and the constraints.
+    /// Momentum p that the step brings, without drag and constraint forces, kg m/s.
     pub momentum: Vec<Row>,
-    /// The first guess of v.
+    /// First guess of v.
     pub guess: Vec<Row>,
-    /// A.
+    /// Constraint Jacobian A.
     pub gradients: &'a [Row],
 }
 
-/// The equations of v and −μ: their matrix \[\[M − ½h Q_v, Aᵀ\], \[A, 0\]\], without A, and what they lack.
+/// Equations of v and −μ: their matrix \[\[M − ½h Q_v, Aᵀ\], \[A, 0\]\], stored without A, and their right-hand side.
 struct Equations {
     mass: Vec<Row>,
     owed: Vec<Row>,
@@ -38,15 +38,14 @@ struct Equations {
 
 /// Parts of the inverse of that matrix.
 struct Inverse {
-    /// ∂v/∂p.
+    /// Derivative ∂v/∂p.
     compliance: Vec<Row>,
-    /// −∂v/∂(Av), of every rod.
+    /// Derivative −∂v/∂(Av) for every rod.
     levers: Vec<Row>,
 }
 
 impl Arrival<'_> {
-    /// The velocity of all samples that are not to be skipped, with the derivatives of drag where they are wanted. Nothing
-    /// without drag.
+    /// Velocity of all samples that are not skipped, with the derivatives of drag if `derive` is set. Empty without drag.
     pub fn velocity(
         self,
         model: &mut RodModel,
@@ -134,7 +133,7 @@ impl Arrival<'_> {
         };
         for sample in (0..WIDTH).filter(|sample| !skip.0[*sample]) {
             failures.0[sample] |= !self.factor(lu, n, mass, sample);
-            // Symmetric, so that columns are rows.
+            // The inverse is symmetric, so columns are rows.
             let rows = inverse.compliance.chunks_exact_mut(n).chain(inverse.levers.chunks_exact_mut(n));
             for (j, row) in rows.enumerate().filter(|_| !failures.0[sample]) {
                 let column = lu.solve(|i| f64::from(u8::from(i == j)));
@@ -146,7 +145,7 @@ impl Arrival<'_> {
 }
 
 impl Inverse {
-    /// As q moves, Aᵀμ turns, and so does what A v is to vanish.
+    /// Derivative ∂v/∂q: as q moves, both Aᵀμ and the condition A v = 0 change.
     fn v_q(&self, rods: &Rods, v: &[Row], mu: &[Row]) -> Vec<Row> {
         let n = v.len();
         let mut v_q = product(&self.compliance, &rods.turned(mu, n), n);
