@@ -1,5 +1,5 @@
-//! What 100,000 accelerations take on one thread, state by state: `cargo run --release -p leastaction-replica --example accelerations --
-//! m.postcard`. The least of ten times, in ms.
+//! Time of 100,000 accelerations on one thread, state by state: `cargo run --release -p leastaction-replica --example accelerations --
+//! m.postcard`. Prints the shortest of ten times, in ms.
 
 use leastaction_replica::ModelFile;
 use std::time::Instant;

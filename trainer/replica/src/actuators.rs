@@ -4,13 +4,14 @@ use leastaction_core::forces::Actuator;
 use leastaction_core::model::{ActuatorBytes, ModelError};
 use std::collections::VecDeque;
 
-/// From commands to the force that acts over each step, as the actuator of a file has it: gain, offset and delay.
+/// Actuator of a file, which converts commands to the force that acts over each step: gain, offset and delay.
 ///
-/// Before the first command all commands were 0, unless [`Actuators::take_past`] says otherwise. Without an actuator in the file the command is the force.
+/// All commands before the first one are 0, unless [`Actuators::take_past`] sets them. Without an actuator in the file the command is the
+/// force.
 pub struct Actuators {
-    /// Of each coordinate; none where the command is the force.
+    /// Actuator of each coordinate; empty if the command is the force.
     each: Vec<Actuator<f32, 1>>,
-    /// The last commands, oldest first: the one before the first that is needed comes in front.
+    /// The last commands, oldest first, beginning with the one before the command that arrives next.
     past: VecDeque<Vec<f32>>,
     start: Vec<f32>,
     end: Vec<f32>,
@@ -38,7 +39,7 @@ impl Actuators {
         Ok(Self { each, past, start, end })
     }
 
-    /// Takes all commands so far to have been u: a log begins in the middle of a motion.
+    /// Sets all earlier commands to u, for a log that begins in the middle of a motion.
     ///
     /// # Errors
     /// [`ReplicaError::Length`].
@@ -48,7 +49,7 @@ impl Actuators {
         Ok(())
     }
 
-    /// The force over the step that begins when `u` is commanded, and that holds it.
+    /// Force over the step that begins with the command `u` and holds it.
     ///
     /// # Errors
     /// [`ReplicaError::Length`].
@@ -56,7 +57,7 @@ impl Actuators {
         self.over(u, u, |actuator, [before, now, _]| actuator.held(&[before], &[now]))
     }
 
-    /// The force over the step between two samples of the command, linear between them.
+    /// Force over the step between two samples of the command, linear between them.
     ///
     /// # Errors
     /// [`ReplicaError::Length`].
@@ -64,7 +65,7 @@ impl Actuators {
         self.over(start, end, |actuator, [before, now, next]| actuator.linear(&[before], &[now], &[next]))
     }
 
-    /// `of` gets the command before the one that has arrived, that one, and the next.
+    /// Applies `of` to the command before the one that has arrived, to that one, and to the next.
     fn over(
         &mut self,
         start: &[f32],
@@ -91,7 +92,7 @@ impl Actuators {
     }
 }
 
-/// Bytes of the delay in a file.
+/// Number of bytes of the delay in a file.
 const DELAY_BYTES: usize = 4;
-/// Bytes of gain and offset.
+/// Number of bytes of a gain and its offset.
 const PAIR_BYTES: usize = 8;

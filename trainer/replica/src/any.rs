@@ -3,26 +3,26 @@ use leastaction_core::energy::MAX_HIDDEN;
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 
-/// Hidden layers of a network at most: as many as a model file allows.
+/// Maximum number of hidden layers of a network, as in a model file.
 pub const LAYERS: usize = MAX_HIDDEN;
-/// Units of a hidden layer of an inertia network at most. Layers take stack only for as many as they have.
+/// Maximum number of units in a hidden layer of an inertia network. A layer only takes the stack for its actual units.
 pub const INERTIA_NETWORK_UNITS: usize = 1024;
-/// Units of a hidden layer of a network of an element, a node or an edge at most.
+/// Maximum number of units in a hidden layer of a network of an element, a node or an edge.
 pub const UNITS: usize = 64;
 
-/// A Lagrangian in N coordinates of whichever family and shape a file has.
+/// A Lagrangian in N coordinates, of any family and shape that a file may have.
 pub struct AnyLagrangian<'f, const N: usize>(Box<dyn Lagrangian<f32, N> + Send + Sync + 'f>);
 
-/// A model in N coordinates with the forces of its file: what the solvers of core step.
+/// A model in N coordinates with the forces of its file, which the solvers of core step.
 pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, ForcesOf<'f, N>>;
 
 impl<'f, const N: usize> AnyLagrangian<'f, N> {
-    /// The one behind the solvers from here on.
+    /// Wraps a Lagrangian for the solvers.
     pub(crate) fn new(lagrangian: impl Lagrangian<f32, N> + Send + Sync + 'f) -> Self {
         Self(Box::new(lagrangian))
     }
 
-    /// The same system with its Lagrangian behind this type.
+    /// Returns the same system with its Lagrangian wrapped in this type.
     pub(crate) fn erased<L: Lagrangian<f32, N> + Send + Sync + 'f>(
         System { lagrangian, forces }: System<L, ForcesOf<'f, N>>,
     ) -> SystemOf<'f, N> {

@@ -1,4 +1,4 @@
-//! Systems in generalised coordinates behind the interfaces of slices.
+//! Systems in generalised coordinates behind the slice interfaces.
 
 use crate::control::{array, write};
 use crate::{Control, Evaluator, Motion, ReplicaError, Step, SystemOf};
@@ -40,12 +40,12 @@ impl<const N: usize> Evaluator for &SystemOf<'_, N> {
     }
 }
 
-/// What a motion begins with.
+/// Initial condition of a motion.
 #[derive(Clone, Copy)]
 pub(crate) enum Beginning<'b> {
     /// A position and a velocity.
     At { q: &'b [f32], v: &'b [f32] },
-    /// Two positions one step apart, the motion being at the second, and the control between them.
+    /// Two positions one step apart, with the motion at the second, and the control between them.
     Between { q: [&'b [f32]; 2], control: Control<'b> },
 }
 

@@ -5,41 +5,41 @@ use leastaction_core::linear::SolveError;
 use leastaction_core::model::ModelError;
 use thiserror::Error;
 
-/// Why a model was refused, or could not be evaluated or stepped.
+/// Reason why a model was refused, or could not be evaluated or stepped.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ReplicaError {
-    /// The file is damaged, or asks for layers, units or types beyond those that are compiled here.
+    /// The file is damaged, or needs more layers, units or types than this program is compiled for.
     #[error("{0}")]
     Model(ModelError),
-    /// The model has a number of coordinates that core is not compiled for here.
+    /// The model has a number of coordinates that core is not compiled for in this program.
     #[error(
         "the model has {found} coordinates; the chip's arithmetic, in which sizes are types, is compiled here for {}",
         COORDINATES.map(|n| n.to_string()).join(", ")
     )]
     Coordinates {
-        /// Its number.
+        /// Number of coordinates of the model.
         found: usize,
     },
-    /// A slice has not as many numbers as the model has coordinates.
+    /// The length of a slice differs from the number of coordinates.
     #[error("{what} has {found} numbers, the model {expected} coordinates")]
     Length {
-        /// Which slice.
+        /// Name of the slice.
         what: &'static str,
-        /// The number of coordinates.
+        /// Number of coordinates.
         expected: usize,
-        /// Of the slice.
+        /// Length of the slice.
         found: usize,
     },
-    /// Particles are asked for what only systems in generalised coordinates have.
+    /// A request that only systems in generalised coordinates can answer was made of particles.
     #[error("a graph has no {what}")]
     OfGraph {
-        /// What it has not.
+        /// Name of the missing feature.
         what: &'static str,
     },
     /// An acceleration does not exist, or a step cannot be solved.
     #[error("{0}")]
     Step(StepError<f32>),
-    /// The same of particles, or positions that are not on their rods.
+    /// An acceleration of particles does not exist, a step cannot be solved, or positions are not on their rods.
     #[error("{0}")]
     Constraint(ConstraintError<f32>),
 }
@@ -69,7 +69,7 @@ impl From<ConstraintError<f32>> for ReplicaError {
 }
 
 impl ReplicaError {
-    /// An error unless a slice has `expected` numbers.
+    /// Returns an error unless a slice has `expected` numbers.
     pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<(), Self> {
         if found == expected { Ok(()) } else { Err(Self::Length { what, expected, found }) }
     }

@@ -12,7 +12,7 @@ use leastaction_core::model::{
     ModularHeader, Parsed, TreeHeader, parse,
 };
 
-/// A model file in memory, validated, its weights widened to single precision.
+/// A validated model file in memory, with its weights widened to single precision.
 pub struct ModelFile {
     words: Vec<u32>,
     length: usize,
@@ -21,7 +21,7 @@ pub struct ModelFile {
     graphs: Vec<Lists>,
 }
 
-/// The lists of a graph.
+/// Lists of a graph.
 struct Lists {
     edges: Vec<Edge>,
     plane: RodsOf<2>,
@@ -29,10 +29,10 @@ struct Lists {
 }
 
 impl ModelFile {
-    /// Reads a file of the format's present version; `bytes` may lie at any address.
+    /// Reads a file of the current version of the format; `bytes` may lie at any address.
     ///
     /// # Errors
-    /// [`ReplicaError::Model`]: what is wrong with the bytes.
+    /// [`ReplicaError::Model`] for invalid bytes.
     pub fn new(bytes: &[u8]) -> Result<Self, ReplicaError> {
         let mut file = Self::aligned(bytes);
         let Parsed { header, weights } = file.parsed()?;
@@ -58,11 +58,11 @@ impl ModelFile {
         parse(bytemuck::cast_slice(&self.words).get(..self.length).unwrap_or_default())
     }
 
-    /// The model; of several trees or graphs the one of that name, the first where none is named.
+    /// Returns the model; of several trees or graphs the one with the given name, or the first if no name is given.
     ///
     /// # Errors
-    /// [`ReplicaError::Model`] where there is none of that name, or layers, units or types are more than are compiled here;
-    /// [`ReplicaError::Coordinates`] for more coordinates.
+    /// [`ReplicaError::Model`] if no tree or graph has that name, or there are more layers, units or types than this program is compiled
+    /// for; [`ReplicaError::Coordinates`] for a number of coordinates that it is not compiled for.
     pub fn replica(&self, part: Option<&str>) -> Result<Replica<'_>, ReplicaError> {
         let Parsed { header, .. } = self.parsed()?;
         let (laws, weights) = (header.laws, self.weights.as_slice());
@@ -80,7 +80,7 @@ impl ModelFile {
             }
             other => return Err(ModelError::OtherFamily { found: other.name() }.into()),
         };
-        // The range of the training data is that of the first.
+        // The range of the training data belongs to the first tree or graph.
         let range = header.range.filter(|_| is_first);
         Ok(Replica::new(system, header.trained_step, range, header.actuator))
     }
@@ -123,7 +123,7 @@ impl ModelFile {
 }
 
 impl Lists {
-    /// Rods in as many dimensions as the graph has.
+    /// Creates the lists; the rods have the dimension of the graph.
     fn new(header: &GraphHeader, layout: &GraphLayout) -> Self {
         let is_in_space = header.shape.dimension == 3;
         let rods = |dimensions| layout.rods().filter(move |_| is_in_space == (dimensions == 3));
@@ -135,7 +135,7 @@ impl Lists {
     }
 }
 
-/// The part of that name and its place, the first where none is named.
+/// Returns the part of that name with its position, or the first part if no name is given.
 fn named<'p, P: 'p>(
     mut parts: impl Iterator<Item = &'p P>,
     name_of: impl Fn(&'p P) -> &'p str,
@@ -144,7 +144,7 @@ fn named<'p, P: 'p>(
     parts.by_ref().enumerate().find(|(_, part)| name.is_none_or(|name| name_of(part) == name))
 }
 
-/// A loader of a family whose shape and laws make its system.
+/// A loader for a family whose shape and laws determine its system.
 macro_rules! loader {
     ($(#[$doc:meta])* $loader:ident, $header:ident, $energies:ty) => {
         $(#[$doc])*

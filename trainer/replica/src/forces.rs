@@ -1,30 +1,30 @@
-//! The forces beside a Lagrangian, as a file has them.
+//! Forces of a file beside its Lagrangian.
 
 use crate::{LAYERS, UNITS};
 use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
 
-/// Damping and dry friction.
+/// Viscous damping and dry friction.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
-/// Dissipation and a potential from networks.
+/// Dissipation and a potential by networks.
 pub type Networks<'f, const N: usize> =
     (Dissipation<'f, f32, N, UNITS, LAYERS>, PotentialCorrection<'f, f32, N, UNITS, LAYERS>);
 /// Every law that a file can have.
 pub type AllForces<'f, const N: usize> = (Friction<N>, Networks<'f, N>);
 
-/// All laws of force that a file can have: as a program computes them that is compiled for those of the file alone.
+/// The laws of force of any file, computed exactly as by a program that is compiled only for the laws of that file.
 #[derive(Clone, Debug)]
 pub enum ForcesOf<'f, const N: usize> {
-    /// Viscous damping, or nothing.
+    /// Viscous damping, or no force.
     Viscous(Viscous<f32, N>),
-    /// With dry friction.
+    /// Viscous damping and dry friction.
     Friction(Friction<N>),
-    /// With networks.
+    /// Damping, dry friction and networks.
     All(Box<AllForces<'f, N>>),
 }
 
-/// Evaluates `$do` with `$law` the law that is there.
+/// Evaluates `$do` with `$law` bound to the law that is present.
 macro_rules! with_law {
     ($self:ident, $law:ident => $do:expr) => {
         match $self {
@@ -39,7 +39,7 @@ macro_rules! with_law {
 }
 
 impl<const N: usize> ForcesOf<'_, N> {
-    /// Of damping its coefficients, N s/m or N m s/rad; 0 where there is none.
+    /// Coefficients of viscous damping, N s/m or N m s/rad; 0 if there is none.
     pub fn damping(&self) -> [f32; N] {
         match self {
             Self::Viscous(viscous) | Self::Friction((viscous, _)) => viscous.coefficients,

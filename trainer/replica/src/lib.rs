@@ -1,8 +1,8 @@
-//! The chip's arithmetic on the host: a model file of any size, evaluated and stepped with the same bits.
+//! The chip's arithmetic on the host: a model file of any size, evaluated and stepped with equal bits.
 //!
-//! On the chip sizes are types; here a file says them. `leastaction-core` itself is compiled for each number of coordinates
-//! that a program can meet ([`COORDINATES`]), and for graphs of any size, behind an interface of slices: there is one source
-//! of bits, and nothing to keep in step with it.
+//! On the chip sizes are types; here a file determines them. `leastaction-core` itself is compiled for each number of coordinates that a
+//! program can meet ([`COORDINATES`]), and for graphs of any size, behind an interface of slices: the bits have a single source, and
+//! nothing has to be kept in step with it.
 //!
 //! ```text
 //! bytes ─► ModelFile ─► Replica ─► Evaluator: T, V, v̇, inverse dynamics
@@ -12,9 +12,8 @@
 //!                            └► Visitor: the system itself, its size being a type again
 //! ```
 //!
-//! The solvers are compiled once a size, not once a size and family: they see a Lagrangian through [`AnyLagrangian`], whose
-//! methods are called at run time. That changes no bit: neither the order of operations nor their rounding depends on how a
-//! function is called.
+//! The solvers are compiled once per size, not once per size and family: they see a Lagrangian through [`AnyLagrangian`], whose methods are
+//! called at run time. That changes no bit: neither the order of operations nor their rounding depends on how a function is called.
 
 mod actuators;
 mod any;

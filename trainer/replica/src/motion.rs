@@ -1,26 +1,26 @@
 use crate::{Control, ReplicaError};
 use leastaction_core::discrete::Report;
 
-/// A model in motion, from step to step as the chip takes them.
+/// A model in motion, advanced in the same steps as on the chip.
 ///
-/// It may move from thread to thread.
+/// A motion may move between threads.
 pub trait Motion: Send {
-    /// q, m or rad.
+    /// Position q, m or rad.
     fn q(&self) -> &[f32];
 
-    /// The generalised momentum p = L_v.
+    /// Generalised momentum p = L_v.
     fn p(&self) -> &[f32];
 
-    /// Writes the velocity that belongs to the momentum: L_v(q, v) = p, m/s or rad/s.
+    /// Writes the velocity for the momentum: L_v(q, v) = p, m/s or rad/s.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; where the inertia is singular.
+    /// [`ReplicaError::Length`]; an error if the inertia is singular.
     fn velocity(&self, to: &mut [f32]) -> Result<(), ReplicaError>;
 
-    /// Goes on by one step under a control, and says how many updates Newton's method took and what it left. A graph's step
-    /// takes a constant force: the mean of both ends.
+    /// Advances by one step under a control, and returns the number of Newton updates and their residual. The step of a graph takes a
+    /// constant force: the mean of both ends.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; where the step cannot be solved. The motion is then where it was.
+    /// [`ReplicaError::Length`]; an error if the step cannot be solved. The motion is then unchanged.
     fn step(&mut self, control: Control) -> Result<Report<f32>, ReplicaError>;
 }

@@ -1,4 +1,4 @@
-//! Graphs of any size behind the interfaces of slices.
+//! Graphs of any size behind the slice interfaces.
 
 use crate::coordinates::Beginning;
 use crate::{Control, Evaluator, LAYERS, Motion, ReplicaError, Step, UNITS};
@@ -16,20 +16,20 @@ use leastaction_core::particles::Particles;
 /// Rods in D dimensions.
 pub(crate) type RodsOf<const D: usize> = Vec<Holonomic<f32, D>>;
 
-/// The types of a file.
+/// Types of a file.
 type TypesOf<'f, const D: usize> = Types<'f, f32, D, MAX_NETWORKS, UNITS, LAYERS>;
 
-/// The graph of a file.
+/// Graph of a file.
 type GraphOf<'f, const D: usize> = Graph<'f, f32, D, MAX_NETWORKS, UNITS, LAYERS>;
 
-/// A graph on its rods, which are kept in a list of their own.
+/// A graph with its rods, which are stored in a separate list.
 type OnRods<'c, const D: usize> = Constrained<'c, f32, GraphOf<'c, D>, [Holonomic<f32, D>], D>;
 
 /// A graph of any size in D dimensions, with its rods.
 pub struct ParticleSystem<'f, const D: usize> {
-    /// Energies and drag over the file's weights.
+    /// Energies and drag, over the file's weights.
     pub graph: GraphOf<'f, D>,
-    /// Its rods.
+    /// Rods of the graph.
     pub rods: &'f [Holonomic<f32, D>],
 }
 
@@ -47,7 +47,7 @@ impl<'f, const D: usize> ParticleSystem<'f, D> {
         D * self.graph.nodes().len()
     }
 
-    /// What the solvers of core step.
+    /// Returns the constrained system that the solvers of core step.
     ///
     /// # Errors
     /// See [`ConstraintError`]; none for a file that was read.
@@ -55,7 +55,7 @@ impl<'f, const D: usize> ParticleSystem<'f, D> {
         Constrained::new(&self.graph, self.rods)
     }
 
-    /// The vectors of all nodes.
+    /// Vectors of all nodes.
     fn vectors<'x>(&self, what: &'static str, x: &'x [f32]) -> Result<&'x [[f32; D]], ReplicaError> {
         ReplicaError::check_length(what, self.n(), x.len())?;
         Ok(x.as_chunks().0)
@@ -71,12 +71,12 @@ impl<'f, const D: usize> ParticleSystem<'f, D> {
     }
 }
 
-/// A graph on its rods with a workspace.
+/// A graph and its rods with a workspace.
 pub(crate) struct ParticleEvaluator<'c, const D: usize> {
     particles: &'c ParticleSystem<'c, D>,
     on_rods: OnRods<'c, D>,
     workspace: Vec<f32>,
-    /// λ of each rod.
+    /// Multiplier λ of each rod.
     lambda: Vec<f32>,
 }
 
@@ -142,11 +142,11 @@ pub(crate) struct ParticleMotion<'c, const D: usize> {
     particles: &'c ParticleSystem<'c, D>,
     on_rods: OnRods<'c, D>,
     rattle: Rattle<f32>,
-    /// As [`ParticleState::save`] writes it: q, what rounding took from it, p, what rounding took from it, v, and others.
+    /// State as written by [`ParticleState::save`]: q and its carry, p and its carry, v, and further numbers.
     saved: Vec<f32>,
     memory: Vec<f32>,
     workspace: Vec<f32>,
-    /// The mean of the control.
+    /// Mean of the control.
     force: Vec<f32>,
 }
 
@@ -189,19 +189,19 @@ impl<'c, const D: usize> ParticleMotion<'c, D> {
         Ok(state.save(saved)?)
     }
 
-    /// Takes the mean of a control.
+    /// Sets the force to the mean of a control.
     fn act(&mut self, Control { start, end }: Control) -> Result<(), ReplicaError> {
         for x in [start, end] {
             ReplicaError::check_length("tau", self.force.len(), x.len())?;
         }
         for ((force, start), end) in self.force.iter_mut().zip(start).zip(end) {
-            // Of a held control exactly that.
+            // For a held control this is exactly its value.
             *force = 0.5 * start + 0.5 * end;
         }
         Ok(())
     }
 
-    /// The vectors at place k of the saved state.
+    /// Vectors at position k of the saved state.
     fn saved(&self, k: usize) -> &[f32] {
         let n = self.particles.n();
         self.saved.get(k * n..(k + 1) * n).unwrap_or_default()

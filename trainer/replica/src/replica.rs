@@ -11,7 +11,7 @@ use leastaction_core::model::{
 };
 use leastaction_core::observer::Tuning;
 
-/// A model as the chip has it: evaluated and stepped in single precision by core itself, whatever its size.
+/// A model as on the chip: evaluated and stepped in single precision by core itself, whatever its size.
 pub struct Replica<'f> {
     system: AnySystem<'f>,
     trained_step: Option<TrainedStep>,
@@ -38,37 +38,36 @@ impl<'f> Replica<'f> {
         self.visit(Size)
     }
 
-    /// The step that the model was trained with, where it was.
+    /// Step that the model was trained with, if any.
     pub fn trained_step(&self) -> Option<TrainedStep> {
         self.trained_step
     }
 
-    /// Hands the system itself to a visitor, its size being a type: for loops that are written for core's types.
+    /// Passes the system itself to a visitor, with its size as a type: for loops that are written for core's types.
     pub fn visit<'c, V: Visitor<'c>>(&'c self, visitor: V) -> V::Output {
         self.system.visit(visitor)
     }
 
-    /// Evaluates energies and accelerations.
+    /// Creates an evaluator of energies and accelerations.
     ///
     /// # Errors
-    /// [`ReplicaError::Constraint`] for rods that cannot be; none of a file that was read.
+    /// [`ReplicaError::Constraint`] for invalid rods; never for a file that was read.
     pub fn evaluator(&self) -> Result<Box<dyn Evaluator + '_>, ReplicaError> {
         self.visit(Evaluate)
     }
 
-    /// The motion from a position and a velocity.
+    /// Begins a motion at a position and a velocity.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; where a number is not finite, or positions are off their rods.
+    /// [`ReplicaError::Length`]; an error if a number is not finite or positions are off their rods.
     pub fn motion_at(&self, step: Step, q: &[f32], v: &[f32]) -> Result<Box<dyn Motion + '_>, ReplicaError> {
         self.visit(Begin { step, beginning: Beginning::At { q, v } })
     }
 
-    /// The motion from two positions one step apart and the control between them; it begins at the second. No velocity is
-    /// needed.
+    /// Begins a motion at the second of two positions one step apart, with the control between them. No velocity is needed.
     ///
     /// # Errors
-    /// As [`Replica::motion_at`]; where the step between them cannot be solved.
+    /// See [`Replica::motion_at`]; also an error if the step between the positions cannot be solved.
     pub fn motion_between(
         &self,
         step: Step,
@@ -78,8 +77,8 @@ impl<'f> Replica<'f> {
         self.visit(Begin { step, beginning: Beginning::Between { q, control } })
     }
 
-    /// The observer of the firmware, which steps the model within Newton's bounds; `angle` says of every coordinate whether its encoder
-    /// forgets whole turns.
+    /// Creates the observer of the firmware, which steps the model within the limits of `newton`; `angle` says for every coordinate whether
+    /// its encoder loses whole turns.
     ///
     /// # Errors
     /// [`ReplicaError::Length`]; [`ReplicaError::OfGraph`].
@@ -92,19 +91,19 @@ impl<'f> Replica<'f> {
         self.visit(Observe { step, newton, angle, tuning })
     }
 
-    /// From commands to forces in steps of h seconds, as the file has it.
+    /// Creates the file's converter of commands to forces, for steps of h seconds.
     ///
     /// # Errors
-    /// [`ReplicaError::Model`] where the actuator is of another number of coordinates, or its delay is more than 65,535 steps.
+    /// [`ReplicaError::Model`] if the actuator has another number of coordinates, or its delay is more than 65,535 steps.
     pub fn actuators(&self, h: f32) -> Result<Actuators, ReplicaError> {
         Actuators::new(self.actuator, self.n(), h)
     }
 
-    /// What of a state and control lies outside of the training data, if anything; `None` also where the file does not say
-    /// what they covered.
+    /// First quantity of a state and control that lies outside the training data; `None` if there is none, or if the file does not state
+    /// the range of the data.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; [`ReplicaError::Model`] where the range is of another number of coordinates.
+    /// [`ReplicaError::Length`]; [`ReplicaError::Model`] if the range has another number of coordinates.
     pub fn outside(&self, q: &[f32], v: &[f32], u: &[f32]) -> Result<Option<Outside>, ReplicaError> {
         let n = self.n();
         for (what, x) in [("q", q), ("v", v), ("u", u)] {
@@ -126,7 +125,7 @@ impl<'f> Replica<'f> {
     }
 }
 
-/// Counts coordinates.
+/// Visitor that counts coordinates.
 struct Size;
 
 impl Visitor<'_> for Size {
@@ -141,7 +140,7 @@ impl Visitor<'_> for Size {
     }
 }
 
-/// Makes evaluators.
+/// Visitor that creates evaluators.
 struct Evaluate;
 
 impl<'c> Visitor<'c> for Evaluate {
@@ -156,7 +155,7 @@ impl<'c> Visitor<'c> for Evaluate {
     }
 }
 
-/// Begins motions.
+/// Visitor that begins motions.
 struct Begin<'b> {
     step: Step,
     beginning: Beginning<'b>,
@@ -174,7 +173,7 @@ impl<'c> Visitor<'c> for Begin<'_> {
     }
 }
 
-/// Makes observers.
+/// Visitor that creates observers.
 struct Observe<'b> {
     step: Step,
     newton: Newton<f32>,

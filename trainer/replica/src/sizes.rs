@@ -1,19 +1,19 @@
-//! The one place in which a size that a file says becomes a type.
+//! The only place in which a size given by a file becomes a type.
 
 use crate::{ParticleSystem, Replica, ReplicaError, SystemOf};
 use leastaction_core::model::ModelError;
 
-/// A loader of systems in as many coordinates as it is asked for.
+/// A loader of systems in any requested number of coordinates.
 pub(crate) trait Load<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError>;
 }
 
-/// What is done with a system, its size being a type. `'c` is how long the [`Replica`](crate::Replica) is borrowed.
+/// An operation on a system whose size is a type. `'c` is the lifetime of the borrow of the [`Replica`](crate::Replica).
 pub trait Visitor<'c> {
-    /// What comes of it.
+    /// Result of the visit.
     type Output;
 
-    /// Visits an inertia network, bodies or a tree. Other chips can be asked whether they are of the same size.
+    /// Visits an inertia network, bodies or a tree. Other chips can be asked whether they have the same size.
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
     where
         for<'f> Replica<'f>: OfSize<N>;
@@ -22,15 +22,15 @@ pub trait Visitor<'c> {
     fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output;
 }
 
-/// The system of a chip where it has N coordinates, for each N of [`COORDINATES`].
+/// Access to the system of a chip that has N coordinates, for each N of [`COORDINATES`].
 pub trait OfSize<const N: usize> {
-    /// The system; `None` where it has another number of coordinates, or is a graph.
+    /// Returns the system; `None` if it has another number of coordinates, or is a graph.
     fn of_size(&self) -> Option<&SystemOf<'_, N>>;
 }
 
 macro_rules! sizes {
     ($($size:ident = $n:literal),*) => {
-        /// Numbers of coordinates that core is compiled for here; graphs may have any.
+        /// Numbers of coordinates that core is compiled for in this program; graphs may have any.
         pub const COORDINATES: [usize; [$($n),*].len()] = [$($n),*];
 
         /// A system of any size.
@@ -50,7 +50,7 @@ macro_rules! sizes {
         })*
 
         impl<'f> AnySystem<'f> {
-            /// The system of n coordinates.
+            /// Loads the system of n coordinates.
             pub fn load(n: usize, loader: impl Load<'f>) -> Result<Self, ReplicaError> {
                 match n {
                     $($n => Ok(Self::$size(loader.load()?)),)*
@@ -69,5 +69,5 @@ macro_rules! sizes {
     };
 }
 
-// Each takes two to three seconds of a processor to compile in release.
+// Each size takes two to three seconds of processor time to compile in release.
 sizes!(One = 1, Two = 2, Three = 3, Four = 4, Five = 5, Six = 6, Seven = 7, Eight = 8, Twelve = 12);

@@ -1,41 +1,41 @@
-//! The observer of core behind an interface of slices.
+//! Core's observer behind a slice interface.
 
 use crate::control::{copied, write};
 use crate::{Control, ReplicaError, Step, SystemOf};
 use leastaction_core::discrete::{Newton, Report};
 use leastaction_core::observer::{Integrator, Observer, Tuning};
 
-/// The state of a mechanism from its encoders' readings alone; see [`leastaction_core::observer`].
+/// Estimate of a mechanism's state from the readings of its encoders alone; see [`leastaction_core::observer`].
 pub trait Watch: Send {
-    /// Steps the model under the force that acted since the last samples; nothing before the first ones.
+    /// Steps the model under the force that acted since the last samples; does nothing before the first ones.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; where the step cannot be solved. The estimate is then what it was.
+    /// [`ReplicaError::Length`]; an error if the step cannot be solved. The estimate is then unchanged.
     fn predict(&mut self, control: Control) -> Result<Option<Report<f32>>, ReplicaError>;
 
-    /// Takes the samples of a step, rad or m, `None` where one is missing.
+    /// Takes the samples of a step, rad or m, `None` for a missing one.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; where the estimate would not be finite. It is then what it was.
+    /// [`ReplicaError::Length`]; an error if the estimate would not be finite. It is then unchanged.
     fn correct(&mut self, measured: &[Option<f32>]) -> Result<(), ReplicaError>;
 
-    /// Writes q and v as estimated, and says whether there is an estimate: every coordinate was measured.
+    /// Writes the estimates of q and v, and returns whether there is an estimate: it exists once every coordinate was measured.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; where the inertia is singular.
+    /// [`ReplicaError::Length`]; an error if the inertia is singular.
     fn estimate(&self, q: &mut [f32], v: &mut [f32]) -> Result<bool, ReplicaError>;
 
-    /// Writes what the encoders read more than there is, rad or m.
+    /// Writes the estimated offsets of the encoders, reading minus true value, rad or m.
     ///
     /// # Errors
     /// [`ReplicaError::Length`].
     fn zeros(&self, to: &mut [f32]) -> Result<(), ReplicaError>;
 
-    /// Whether the estimate is fit to act on.
+    /// Whether the estimate is good enough to act on.
     fn trusted(&self) -> bool;
 }
 
-/// The observer of a system; `angle` says which encoders forget whole turns.
+/// Creates the observer of a system; `angle` says which encoders lose whole turns.
 pub(crate) fn watch<'c, const N: usize>(
     system: &'c SystemOf<'c, N>,
     (step, newton): (Step, Newton<f32>),

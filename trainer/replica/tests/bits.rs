@@ -1,4 +1,4 @@
-//! The interface of slices gives what core's types give, bit for bit.
+//! The slice interface gives the same results as core's types, bit for bit.
 
 mod common;
 
@@ -26,14 +26,14 @@ use leastaction_core::scalar::f16;
 use leastaction_replica::{Control, Friction, ModelFile, Motion, Replica, Step};
 use proptest::prelude::*;
 
-/// Steps of a motion.
+/// Number of steps of a motion.
 const STEPS: usize = 4;
 
 fn bits(x: &[f32]) -> Vec<u32> {
     x.iter().map(|x| x.to_bits()).collect()
 }
 
-/// Bytes as flash holds them.
+/// Bytes with the alignment of flash.
 fn aligned(bytes: &[u8]) -> Vec<u32> {
     let mut words = vec![0_u32; bytes.len().div_ceil(4)];
     bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
@@ -44,7 +44,7 @@ fn flash<'w>(words: &'w [u32], bytes: &[u8]) -> &'w [u8] {
     &bytemuck::cast_slice(words)[..bytes.len()]
 }
 
-/// As long as a program runs.
+/// Bytes that live as long as the program, like those in flash.
 fn in_flash(bytes: &[u8]) -> &'static [u8] {
     flash(aligned(bytes).leak(), bytes)
 }
@@ -53,7 +53,7 @@ fn sized<const N: usize>(x: &[f32]) -> [f32; N] {
     x.try_into().unwrap()
 }
 
-/// q, p and what Newton's method reports of every step, as bits.
+/// Position q, momentum p and the Newton report of every step, as bits.
 fn stepped(motion: &mut dyn Motion, controls: &[[Vec<f32>; 2]]) -> Vec<u32> {
     let mut all = bits(&[motion.q(), motion.p()].concat());
     for [start, end] in controls {
@@ -64,7 +64,7 @@ fn stepped(motion: &mut dyn Motion, controls: &[[Vec<f32>; 2]]) -> Vec<u32> {
     all
 }
 
-/// The same by core's types.
+/// Steps a motion by core's types.
 fn stepped_by_core<P: Path, L, F, const N: usize>(
     del: &Del<f32, P>,
     system: &System<L, F>,
@@ -141,7 +141,7 @@ fn same_motion<P: Path, L, F, const N: usize>(
     assert_eq!(stepped(&mut *ours, controls), stepped_by_core(&del, system, theirs, controls));
 }
 
-/// Compiled for the sizes of the sample's networks, not for those that this crate has room for.
+/// Laws compiled for the sizes of the sample's networks rather than for the maximum sizes of this crate.
 type All<const N: usize> =
     (Friction<N>, (Dissipation<'static, f32, N, 6, 2>, PotentialCorrection<'static, f32, N, 6, 2>));
 

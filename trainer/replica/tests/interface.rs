@@ -1,4 +1,4 @@
-//! What is refused, repeated, delayed and handed on.
+//! Requests that are refused, repeated, delayed or handed on.
 
 mod common;
 

@@ -24,7 +24,7 @@ use leastaction_core::network::Activation;
 pub struct Random(pub u64);
 
 impl Random {
-    /// In ±1.
+    /// Returns a number in ±1.
     pub fn signed(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
@@ -35,7 +35,7 @@ impl Random {
     }
 }
 
-/// The step of all files.
+/// Step of all files.
 pub fn step(order: Order) -> TrainedStep {
     TrainedStep { order, h: 0.01, control: ControlKind::Held }
 }
@@ -52,7 +52,7 @@ pub fn bytes(header: &Header, block: &[u8]) -> Vec<u8> {
     write(header, block, &mut memory).unwrap().to_vec()
 }
 
-/// Numbers of laws of so many groups, in the order of a file.
+/// Numbers of the laws for the given number of groups, in the order of a file.
 fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
     let mut numbers = Vec::new();
     if laws.contains(Law::Viscous) {
@@ -123,7 +123,7 @@ pub struct TreeSample {
     pub seed: u64,
 }
 
-/// What the trees of a sample are called: the first has one element.
+/// Names of the trees of a sample: the first has one element.
 pub const TREES: [&str; 2] = ["link", "chain"];
 
 impl TreeSample {
@@ -222,7 +222,7 @@ pub struct GraphSample {
     pub seed: u64,
 }
 
-/// What the graphs of a sample are called.
+/// Names of the graphs of a sample.
 pub const GRAPHS: [&str; 2] = ["free", "hanging"];
 
 impl GraphSample {
@@ -239,7 +239,7 @@ impl GraphSample {
         }
     }
 
-    /// Each node 1 m from the one before it, along a slope.
+    /// Positions with each node 1 m from the one before it, along a slope.
     pub fn positions(&self) -> Vec<f32> {
         let slope = [0.6, -0.8, 0.0];
         let dimension = usize::from(self.dimension);
