@@ -1,4 +1,4 @@
-//! The folder of a paper's results: a file for every finished task, and the pictures.
+//! The folder of a paper's results: one file per finished task, and the pictures.
 
 use super::record::Finished;
 use super::task::Task;
@@ -11,60 +11,60 @@ use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Results, or how far training is, that cannot be read or written.
+/// Reason why results, or the state of training, cannot be read or written.
 #[derive(Debug, Error)]
 pub enum FolderError {
-    /// The operating system says why.
+    /// A file cannot be read or written.
     #[error("{}: {error}", file.display())]
     File {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// Why.
+        /// Reason given by the operating system.
         error: io::Error,
     },
-    /// Not a result of this program.
+    /// The content is no result of this program.
     #[error("{}: {error}; remove the file to have the task done again", file.display())]
     Content {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// What is wrong in it.
+        /// Problem with the content.
         error: serde_json::Error,
     },
     /// Interrupted training that cannot be read.
     #[error("{0}; remove the file to begin anew")]
     Interrupted(#[from] ReadError),
-    /// Of another run, with other options.
+    /// The file was made with other options.
     #[error("{}: made with other options; name another folder, or remove the file", file.display())]
     Settings {
-        /// Which.
+        /// The file.
         file: PathBuf,
     },
     /// Two folders have the same task with different results.
     #[error("{} and {} are results of one task and differ; keep one", one.display(), other.display())]
     Twice {
-        /// Read first.
+        /// The file read first.
         one: PathBuf,
-        /// Read then.
+        /// The file read second.
         other: PathBuf,
     },
 }
 
 impl FolderError {
-    /// The operating system says why.
+    /// Converts an error of the operating system.
     pub(crate) fn file(file: &Path) -> impl FnOnce(io::Error) -> Self {
         let file = file.to_owned();
         move |error| Self::File { file, error }
     }
 }
 
-/// The results of one paper.
+/// Results of one paper.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Results {
     folder: PathBuf,
 }
 
 impl Results {
-    /// Those in `output`/`paper`, a folder that is made where there is none.
+    /// Opens the results in `output`/`paper`, a folder that is created if it does not exist.
     ///
     /// # Errors
     /// [`FolderError::File`].
@@ -74,25 +74,25 @@ impl Results {
         Ok(Self { folder })
     }
 
-    /// Keeps other processes from writing here.
+    /// Keeps other processes from writing to the folder.
     ///
     /// # Errors
-    /// [`FolderError::File`] where one does.
+    /// [`FolderError::File`] if another process holds the lock.
     pub fn lock(&self) -> Result<Lock, FolderError> {
         Lock::new(&self.folder).map_err(FolderError::file(&self.folder))
     }
 
-    /// Where the files are.
+    /// Folder of the files.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The file of a task.
+    /// File of a task.
     pub fn file(&self, task: &str) -> PathBuf {
         self.folder.join(format!("{task}.json"))
     }
 
-    /// What a task has given; `None` where it was not yet done.
+    /// Reads the results of a task; `None` if it has not been done yet.
     ///
     /// # Errors
     /// [`FolderError::File`], [`FolderError::Content`].
@@ -100,7 +100,7 @@ impl Results {
         read(&self.file(task))
     }
 
-    /// Writes down what a task has given.
+    /// Writes the results of a task.
     ///
     /// # Errors
     /// [`FolderError::File`].
@@ -111,7 +111,7 @@ impl Results {
         atomic::write(&file, &text).map_err(FolderError::file(&file))
     }
 
-    /// All that is there, by the names of the tasks.
+    /// Reads all results, in the order of the names of the tasks.
     ///
     /// # Errors
     /// [`FolderError::File`], [`FolderError::Content`].
@@ -121,8 +121,8 @@ impl Results {
         Ok(read.into_iter().flatten().collect())
     }
 
-    /// What belongs on one page: these results, and all others there that runs with the same options have given, in the order of
-    /// these tasks, then by name. Also how many there are of other options.
+    /// Results that belong on one page: those of these tasks, and all others in the folder from runs with the same options, in the order of
+    /// these tasks, then by name. Also returns the number of results with other options.
     ///
     /// # Errors
     /// [`FolderError::File`], [`FolderError::Content`].
@@ -139,7 +139,7 @@ impl Results {
         Ok((page, others.len()))
     }
 
-    /// Takes over the results and the other files of another folder; what both have must be the same work.
+    /// Copies the results and the other files of another folder; results in both folders must be equal.
     ///
     /// # Errors
     /// [`FolderError`].
@@ -164,7 +164,7 @@ impl Results {
         for entry in fs::read_dir(&self.folder).map_err(failed())? {
             files.push(entry.map_err(failed())?.path());
         }
-        // Hidden are the lock, and what a killed process was about to write.
+        // Hidden files are the lock, and those that a killed process was writing.
         let is_hidden =
             |file: &Path| file.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         files.retain(|file| file.is_file() && !is_hidden(file) && is_wanted(file));
@@ -173,7 +173,7 @@ impl Results {
     }
 }
 
-/// What a file says of a task that did not fail.
+/// Reads the results in a file, if the task did not fail.
 fn done(file: &Path) -> Result<Option<Finished>, FolderError> {
     if file.extension().is_none_or(|extension| extension != "json") {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Training that takes hours, and goes on where it was interrupted.
+//! Training that takes hours, and continues where it was interrupted.
 
 use super::folder::FolderError;
 use super::task::TaskError;
@@ -9,23 +9,23 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{fs, io};
 
-/// The first bytes of the file: what it is, and the version of its layout.
+/// First bytes of the file: a mark of its kind, and the version of its layout.
 const MAGIC: &[u8] = b"LABASE\x01";
 
-/// Where a task writes down how far it is.
+/// File in which a task stores the state of its training.
 #[derive(Clone, Debug)]
 pub struct Interrupted {
     file: PathBuf,
     settings: String,
 }
 
-/// How far training is.
+/// State of a training.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Course {
     pub adam: Adam,
-    /// The last weights that had a loss.
+    /// Last weights that had a finite loss.
     pub good: Vec<f64>,
-    /// Time that training has taken.
+    /// Time spent on training.
     pub spent: Duration,
 }
 
@@ -36,12 +36,12 @@ struct Content<S, C> {
 }
 
 impl Interrupted {
-    /// Of a task in a folder; `settings` is everything that its weights depend on.
+    /// Creates the file of a task in a folder; `settings` is everything that its weights depend on.
     pub fn new(folder: &Path, task: &str, settings: String) -> Self {
         Self { file: folder.join(format!("{task}.interrupted")), settings }
     }
 
-    /// Runs a task whose files are in a folder, if there is one, and that goes on where it was interrupted there.
+    /// Runs a task that stores its state in a folder, if one is given, and continues where it was interrupted.
     pub(super) fn resume<T, E: Into<TaskError>>(
         folder: Option<&Path>,
         task: &str,
@@ -54,7 +54,7 @@ impl Interrupted {
         Ok(done)
     }
 
-    /// Where training was interrupted; `None` where it was not.
+    /// Reads the state at which training was interrupted; `None` if it was not.
     pub(super) fn read(&self) -> Result<Option<Course>, FolderError> {
         let content: Content<String, Course> = match checksummed::read(&self.file, MAGIC) {
             Err(error) if error.is_missing() => return Ok(None),

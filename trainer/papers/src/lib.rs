@@ -1,8 +1,7 @@
-//! The papers' experiments, ours beside theirs: tasks that give records, which become tables and pages.
+//! Experiments of the papers, our models beside theirs: tasks that give records, which become tables and pages.
 //!
-//! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]), [`hardware`] that of logs that robots wrote;
-//! [`baselines`] are the models that they compare with.
-//! The command is `leastaction-papers`.
+//! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]), [`hardware`] that of logs recorded on robots;
+//! [`baselines`] are the models that the papers compare with. The command is `leastaction-papers`.
 
 pub mod baselines;
 pub mod chnn;
@@ -22,17 +21,17 @@ pub use interrupted::Interrupted;
 pub use papers::{CHNN, HARDWARE, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
 pub use training::{Bounds, Ending, Limits, Recipe, TrainingError};
 
-/// A system with its number of elements: 2-pendulum.
+/// Name of a system with its number of elements: 2-pendulum.
 pub fn numbered(system: &str, count: usize) -> String {
     format!("{count}-{}", system.trim_start_matches("n-"))
 }
 
-/// As on the command line.
+/// Name of a value on the command line.
 fn option_name(value: &impl clap::ValueEnum) -> String {
     value.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
 }
 
-/// Each once, in the order in which they come.
+/// Returns each item once, in the order of first occurrence.
 fn distinct<'t>(all: impl Iterator<Item = &'t str>) -> Vec<&'t str> {
     let mut seen: Vec<&str> = Vec::new();
     for one in all {

@@ -1,4 +1,4 @@
-//! The papers, and their pages.
+//! Papers and their pages.
 
 use super::folder::{FolderError, Results};
 use super::record::Finished;
@@ -11,11 +11,11 @@ use thiserror::Error;
 /// A paper.
 #[derive(Debug)]
 pub struct Paper {
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub name: &'static str,
-    /// Of the page.
+    /// Title of the page.
     pub title: &'static str,
-    /// What the numbers mean.
+    /// Meaning of the numbers.
     pub about: &'static str,
     /// Draws pictures of many rows into a folder.
     pub overview: fn(&Path, &[Finished]) -> Result<Vec<Overview>, PlotError>,
@@ -24,13 +24,13 @@ pub struct Paper {
 /// A picture of many rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Overview {
-    /// The title of the table that it belongs to.
+    /// Title of the table that it belongs to.
     pub table: String,
-    /// Its file.
+    /// Name of its file.
     pub file: String,
 }
 
-/// Lu et al. 2022.
+/// Paper by Lu et al. 2022.
 pub const MODLANET: Paper = Paper {
     name: "modlanet",
     title: "ModLaNet (Lu et al., ICML 2022)",
@@ -44,7 +44,7 @@ pub const MODLANET: Paper = Paper {
     overview: none,
 };
 
-/// Bhattoo et al. 2023.
+/// Paper by Bhattoo et al. 2023.
 pub const LGNN: Paper = Paper {
     name: "lgnn",
     title: "LGNN (Bhattoo et al., MLST 2023)",
@@ -56,7 +56,7 @@ pub const LGNN: Paper = Paper {
     overview: none,
 };
 
-/// Santos et al. 2022.
+/// Paper by Santos et al. 2022.
 pub const SYMO: Paper = Paper {
     name: "symo",
     title: "SyMo (Santos et al., L4DC 2022)",
@@ -69,7 +69,7 @@ pub const SYMO: Paper = Paper {
     overview: symo::overview,
 };
 
-/// Finzi, Wang and Wilson 2020.
+/// Paper by Finzi, Wang and Wilson 2020.
 pub const CHNN: Paper = Paper {
     name: "chnn",
     title: "CHNN and CLNN (Finzi et al., NeurIPS 2020): chains of pendulums",
@@ -80,7 +80,7 @@ pub const CHNN: Paper = Paper {
     overview: none,
 };
 
-/// Logs of machines: no paper, but the same tables.
+/// Logs of real machines: no paper, but the same kind of tables.
 pub const HARDWARE: Paper = Paper {
     name: "hardware",
     title: "Machines of hardware",
@@ -95,27 +95,27 @@ pub const HARDWARE: Paper = Paper {
     overview: hardware::overview,
 };
 
-/// All.
+/// All papers.
 pub const PAPERS: [&Paper; 5] = [&MODLANET, &LGNN, &SYMO, &CHNN, &HARDWARE];
 
 fn none(_: &Path, _: &[Finished]) -> Result<Vec<Overview>, PlotError> {
     Ok(Vec::new())
 }
 
-/// A page that cannot be written.
+/// Reason why a page cannot be written.
 #[derive(Debug, Error)]
 pub enum PageError {
-    /// The results, or the page.
+    /// The results or the page cannot be written.
     #[error(transparent)]
     Results(#[from] FolderError),
-    /// A picture.
+    /// A picture cannot be drawn.
     #[error(transparent)]
     Picture(#[from] PlotError),
 }
 
 impl Paper {
-    /// Writes the page, the table as comma-separated values and the results as one JSON file into a folder, beside that of the
-    /// results; the names of the files.
+    /// Writes the page, the table as comma-separated values and the results as one JSON file into a folder, beside that of the results;
+    /// returns the names of the files.
     ///
     /// # Errors
     /// [`PageError`].

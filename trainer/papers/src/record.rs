@@ -1,47 +1,47 @@
-//! What an experiment leaves behind: rows that are written down, read again, joined and compared.
+//! Results of an experiment: rows that are written, read again, joined and compared.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Which numbers are the good ones.
+/// Direction in which a number is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Better {
-    /// Errors.
+    /// Smaller is better, for errors.
     Less,
-    /// Times that a prediction holds.
+    /// Larger is better, for times that a prediction holds.
     More,
 }
 
 /// A number of a row, beside that of the paper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measure {
-    /// As in the head of the table.
+    /// Name in the head of the table.
     pub name: String,
-    /// Ours; `None` where it is not finite.
+    /// Our value; `None` if it is not finite.
     pub ours: Option<f64>,
-    /// The paper's, or what its program reaches; `None` where it is not known or failed.
+    /// Value of the paper or of its program; `None` if it is unknown or failed.
     pub paper: Option<f64>,
-    /// What exact physics reaches in the same measure, where that is not 0.
+    /// Value of exact physics in the same measure, if that is not 0.
     pub floor: Option<f64>,
-    /// Which is better.
+    /// Direction in which the number is better.
     pub better: Better,
 }
 
 impl Measure {
-    /// An error.
+    /// Creates an error.
     pub fn error(name: &str, ours: f64, paper: Option<f64>) -> Self {
         let ours = Some(ours).filter(|x| x.is_finite());
         Self { name: name.to_owned(), ours, paper, floor: None, better: Better::Less }
     }
 
-    /// The same, over a floor.
+    /// Adds a floor.
     #[must_use]
     pub fn over(self, floor: f64) -> Self {
         Self { floor: Some(floor).filter(|x| x.is_finite()), ..self }
     }
 
-    /// A number of which more is better.
+    /// Marks the number as one for which larger is better.
     #[must_use]
     pub fn more_is_better(self) -> Self {
         Self { better: Better::More, ..self }
@@ -53,60 +53,60 @@ impl Measure {
 pub struct Record {
     /// Title of the table.
     pub table: String,
-    /// What the models of the table are compared on: names of columns with their values, the same names in the whole table.
+    /// Columns in which the models of the table are compared: names with their values; all rows of the table have the same names.
     pub subject: Vec<(String, String)>,
-    /// Which model.
+    /// Name of the model.
     pub model: String,
-    /// Whether it is ours, and not one that ours is compared with.
+    /// Whether it is our model rather than one that ours is compared with.
     pub is_ours: bool,
-    /// Numbers in its weight block that are learned.
+    /// Number of learned entries of its weight block.
     pub parameters: usize,
-    /// Numbers in that of the paper's model.
+    /// Number of weights of the paper's model.
     pub paper_parameters: Option<usize>,
-    /// Of the weights and the data.
+    /// Seed of the weights and the data.
     pub seed: u64,
     /// Training time, s.
     pub train_seconds: f64,
-    /// The same names in every row of a table.
+    /// Measures; all rows of a table have the same names.
     pub measures: Vec<Measure>,
-    /// What else is to be said: how a row failed.
+    /// Further remarks, such as the reason of a failure.
     pub note: Option<String>,
     /// Files of its pictures.
     pub pictures: Vec<String>,
     /// All numbers, as `--json` prints them.
     pub details: Value,
-    /// Whether it sums other rows up: its numbers then stand beside the rows, not among them.
+    /// Whether it summarises other rows: its numbers then stand beside the rows, not among them.
     pub is_summary: bool,
 }
 
 impl Record {
-    /// Whether two rows differ by the seed alone.
+    /// Whether two rows differ only in their seeds.
     pub fn is_like(&self, other: &Self) -> bool {
         let key = |row: &Self| (row.table.clone(), row.subject.clone(), row.model.clone());
         key(self) == key(other)
     }
 }
 
-/// What a task has given.
+/// Results of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
     /// Short name of the paper.
     pub paper: String,
     /// Name of the task.
     pub task: String,
-    /// The command that does it again.
+    /// Command that repeats the task.
     pub command: String,
-    /// What it learned from, in words.
+    /// Data that it learned from, in words.
     pub data: String,
     /// Everything that the result depends on.
     pub settings: String,
-    /// The options that all tasks of a run have in common, as on the command line.
+    /// Options that all tasks of a run share, as on the command line.
     #[serde(default)]
     pub options: String,
     /// Wall time, s.
     pub seconds: f64,
-    /// Why there are no rows.
+    /// Reason why there are no rows.
     pub failure: Option<String>,
-    /// The rows.
+    /// Rows of the task.
     pub records: Vec<Record>,
 }

@@ -1,4 +1,4 @@
-//! Experiments as tasks: chosen by name, shared among machines, run side by side, and left out where they are done.
+//! Experiments as tasks: chosen by name, shared among machines, run side by side, and skipped if done already.
 
 use super::folder::{FolderError, Results};
 use super::record::{Finished, Record};
@@ -10,36 +10,35 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use thiserror::Error;
 
-/// Why a task has no rows.
+/// Reason why a task has no rows.
 pub type TaskError = Box<dyn Error + Send + Sync>;
 
-/// A unit of work: models that are trained, and all rows that come of them.
+/// A unit of work: models that are trained, and all rows that result.
 pub trait Task: Sync {
-    /// A file name, unique among the tasks of a paper.
+    /// File name, unique among the tasks of a paper.
     fn name(&self) -> String;
-    /// The command that does this task alone.
+    /// Command that runs this task alone.
     fn command(&self) -> String;
-    /// What is learned from, in words.
+    /// Data that is learned from, in words.
     fn data(&self) -> String;
     /// Everything that the result depends on.
     fn settings(&self) -> String;
-    /// The options that it has in common with all tasks of a run, as on the command line: results of other options are of another
-    /// page.
+    /// Options shared by all tasks of a run, as on the command line: results with other options belong on another page.
     fn options(&self) -> String;
-    /// How long it takes, s, roughly.
+    /// Rough duration, s.
     fn expected_seconds(&self) -> f64;
-    /// Whether it measures times, which nothing must disturb.
+    /// Whether the task measures times, which nothing must disturb.
     fn is_timed(&self) -> bool {
         false
     }
-    /// Does it; pictures go to a folder, if there is one, and how far long training is, so that an interrupted one goes on.
+    /// Runs the task. A given folder takes pictures, and the state of long training, so that interrupted training can continue.
     ///
     /// # Errors
-    /// Where it cannot be done.
+    /// An error if the task fails.
     fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError>;
 }
 
-/// A task for each of these with every one of so many seeds from `first` on.
+/// Creates a task for each item with every one of `seeds` seeds from `first` on.
 pub(crate) fn with_seeds<T, X: Task + 'static>(
     of: impl IntoIterator<Item = T>,
     (first, seeds): (u64, usize),
@@ -49,7 +48,7 @@ pub(crate) fn with_seeds<T, X: Task + 'static>(
     of.into_iter().flat_map(seeded).collect()
 }
 
-/// A case for our model, then for each of those that it is compared with.
+/// Returns a case for our model, then for each model that it is compared with.
 pub(crate) fn compared<C: Copy, B>(
     case: C,
     baselines: impl IntoIterator<Item = B>,
@@ -57,7 +56,7 @@ pub(crate) fn compared<C: Copy, B>(
     std::iter::once(None).chain(baselines.into_iter().map(Some)).map(move |baseline| (case, baseline))
 }
 
-/// A share of the tasks: the `index`th, from 1, of `of`.
+/// A share of the tasks: number `index`, from 1, of `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: usize,
@@ -65,13 +64,13 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// The tasks of this share: all shares together have every task once, the long and the short ones dealt out alike.
+    /// Returns the tasks of this share: all shares together have every task once, with long and short tasks dealt out evenly.
     pub fn of<T>(self, tasks: Vec<T>) -> Vec<T> {
         tasks.into_iter().skip(self.index - 1).step_by(self.of).collect()
     }
 }
 
-/// A share that cannot be.
+/// An invalid share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("it must be I/N with 1 ≤ I ≤ N, as 2/8")]
 pub struct BadShard;
@@ -86,13 +85,13 @@ impl FromStr for Shard {
     }
 }
 
-/// Does the tasks that are not yet done, `jobs` at a time, and gives what those and the others gave, in the order of the tasks.
+/// Runs the tasks that are not yet done, `jobs` at a time, and returns the results of all tasks, in their order.
 ///
-/// Each is written down as soon as it is done: an interrupted run goes on where it stopped. A failed task is written down as
-/// such, and tried again by the next run.
+/// Each result is written as soon as it is there: an interrupted run continues where it stopped. A failed task is recorded as failed, and
+/// tried again by the next run.
 ///
 /// # Errors
-/// [`FolderError`]; tasks that fail are no errors.
+/// [`FolderError`]; failing tasks are no errors.
 pub fn run_all(
     paper: &str,
     tasks: &[&dyn Task],
@@ -121,7 +120,7 @@ pub fn run_all(
             Ok(())
         };
         std::thread::scope(|scope| {
-            // This thread works too; where there are no more threads to be had, those that there are do all.
+            // This thread works too; if no more threads can be created, the existing ones do all the work.
             let worker = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
             let others: Vec<_> = (1..jobs.min(queue.len())).map_while(worker).collect();
             let ours = work();
@@ -136,7 +135,7 @@ pub fn run_all(
     Ok(all.into_iter().flatten().collect())
 }
 
-/// What the task has given in an earlier run, unless it failed.
+/// Results of the task in an earlier run, unless it failed.
 fn done_before(task: &dyn Task, results: Option<&Results>) -> Result<Option<Finished>, FolderError> {
     let Some(results) = results else { return Ok(None) };
     let done = results.read(&task.name())?.filter(|finished| finished.failure.is_none());
@@ -173,12 +172,12 @@ fn finish(
     Ok(finished)
 }
 
-/// How much is done, and how long the rest will take at the pace so far.
+/// Progress, and an estimate of the remaining time at the pace so far.
 struct Progress {
     start: Instant,
     expected: f64,
     jobs: usize,
-    /// Expected and true seconds of what is done.
+    /// Expected and true duration of the finished tasks, s.
     done: Mutex<[f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! How the models that papers compare with are trained: by Adam, as their authors do, within limits.
+//! Training of the models that papers compare with: by Adam, following their authors, within limits.
 
 use super::folder::FolderError;
 use super::interrupted::{Course, Interrupted};
@@ -11,50 +11,50 @@ use thiserror::Error;
 
 /// Time between lines of progress.
 const PAUSE: Duration = Duration::from_secs(10);
-/// Time after which it is written down how far training is.
+/// Time between writes of the state of training.
 const WRITTEN: Duration = Duration::from_secs(60);
 
-/// Where the training of a baseline ends, beside the end of its recipe.
+/// Limits of the training of a baseline, beside the end of its recipe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Limits {
-    /// Epochs; `None`: the recipe's.
+    /// Number of epochs; `None` for that of the recipe.
     pub epochs: Option<u64>,
     /// Wall time of training, and again of the predictions.
     pub time: Option<Duration>,
 }
 
 impl Limits {
-    /// When the predictions must be done that begin now.
+    /// Deadline of predictions that begin now.
     pub(super) fn deadline(&self) -> Option<Instant> {
         self.time.map(|time| Instant::now() + time)
     }
 
-    /// How long a baseline takes, s, roughly.
+    /// Rough duration of a baseline, s.
     pub(super) fn expected_seconds(&self) -> f64 {
         const AN_HOUR: f64 = 3_600.0;
         self.time.map_or(AN_HOUR, |time| 1.5 * time.as_secs_f64())
     }
 }
 
-/// How training ended.
+/// End of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// As its recipe has it.
+    /// The recipe was completed.
     Complete,
-    /// There was no more time.
+    /// The time ran out.
     OutOfTime {
-        /// Epochs done.
+        /// Number of epochs done.
         epoch: u64,
     },
-    /// The loss was not a finite number any more.
+    /// The loss became infinite or NaN.
     Diverged {
-        /// In this epoch.
+        /// Epoch in which it did.
         epoch: u64,
     },
 }
 
 impl Ending {
-    /// In words; `None` where training was complete.
+    /// Description in words; `None` if training was complete.
     pub fn words(self) -> Option<String> {
         match self {
             Self::Complete => None,
@@ -64,53 +64,53 @@ impl Ending {
     }
 }
 
-/// As [`Ending::words`].
+/// Serialises [`Ending::words`].
 pub(super) fn in_words<S: Serializer>(ending: &Ending, serializer: S) -> Result<S::Ok, S::Error> {
     ending.words().serialize(serializer)
 }
 
-/// How a baseline is trained: by Adam.
+/// Training of a baseline by Adam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
-    /// Passes through the samples.
+    /// Number of passes through the samples.
     pub epochs: u64,
-    /// Steps.
+    /// Settings of the steps.
     pub adam: AdamSettings,
 }
 
-/// What training gives.
+/// Result of a training.
 pub(super) struct Trained {
     pub weights: Vec<f64>,
-    /// Epochs done.
+    /// Number of epochs done.
     pub epochs: u64,
-    /// That they took, s.
+    /// Training time, s.
     pub seconds: f64,
     pub ending: Ending,
 }
 
-/// Where training ends, and where it is written down now and then.
+/// Limits of a training, and the file for its state.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bounds<'a> {
-    /// When.
+    /// Limits of the training.
     pub limits: Limits,
-    /// Where; `None`: nowhere.
+    /// File for the state; `None` for no file.
     pub interrupted: Option<&'a Interrupted>,
 }
 
-/// Training that cannot be done.
+/// Reason why training fails.
 #[derive(Debug, Error)]
 pub enum TrainingError {
-    /// The shape does not fit in itself or the data.
+    /// The shape is inconsistent or does not fit the data.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// It cannot go on where it was interrupted, or not be written down.
+    /// The state of an interrupted training cannot be read or written.
     #[error(transparent)]
     Interrupted(#[from] FolderError),
 }
 
 impl Recipe {
-    /// Trains until a limit, or until the loss is not a number any more: then the weights are the last that had one. `tell` gets
-    /// a line of progress now and then. Where it was interrupted before it goes on, to the same bits.
+    /// Trains until a limit, or until the loss is not finite: then the weights are the last with a finite loss. `tell` occasionally gets a
+    /// line of progress. Interrupted training continues, to the same bits.
     pub(super) fn train(
         &self,
         model: &dyn AccelerationModel,

@@ -10,7 +10,7 @@ fn samples() -> Samples {
     Samples { n: 1, states, ..Samples::default() }
 }
 
-/// Five samples a step, so that their order counts.
+/// Recipe with five samples per step, so that their order matters.
 const RECIPE: Recipe = Recipe {
     epochs: 9,
     adam: AdamSettings { learning_rate: 1e-2, batch: 5, schedule: Schedule::Constant, decay: 0.0, seed: 3 },
@@ -62,7 +62,7 @@ fn what_is_done_leaves_no_file_and_what_failed_keeps_it() {
     assert!(failed.is_err() && interrupted.read().unwrap().is_some());
     assert_eq!(resume(|| Ok(7)).unwrap(), 7);
     assert!(interrupted.read().unwrap().is_none());
-    // Where nothing was written down there is nothing to remove.
+    // Without a state there is nothing to remove.
     assert_eq!(resume(|| Ok(8)).unwrap(), 8);
 }
 

@@ -1,4 +1,4 @@
-//! The pendulums of Finzi et al.: data from positions and velocities alone, and what is learned from it.
+//! The pendulums of Finzi et al.: data from positions and velocities alone, and the models learned from it.
 
 use leastaction_ground_truth::{ExactMotion, Horizon, logged};
 use leastaction_learning::training::Samples;

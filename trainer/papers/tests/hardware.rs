@@ -1,4 +1,4 @@
-//! Logs of machines: what the simulated robot's own parameters predict, and the published figures of the real one.
+//! Logs of machines: predictions by the simulated robot's own parameters, and the published figures of the real one.
 
 mod robot;
 
@@ -6,14 +6,14 @@ use leastaction_papers::hardware::{Machine, MachineData, Split, tasks, zero_offs
 use leastaction_papers::record::Record;
 use std::path::{Path, PathBuf};
 
-/// The rows of the models with one of these in the names of their tasks.
+/// Rows of the models with one of these texts in the names of their tasks.
 fn rows(data: &MachineData, split: Split, only: &[&str]) -> Vec<Record> {
     let all = tasks(data, &[split], &[0], (true, ""));
     let chosen = all.iter().filter(|task| only.iter().any(|only| task.name().contains(only)));
     chosen.flat_map(|task| task.run(None, &|_| ()).unwrap()).collect()
 }
 
-/// A row's medians.
+/// Medians of a row.
 fn medians(rows: &[Record], model: &str, calibrated: bool) -> [f64; 3] {
     let is_it = |row: &&Record| row.details["model"] == model && row.details["calibrated"] == calibrated;
     let row = &rows.iter().find(is_it).unwrap().details;
@@ -27,10 +27,10 @@ fn simulated(logs: usize, seconds: f64) -> (tempfile::TempDir, MachineData) {
     (folder, data)
 }
 
-/// What needs no training.
+/// Models without training.
 const KNOWN: [&str; 2] = ["constant-velocity", "identified-parameters"];
 
-/// What is left with the robot's own parameters is the encoder and, as is, its zeros; calibration finds those.
+/// The error left with the robot's own parameters is that of the encoder and, as is, of its zeros; calibration finds the zeros.
 #[test]
 fn a_robots_own_parameters_predict_it_and_calibration_finds_its_zeros() {
     let (_folder, data) = simulated(3, 5.0);
@@ -81,7 +81,7 @@ fn the_published_figures_of_the_real_double_pendulum() {
     for (k, (split, windows)) in [(late, 52), (mixed, 84)].into_iter().enumerate() {
         let rows = rows(&data, split.clone(), &KNOWN);
         assert!(rows.iter().all(|row| row.details["windows"] == windows));
-        // The start states show to the printed digits; stiff friction to a few hundredths: it depends on the step that it was integrated by.
+        // The start states agree to the printed digits; stiff friction to a few hundredths, because it depends on the integration step.
         for (model, expected, tolerance) in
             [("constant velocity", still[k], 2e-3), ("baseline: identified parameters", identified[k], 0.03)]
         {

@@ -32,7 +32,7 @@ fn record(model: &str, seed: u64, ours: f64) -> Record {
     }
 }
 
-/// Gives a record of its seed, or fails; counts how often it is asked.
+/// A task that gives a record of its seed, or fails; it counts how often it is run.
 struct Counted {
     seed: u64,
     settings: &'static str,
@@ -120,7 +120,7 @@ fn a_page_has_all_that_runs_with_the_same_options_have_given() {
     let mut narrow = tasks(2, "one", None).0;
     narrow.remove(0);
     run(&narrow, &results, 1).unwrap();
-    // Those of the run first, in their order; also what failed.
+    // Results of the run come first, in their order; failures are included.
     assert_eq!(names(results.page(&narrow).unwrap()), (counted(&[1, 0, 2]), 0));
     assert_eq!(names(results.page(&tasks(9, "one", None).0).unwrap()), (counted(&[0, 1, 2]), 0));
     let mut other = tasks(4, "two", None).0.split_off(3);
@@ -128,7 +128,7 @@ fn a_page_has_all_that_runs_with_the_same_options_have_given() {
     assert_eq!(names(results.page(&other).unwrap()), (counted(&[3]), 3));
     other.extend(narrow);
     assert_eq!(names(results.page(&other).unwrap()), (counted(&[3, 1, 0, 2]), 0));
-    // Results of before there were options belong to their own tasks.
+    // Results from before options were stored belong to their own tasks.
     let old = Finished { options: String::new(), ..results.read("counted-0").unwrap().unwrap() };
     results.write(&old).unwrap();
     assert_eq!(names(results.page(&tasks(1, "one", None).0).unwrap()), (counted(&[0, 1, 2]), 1));
@@ -235,7 +235,7 @@ fn what_is_better_than_ours_is_said() {
     let [paper] = &of(0.6, 0.7)[..] else { panic!("the paper is better") };
     assert!(paper.contains("the paper 0.500") && paper.contains("ours: test 0.600"), "{paper}");
     assert_eq!(of(0.3, 0.2).len(), 1);
-    // One line a row, with all that is better.
+    // One line per row, with everything that is better.
     let [both] = &of(f64::NAN, 0.2)[..] else { panic!("one row") };
     assert_eq!(both, "Table 1, system 2-pendulum, ours: test – (the paper 0.500, MLP 0.200)");
     let two = |ours: f64| Record {

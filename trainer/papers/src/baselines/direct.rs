@@ -1,4 +1,4 @@
-//! Models that give what is logged themselves, as a function of the state and the control: no equation is solved for it.
+//! Models that directly give the logged quantity as a function of the state and the control: no equation is solved for it.
 
 use super::enough_weights;
 use leastaction_core::model::ModelError;
@@ -10,7 +10,7 @@ use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Builder, Node, Program, Row, Workspace};
 use std::array::from_fn;
 
-/// f(q, v, u) of n coordinates each, written down.
+/// A function f(q, v, u) of n coordinates each, written down.
 #[derive(Clone)]
 pub(super) struct Direct {
     builder: Builder,
@@ -18,7 +18,7 @@ pub(super) struct Direct {
 }
 
 impl Direct {
-    /// What `write` makes of q, v and u.
+    /// Creates the function that `write` makes of q, v and u.
     pub fn new(n: usize, write: impl FnOnce(&mut Builder, [Node; 3]) -> Node) -> Self {
         let mut builder = Builder::new();
         let state = [(); 3].map(|()| builder.input(n));
@@ -26,7 +26,7 @@ impl Direct {
         Self { builder, value }
     }
 
-    /// The mean squared difference from what is `logged`, row by row, over samples; so many weights.
+    /// Mean squared difference from `logged`, row by row, over samples, for `parameters` weights.
     pub fn error(
         self,
         parameters: usize,
@@ -36,10 +36,10 @@ impl Direct {
         objective_of(move || Box::new(Errors::new(&self, logged)), parameters, samples)
     }
 
-    /// The function itself; u = 0 where it is empty.
+    /// The function itself; an empty u stands for 0.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where the weights are fewer than `parameters`.
+    /// [`ModelError::Shape`] if there are fewer weights than `parameters`.
     pub fn motion<'w>(
         &self,
         n: usize,
@@ -61,20 +61,20 @@ impl Direct {
         }))
     }
 
-    /// The derivatives in the weights of f, weighed by these vectors: a row each.
+    /// Derivatives of f in the weights, weighted by these vectors: one row each.
     fn pulled(builder: &mut Builder, value: Node, y: &[Node]) -> Program {
         let rows: Vec<_> = y.iter().map(|y| builder.pull_back(value, *y).weights).collect();
         Program::new(builder, &[], &rows)
     }
 
-    /// ∂(y·f)/∂θ; y is an input after the state and the control.
+    /// Gradient ∂(y·f)/∂θ; y is an input after the state and the control.
     fn gradient(&self) -> Program {
         let mut builder = self.builder.clone();
         let y = builder.input(builder.length(self.value));
         Self::pulled(&mut builder, self.value, &[y])
     }
 
-    /// The derivatives of every component of f.
+    /// Derivatives of every component of f.
     fn jacobian(&self) -> Program {
         let mut builder = self.builder.clone();
         let count = builder.length(self.value);
@@ -84,11 +84,11 @@ impl Direct {
     }
 }
 
-/// f − what is logged.
+/// The residual: f minus the logged value.
 struct Errors {
     logged: fn(&Block) -> Vec<Row>,
     components: usize,
-    /// f, its gradient along a direction, and its Jacobian.
+    /// Programs of f, of its gradient along a direction, and of its Jacobian.
     programs: [(Program, Workspace); 3],
 }
 

@@ -1,14 +1,14 @@
-//! What the networks of the baselines see of a state.
+//! Inputs of the baselines' networks, computed from a state.
 
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::network::Jet;
 use leastaction_core::scalar::Scalar;
 use leastaction_programs::{Builder, Function, Node};
 
-/// The inputs for a state x = (q, y), y velocities or momenta, with their tangents: translations as they are, of angles cosine
-/// and sine, coordinate by coordinate; then y. `coordinates` has a letter each, `a` for angles.
+/// Inputs for a state x = (q, y), with y velocities or momenta, and their tangents: translations unchanged and the cosine and sine of
+/// angles, coordinate by coordinate; then y. `coordinates` has one letter each, `a` for angles.
 ///
-/// ModLaNet's authors feed angles wrapped to \[0, 2π); cosine and sine have no seam, and are what the modular family sees.
+/// ModLaNet's authors use angles wrapped to \[0, 2π); cosine and sine have no seam, and are the inputs of the modular family too.
 pub(super) fn inputs<S: Scalar, const T: usize>(coordinates: &str, state: &[Jet<S, T>]) -> Vec<Jet<S, T>> {
     let mut inputs = Vec::with_capacity(count(coordinates));
     for (kind, q) in coordinates.chars().zip(state) {
@@ -23,7 +23,7 @@ pub(super) fn inputs<S: Scalar, const T: usize>(coordinates: &str, state: &[Jet<
     inputs
 }
 
-/// The adjoint of the state, and its tangents, from that of its inputs `x`.
+/// Adjoint of the state and its tangents, from those of its inputs `x`.
 pub(super) fn adjoint<S: Scalar, const T: usize>(
     coordinates: &str,
     x: &[Jet<S, T>],
@@ -45,7 +45,8 @@ pub(super) fn adjoint<S: Scalar, const T: usize>(
     state_bar
 }
 
-/// s(q), written down: translations as they are, of angles cosine and sine, coordinate by coordinate; nothing of cyclic ones.
+/// Features s(q), written down: translations unchanged and the cosine and sine of angles, coordinate by coordinate; cyclic coordinates are
+/// left out.
 pub(super) fn seen(builder: &mut Builder, coordinates: &[Coordinate], q: Node) -> Node {
     let n = coordinates.len();
     let angles: Vec<usize> = (0..n).filter(|i| coordinates[*i] == Coordinate::Angle).collect();
@@ -63,12 +64,12 @@ pub(super) fn seen(builder: &mut Builder, coordinates: &[Coordinate], q: Node) -
     builder.gather(sources, &places.collect::<Vec<_>>())
 }
 
-/// How many inputs there are.
+/// Number of inputs.
 pub(super) fn count(coordinates: &str) -> usize {
     2 * coordinates.len() + coordinates.matches('a').count()
 }
 
-/// Values that do not move.
+/// Values without a derivative.
 pub(super) fn fixed(values: &[f64]) -> Vec<Jet<f64, 0>> {
     values.iter().copied().map(Jet::constant).collect()
 }

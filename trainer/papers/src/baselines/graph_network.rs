@@ -1,4 +1,4 @@
-//! Graph networks with one round of messages, as LGNN's authors compare with them, written down for any graph.
+//! Graph networks with one round of messages, which LGNN's authors compare with, written down for any graph.
 
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
@@ -10,21 +10,22 @@ use std::iter::repeat_n;
 /// Sizes of a graph network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GraphSizes {
-    /// Components D of a position, 1 or more.
+    /// Number of components D of a position, 1 or more.
     pub dimension: usize,
-    /// Numbers that stand for a node, 1 or more.
+    /// Number of entries of a node's embedding, 1 or more.
     pub node: usize,
-    /// Numbers that stand for an edge, 1 or more.
+    /// Number of entries of an edge's embedding, 1 or more.
     pub edge: usize,
-    /// Units of each of two hidden layers, 1 or more.
+    /// Number of units of each of the two hidden layers, 1 or more.
     pub hidden: usize,
 }
 
 impl GraphSizes {
-    /// Those of LGNN's program.
+    /// Sizes of LGNN's program.
     pub const LGNN: Self = Self { dimension: 2, node: 8, edge: 8, hidden: 16 };
 
-    /// Inputs, hidden layers and outputs of the networks, in the order of the weight block; the last reads nodes out.
+    /// Numbers of inputs, hidden layers and outputs of the networks, in the order of the weight block; the last network reads the nodes
+    /// out.
     fn networks(self, outputs: usize) -> [[usize; 3]; 5] {
         let Self { dimension, node, edge, .. } = self;
         [
@@ -36,7 +37,7 @@ impl GraphSizes {
         ]
     }
 
-    /// Inputs and outputs of every layer, in the order of the weight block.
+    /// Numbers of inputs and outputs of every layer, in the order of the weight block.
     pub(super) fn layers(self, outputs: usize) -> impl Iterator<Item = (usize, usize)> {
         self.networks(outputs).into_iter().flat_map(move |[inputs, hidden, outputs]| {
             let mut sizes = vec![inputs];
@@ -47,14 +48,14 @@ impl GraphSizes {
     }
 }
 
-/// The networks, and a graph whose edges carry messages both ways.
+/// Networks, and a graph whose edges carry messages both ways.
 ///
-/// Nodes h_i = N_h(x_i, v_i, type_i) and edges e_ij = N_e(|x_i − x_j|) are embedded linearly; then e′_ij = N_m(e_ij, h_i, h_j) of
-/// both directions of an edge, and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji).
+/// Nodes h_i = N_h(x_i, v_i, type_i) and edges e_ij = N_e(|x_i − x_j|) are embedded linearly; then e′_ij = N_m(e_ij, h_i, h_j) for both
+/// directions of an edge, and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GraphNetwork {
     sizes: GraphSizes,
-    /// Type of every node.
+    /// Types of all nodes.
     types: Vec<u8>,
     ends: Vec<[usize; 2]>,
     embed_edge: Network,
@@ -65,10 +66,10 @@ pub(super) struct GraphNetwork {
 }
 
 impl GraphNetwork {
-    /// On the nodes of a graph with edges between these, read out to so many numbers.
+    /// Creates the network on the nodes of a graph with edges between them, read out to `outputs` numbers.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where an edge ends at no node.
+    /// [`ModelError::Shape`] if an edge ends at no node.
     pub fn new(
         (sizes, outputs): (GraphSizes, usize),
         graph: &NamedGraph,
@@ -99,12 +100,12 @@ impl GraphNetwork {
         self.sizes.dimension * self.nodes()
     }
 
-    /// Numbers in the weight block, whatever the graph.
+    /// Length of the weight block in numbers, the same for any graph.
     pub fn parameters(&self) -> usize {
         self.read_out.end()
     }
 
-    /// What stands for the nodes after the messages, node after node.
+    /// Embeddings of the nodes after the messages, node after node.
     pub fn messages(&self, builder: &mut Builder, q: Node, v: Node) -> Node {
         let GraphSizes { node, edge, .. } = self.sizes;
         let (h, e) = (self.embedded_nodes(builder, q, v), self.embedded_edges(builder, q));
@@ -118,17 +119,17 @@ impl GraphNetwork {
         self.updated(builder, h, sent)
     }
 
-    /// The last network's outputs for so many nodes, or whatever has as many numbers.
+    /// Outputs of the last network for `columns` nodes, or for other inputs of the same length.
     pub fn read_out(&self, builder: &mut Builder, columns: usize, x: Node) -> Node {
         self.read_out.outputs(builder, columns, x)
     }
 
-    /// The number of every edge, with its sender and receiver, in both directions.
+    /// Number of every edge, with its sender and receiver, in both directions.
     fn directions(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
         self.ends.iter().enumerate().flat_map(|(k, [a, b])| [(k, [*a, *b]), (k, [*b, *a])])
     }
 
-    /// h = N_h(x, v, type).
+    /// Embeddings h = N_h(x, v, type).
     fn embedded_nodes(&self, builder: &mut Builder, q: Node, v: Node) -> Node {
         let (n, d) = (self.coordinates(), self.sizes.dimension);
         let types: Vec<f64> = self.types.iter().copied().map(f64::from).collect();
@@ -140,7 +141,7 @@ impl GraphNetwork {
         self.embed_node.outputs(builder, self.nodes(), seen)
     }
 
-    /// e = N_e(|x_i − x_j|), the same in both directions.
+    /// Embeddings e = N_e(|x_i − x_j|), equal in both directions.
     fn embedded_edges(&self, builder: &mut Builder, q: Node) -> Node {
         let (d, count) = (self.sizes.dimension, self.ends.len());
         let [a, b] = [0, 1].map(|end| {
@@ -155,7 +156,7 @@ impl GraphNetwork {
         self.embed_edge.outputs(builder, count, distance)
     }
 
-    /// h′ = N_u(h, what a node has sent, what it has received).
+    /// Updated embeddings h′ = N_u(h, sum of the messages sent, sum of those received).
     fn updated(&self, builder: &mut Builder, h: Node, sent: Node) -> Node {
         let GraphSizes { node, edge, .. } = self.sizes;
         let nodes = self.nodes();
@@ -173,7 +174,7 @@ impl GraphNetwork {
     }
 }
 
-/// The places of an item's entries, so many each, from `start` on.
+/// Positions of an item's entries, `each` per item, from `start` on.
 fn entries(start: usize, item: usize, each: usize) -> impl Iterator<Item = usize> {
     start + item * each..start + (item + 1) * each
 }

@@ -1,4 +1,4 @@
-//! What all Lagrangians that are one number given by networks have in common, whatever the networks.
+//! Common parts of all Lagrangians that networks give as one number.
 
 use super::enough_weights;
 use leastaction_core::constraints::{Constraints, Holonomic, Positions};
@@ -13,8 +13,8 @@ use leastaction_programs::{Builder, Program, Row, System, WIDTH, Workspace};
 use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;
 
-/// The mean squared error of v̇ on rods; infinite where an acceleration does not exist. `definite`: whether L_vv must be positive
-/// along what the rods allow.
+/// Mean squared error of v̇ with rods; infinite if an acceleration does not exist. `definite`: whether A L_vv⁻¹Aᵀ must be positive
+/// definite.
 pub(super) fn acceleration_error(
     energies: &dyn Energies,
     (rods, definite): (Rods, bool),
@@ -26,7 +26,7 @@ pub(super) fn acceleration_error(
     objective_of(move || Box::new(Everywhere(loss())), parameters, samples)
 }
 
-/// A loss that does not exist where one sample cannot be computed.
+/// A loss that does not exist if one sample cannot be computed.
 struct Everywhere(AccelerationLoss);
 
 impl Loss for Everywhere {
@@ -49,10 +49,10 @@ impl Loss for Everywhere {
     }
 }
 
-/// Writes v̇(q, v) of particles on rods, however many: L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv.
+/// Returns v̇(q, v) of particles on any number of rods: L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv.
 ///
 /// # Errors
-/// [`ModelError::Shape`] where the weights are too few.
+/// [`ModelError::Shape`] if there are too few weights.
 pub(super) fn motion<'w, const D: usize>(
     energies: &dyn Energies,
     rods: Vec<Holonomic<f64, D>>,
@@ -69,7 +69,7 @@ pub(super) fn motion<'w, const D: usize>(
     }))
 }
 
-/// Inputs q, v, δq, δv; outputs L_q, and the derivative of L_v along (δq, δv).
+/// Program with inputs q, v, δq, δv; outputs L_q, and the derivative of L_v along (δq, δv).
 fn slopes(energies: &dyn Energies) -> Program {
     let mut builder = Builder::new();
     let [q, v, dq, dv] = [(); 4].map(|()| builder.input(energies.n()));
@@ -82,7 +82,7 @@ fn slopes(energies: &dyn Energies) -> Program {
     Program::new(&builder, &[l_q, along], &[])
 }
 
-/// L_vv, and L_q − L_vq v: what a program has side by side are directions here, first that of the motion, then the axes of v.
+/// Computes L_vv, and L_q − L_vq v: the lanes of the program are directions here, first that of the motion, then the axes of v.
 fn equation(
     (program, workspace): &mut (Program, Workspace),
     weights: &[f64],
@@ -109,7 +109,7 @@ fn equation(
     (mass, force)
 }
 
-/// v̇, with the multipliers as unknowns beside it.
+/// Acceleration v̇, solved together with the multipliers.
 fn on_rods<const D: usize>(
     rods: &[Holonomic<f64, D>],
     (mass, force): (DMatrix<f64>, DVector<f64>),

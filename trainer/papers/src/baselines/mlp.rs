@@ -11,32 +11,32 @@ use leastaction_models::random_layers;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Units of a hidden layer at most.
+/// Maximum number of units in a hidden layer.
 pub const MAX_WIDTH: usize = 256;
-/// Hidden layers, as ModLaNet's authors have in theirs.
+/// Number of hidden layers, that of ModLaNet's authors.
 const DEPTH: usize = 2;
 
-/// v̇ = αN(s(q), v/ν): two hidden layers of one width, tanh; s(q) are the translations and the cosine and sine of the angles,
+/// Acceleration v̇ = αN(s(q), v/ν): two hidden tanh layers of equal width; s(q) are the translations and the cosine and sine of the angles,
 /// coordinate by coordinate.
 ///
-/// ModLaNet's authors feed angles wrapped to \[0, 2π), and velocities and accelerations as they are (α = ν = 1). Cosine and
-/// sine have no seam, and are what the modular family sees; and with α and ν the network is as good as it can be made.
+/// ModLaNet's authors use angles wrapped to \[0, 2π), and unscaled velocities and accelerations (α = ν = 1). Cosine and sine have no seam,
+/// and are the inputs of the modular family; α and ν make the network as good as it can be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mlp {
     coordinates: String,
     width: usize,
-    /// ν, m/s or rad/s.
+    /// Velocity scale ν, m/s or rad/s.
     velocity: f64,
-    /// α, m/s² or rad/s².
+    /// Acceleration scale α, m/s² or rad/s².
     acceleration: f64,
 }
 
 impl Mlp {
-    /// The narrowest with at least so many weights, α = ν = 1; `coordinates` has a letter each, `a` for angles, any other for
-    /// translations.
+    /// Creates the narrowest network with at least the given number of weights, α = ν = 1; `coordinates` has one letter each, `a` for
+    /// angles, any other letter for translations.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where that is wider than [`MAX_WIDTH`].
+    /// [`ModelError::Shape`] if it is wider than [`MAX_WIDTH`].
     pub fn with_weights(coordinates: &str, weights: usize) -> Result<Self, ModelError> {
         let of_width =
             |width| Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
@@ -45,39 +45,39 @@ impl Mlp {
         enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
     }
 
-    /// With so many units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`].
+    /// Creates the network with `width` units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`].
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where that is more than [`MAX_WIDTH`].
+    /// [`ModelError::Shape`] if the width is more than [`MAX_WIDTH`].
     pub fn of_width(coordinates: &str, width: usize) -> Result<Self, ModelError> {
         let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
         let mlp = Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
         if width <= MAX_WIDTH { Ok(mlp) } else { Err(error) }
     }
 
-    /// The same with the root mean squares of these samples as ν and α.
+    /// Sets ν and α to the root mean squares of these samples.
     #[must_use]
     pub fn scaled_to(self, samples: &Samples) -> Self {
         let [_, velocity, acceleration] = samples.states.each_ref().map(|values| scale(values));
         Self { velocity, acceleration, ..self }
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> usize {
         parameters_of(&self.units())
     }
 
-    /// Coordinates.
+    /// Number of coordinates.
     fn n(&self) -> usize {
         self.coordinates.len()
     }
 
-    /// Inputs, units of the hidden layers, and outputs.
+    /// Numbers of inputs, of units of the hidden layers, and of outputs.
     fn units(&self) -> [usize; DEPTH + 2] {
         [count(&self.coordinates), self.width, self.width, self.n()]
     }
 
-    /// s(q) and v/ν of one sample.
+    /// Inputs s(q) and v/ν of one sample.
     fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<Jet<f64, 0>> {
         let state: Vec<_> = q.iter().copied().chain(v.iter().map(|v| v / self.velocity)).collect();
         inputs(&self.coordinates, &fixed(&state))
@@ -89,7 +89,7 @@ impl Mlp {
     }
 }
 
-/// The root mean square; 1 where it is 0.
+/// Root mean square; 1 if it is 0.
 pub(super) fn scale(values: &[f64]) -> f64 {
     let square = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
     if square > 0.0 { square.sqrt() } else { 1.0 }
@@ -123,12 +123,12 @@ impl AccelerationModel for Mlp {
     }
 }
 
-/// The error of v̇ over fixed inputs.
+/// Error of v̇ over fixed inputs.
 struct Errors {
     mlp: Mlp,
-    /// \[samples\]\[inputs\].
+    /// Inputs: \[samples\]\[inputs\].
     inputs: DMatrix<f64>,
-    /// v̇: \[samples\]\[coordinates\].
+    /// Targets v̇: \[samples\]\[coordinates\].
     targets: DMatrix<f64>,
 }
 

@@ -1,5 +1,4 @@
-//! What the papers compare with: models without the structure that is learned here, trained by the same optimisers on the
-//! same samples.
+//! Baselines of the papers: models without the structure that is learned here, trained by the same optimisers on the same samples.
 
 mod batch;
 mod cartesian_lnn;
@@ -38,35 +37,35 @@ pub trait AccelerationModel {
     /// Random weights.
     fn initial_weights(&self, seed: u64) -> Vec<f64>;
 
-    /// The mean squared error of v̇ over samples of (q, v, v̇): by this all models are measured.
+    /// Mean squared error of v̇ over samples of (q, v, v̇), by which all models are measured.
     ///
     /// # Errors
-    /// Where the shape or the samples do not fit.
+    /// An error if the shape or the samples do not fit.
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError>;
 
-    /// What the model is trained by over the same samples: the measure, unless its authors have another.
+    /// Objective of the training over the same samples: the measure, unless the model's authors use another.
     ///
     /// # Errors
-    /// As [`AccelerationModel::objective`].
+    /// See [`AccelerationModel::objective`].
     fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         self.objective(samples)
     }
 
-    /// The errors of long predictions from the starts of `truth`.
+    /// Errors of long predictions from the starts of `truth`.
     ///
     /// # Errors
-    /// Where the weights are not of the shape.
+    /// An error if the weights do not fit the shape.
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError>;
 }
 
-/// How predictions are followed.
+/// Settings for following predictions.
 #[derive(Clone, Copy)]
 pub struct Follow<'a> {
-    /// The exact motion, which gives the energies.
+    /// Exact motion, which gives the energies.
     pub motion: &'a dyn ExactMotion,
-    /// Error a step, relative to 1 + |x|.
+    /// Error per step, relative to 1 + |x|.
     pub tolerance: f64,
-    /// When to give up: what is not followed to the end by then counts as failed.
+    /// Time at which to give up: predictions not followed to the end by then count as failed.
     pub deadline: Option<Instant>,
 }
 
@@ -76,7 +75,7 @@ impl Follow<'_> {
         self.deadline.is_some_and(|deadline| Instant::now() > deadline)
     }
 
-    /// The errors of predictions by accelerations v̇(q, v).
+    /// Errors of predictions by accelerations v̇(q, v).
     fn compare(
         &self,
         truth: &Truth,
@@ -99,23 +98,23 @@ impl Follow<'_> {
     }
 }
 
-/// Inputs and outputs of every layer of a network of these units, inputs and outputs included.
+/// Numbers of inputs and outputs of every layer of a network with these units, inputs and outputs included.
 fn layers_of(units: &[usize]) -> impl Iterator<Item = (usize, usize)> {
     units.iter().copied().zip(units.iter().copied().skip(1))
 }
 
-/// Numbers in the weight block of such a network.
+/// Length of the weight block of such a network, in numbers.
 fn parameters_of(units: &[usize]) -> usize {
     layers_of(units).map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
 }
 
-/// Refuses samples of another number of coordinates.
+/// Refuses samples with another number of coordinates.
 fn coordinates_fit(samples: &Samples, n: usize) -> Result<(), ModelError> {
     let error = ModelError::Shape { what: "coordinates", found: samples.n, compiled: n };
     if samples.n == n { Ok(()) } else { Err(error) }
 }
 
-/// Refuses fewer weights than are needed.
+/// Refuses fewer weights than needed.
 fn enough_weights(weights: &[f64], needed: usize) -> Result<(), ModelError> {
     let error = ModelError::Shape { what: "weights", found: weights.len(), compiled: needed };
     if weights.len() < needed { Err(error) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! NODE: a plain network from the state and the control to the acceleration, learned through the steps that it is run with.
+//! NODE: a plain network from the state and the control to the acceleration, learned through the integration steps that it is used with.
 
 use super::direct::Direct;
 use super::features::seen;
@@ -15,28 +15,28 @@ use leastaction_programs::losses::Block;
 use leastaction_programs::steps::RungeKutta;
 use leastaction_programs::{Builder, Node};
 
-/// v̇ = αN(s(q), v/ν, u/μ) with tanh layers; s(q) are the translations and the cosine and sine of the angles, coordinate by
-/// coordinate, and u the control of the one coordinate that has it.
+/// Acceleration v̇ = αN(s(q), v/ν, u/μ) with tanh layers; s(q) are the translations and the cosine and sine of the angles, coordinate by
+/// coordinate, and u is the control of the only coordinate that has one.
 ///
-/// SyMo's authors feed velocities and the control as they are (α = ν = μ = 1) and cyclic coordinates too.
+/// SyMo's authors use unscaled velocities and controls (α = ν = μ = 1), and cyclic coordinates too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NeuralOde {
-    /// What each coordinate is.
+    /// Kinds of the coordinates.
     coordinates: Vec<Coordinate>,
-    /// Units of the hidden layers.
+    /// Numbers of units in the hidden layers.
     widths: Vec<usize>,
-    /// The coordinate that the control acts on.
+    /// Coordinate that the control acts on.
     actuated: usize,
-    /// α, m/s² or rad/s².
+    /// Acceleration scale α, m/s² or rad/s².
     acceleration: f64,
-    /// ν, m/s or rad/s.
+    /// Velocity scale ν, m/s or rad/s.
     velocity: f64,
-    /// μ, N or N m.
+    /// Control scale μ, N or N m.
     control: f64,
 }
 
 impl NeuralOde {
-    /// Hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control.
+    /// Creates the network with hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control.
     ///
     /// # Errors
     /// [`ModelError::Shape`] for fewer coordinates than `actuated` needs.
@@ -55,7 +55,7 @@ impl NeuralOde {
         })
     }
 
-    /// The same with root mean squares of these steps as ν and μ, and that of (v₊ − v)/h as α.
+    /// Sets ν and μ to the root mean squares of these steps, and α to that of (v₊ − v)/h.
     #[must_use]
     pub fn scaled_to(self, samples: &Samples) -> Self {
         let [_, v, _] = &samples.states;
@@ -69,12 +69,12 @@ impl NeuralOde {
         }
     }
 
-    /// Coordinates.
+    /// Number of coordinates.
     pub fn n(&self) -> usize {
         self.coordinates.len()
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> usize {
         parameters_of(&self.layers())
     }
@@ -84,10 +84,10 @@ impl NeuralOde {
         random_layers(layers_of(&self.layers()), seed)
     }
 
-    /// The mean squared error of position and velocity after a step, over [`Samples::next_states`].
+    /// Mean squared error of position and velocity after a step, over [`Samples::next_states`].
     ///
     /// # Errors
-    /// [`ModelError::Shape`] for samples of other coordinates.
+    /// [`ModelError::Shape`] for samples with other coordinates.
     pub fn objective(&self, samples: Samples, method: RungeKutta) -> Result<Box<dyn Objective>, ModelError> {
         coordinates_fit(&samples, self.n())?;
         let step = Direct::new(self.n(), |builder, state| self.step(builder, state, (method, samples.h)));
@@ -95,17 +95,17 @@ impl NeuralOde {
         Ok(step.error(self.parameters(), logged, samples))
     }
 
-    /// v̇(q, v, u) of these weights, m/s² or rad/s², u a force on every coordinate, of which one is felt, or none where it is
-    /// empty; as a function.
+    /// Returns v̇(q, v, u) for these weights, m/s² or rad/s², as a function; u is a force on every coordinate, only one of which counts; an
+    /// empty u stands for no force.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where the weights are too few.
+    /// [`ModelError::Shape`] if there are too few weights.
     pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Forced<'w>>, ModelError> {
         let write = |builder: &mut Builder, [q, v, u]: [Node; 3]| self.acceleration(builder, [q, v], u);
         Direct::new(self.n(), write).motion(self.n(), (weights, self.parameters()))
     }
 
-    /// v̇.
+    /// Acceleration v̇.
     fn acceleration(&self, builder: &mut Builder, [q, v]: [Node; 2], u: Node) -> Node {
         let v = builder.scaled(1.0 / self.velocity, v);
         let u = builder.part(u, self.actuated..self.actuated + 1);
@@ -116,7 +116,7 @@ impl NeuralOde {
         builder.scaled(self.acceleration, y)
     }
 
-    /// Position and velocity after a step of h, s, under a control that is held.
+    /// Position and velocity after a step of h, s, under a held control.
     fn step(&self, builder: &mut Builder, [q, v, u]: [Node; 3], (method, h): (RungeKutta, f64)) -> Node {
         let mut rates: Vec<[Node; 2]> = Vec::new();
         let moved = |builder: &mut Builder, shares: &[f64], rates: &[[Node; 2]]| {
@@ -135,7 +135,7 @@ impl NeuralOde {
         builder.joined(&end)
     }
 
-    /// Inputs, units of the hidden layers, outputs.
+    /// Numbers of inputs, of units of the hidden layers, and of outputs.
     fn layers(&self) -> Vec<usize> {
         let inputs = feature_count(&self.coordinates) + self.n() + 1;
         std::iter::once(inputs).chain(self.widths.iter().copied()).chain([self.n()]).collect()

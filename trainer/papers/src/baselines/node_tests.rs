@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
 const H: f64 = 0.1;
-/// No number of lanes divides it.
+/// Number of steps, not divisible by the number of lanes.
 const STEPS: usize = 11;
 
 fn node() -> NeuralOde {
@@ -16,7 +16,7 @@ fn node() -> NeuralOde {
     NeuralOde::new(&coordinates, &[5, 4], 1).unwrap().scaled_to(&samples())
 }
 
-/// Of a cyclic coordinate, a length and an angle.
+/// Samples of a cyclic coordinate, a length and an angle.
 fn samples() -> Samples {
     let mut stream = Pcg64::seed_from_u64(3);
     let mut numbers =
@@ -31,7 +31,7 @@ fn samples() -> Samples {
     }
 }
 
-/// The errors of all samples, by the accelerations of one sample.
+/// Errors of all samples, by the accelerations of one sample at a time.
 fn errors(node: &NeuralOde, weights: &[f64], samples: &Samples, method: RungeKutta) -> Vec<f64> {
     let row = |x: &[f64], k: usize| [x[3 * k], x[3 * k + 1], x[3 * k + 2]];
     let (mut errors, motion) = (Vec::new(), node.motion(weights).unwrap());

@@ -1,5 +1,5 @@
-//! What baselines are checked against: networks in plain loops with exact derivatives (num-dual), and the normal equations of
-//! any residuals by differences.
+//! Reference for the baselines: networks in plain loops with exact derivatives (num-dual), and the normal equations of any residuals by
+//! differences.
 
 use super::GraphSizes;
 use leastaction_core::network::Dense;
@@ -8,7 +8,7 @@ use num_dual::{DualNum, HyperHyperDual64};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// A number that moves along three directions.
+/// A number with derivatives along three directions.
 pub type Dual = HyperHyperDual64;
 
 pub fn moving(x: f64, [e1, e2, e3]: [f64; 3]) -> Dual {
@@ -21,7 +21,7 @@ pub fn random(count: usize, range: f64, seed: u64) -> Vec<f64> {
     (0..count).map(|_| stream.random_range(-range..range)).collect()
 }
 
-/// Cosine and sine of angles (`a`), other coordinates as they are, then the rest of the state.
+/// Cosine and sine of angles (`a`), other coordinates unchanged, then the rest of the state.
 pub fn features<D: DualNum + Copy>(coordinates: &str, state: &[D]) -> Vec<D> {
     let mut x = Vec::new();
     for (kind, q) in coordinates.chars().zip(state) {
@@ -34,7 +34,7 @@ pub fn features<D: DualNum + Copy>(coordinates: &str, state: &[D]) -> Vec<D> {
     x
 }
 
-/// Two hidden layers of one width and a linear output.
+/// A network with two hidden layers of equal width and a linear output.
 pub fn network<D: DualNum + Copy>(
     mut weights: &[D],
     x: Vec<D>,
@@ -46,7 +46,7 @@ pub fn network<D: DualNum + Copy>(
     y
 }
 
-/// A network with layers of these outputs from the front of the weights; the last is linear.
+/// Takes a network with layers of these outputs from the front of the weights; the last layer is linear.
 pub fn take<D: DualNum + Copy>(
     weights: &mut &[D],
     mut x: Vec<D>,
@@ -69,8 +69,8 @@ pub fn squareplus<D: DualNum<Primitive = f64> + Copy>(z: D) -> D {
     (z + (z * z + D::from(4.0)).sqrt()) * D::from(0.5)
 }
 
-/// What stands for the nodes of a graph network after the messages, as the equations have it, every network found anew in the
-/// block; the weights that are left read it out.
+/// Embeddings of the nodes of a graph network after the messages, by the printed equations, with every network found anew in the block; the
+/// remaining weights are those of the read-out.
 pub fn messages<D: DualNum<Primitive = f64> + Copy>(
     weights: &mut &[D],
     sizes: GraphSizes,
@@ -113,7 +113,7 @@ pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() < tolerance * (1.0 + expected.abs()), "{what}: {found} {expected}");
 }
 
-/// Loss, gradient and normal equations are those of these residuals and their central differences.
+/// Checks that loss, gradient and normal equations are those of these residuals and their central differences.
 pub fn check_normal_equations(
     objective: &dyn Objective,
     weights: &[f64],
@@ -130,7 +130,7 @@ pub fn check_normal_equations(
     };
     let columns: Vec<_> = (0..weights.len()).map(column).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    // Entries are sums of terms that cancel: an error counts against their size.
+    // Entries are sums of terms that cancel: an error is measured against the size of the terms.
     let size = |a: &[f64], b: &[f64]| (dot(a, a) * dot(b, b)).sqrt();
     let close = |what: String, found: f64, [a, b]: [&[f64]; 2]| {
         let expected = dot(a, b);

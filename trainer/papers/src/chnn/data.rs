@@ -9,19 +9,19 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use std::ops::Range;
 
-/// Masses, kg, and lengths of rods, m, are uniform in this range.
+/// Range of masses, kg, and of lengths of rods, m, which are uniformly distributed.
 pub const LENGTHS: Range<f64> = 0.6..1.4;
 /// Time between states, s.
 pub const STEP: f64 = 0.03;
-/// States of a training trajectory.
+/// Number of states of a training trajectory.
 const CHUNK: usize = 5;
-/// Such trajectories in the motion of 3 s from each start, of which one is taken.
+/// Number of such trajectories in the motion of 3 s from each start, one of which is taken.
 const CHUNKS: usize = 20;
 
-/// A chain of so many pendulums, g = 1; lengths are numbers of single precision, as a model file has them.
+/// Returns a chain of `count` pendulums, g = 1; lengths are numbers of single precision, as in a model file.
 ///
 /// # Errors
-/// Where there is none.
+/// An error for an invalid chain.
 pub fn chain(count: usize, seed: u64) -> Result<Truss, BadMechanism> {
     let mut stream = Pcg64::seed_from_u64(seed);
     let masses = (0..count).map(|_| stream.random_range(LENGTHS)).collect();
@@ -34,8 +34,8 @@ pub fn chain(count: usize, seed: u64) -> Result<Truss, BadMechanism> {
     Truss { masses, gravity: 1.0, rods, ..Truss::free(count) }.checked()
 }
 
-/// Normal angles and angular velocities, positions of them disturbed by 0.2 m, velocities halved and disturbed by 0.4 m/s, brought
-/// onto the rods.
+/// Starts with normally distributed angles and angular velocities; their positions are disturbed by 0.2 m, their velocities halved and
+/// disturbed by 0.4 m/s, and both are projected onto the rods.
 pub fn starts(truss: &Truss, count: usize, seed: u64) -> Vec<Start> {
     let mut stream = Pcg64::seed_from_u64(seed);
     (0..count).map(|_| start(truss, &mut stream)).collect()
@@ -58,16 +58,16 @@ fn start(truss: &Truss, stream: &mut Pcg64) -> Start {
     let [q, v] = state;
     let n = q.len();
     let mut state = [q, v].concat();
-    // Rods of a chain contradict each other nowhere near here.
+    // The rods of a chain are far from contradicting each other here.
     let _on_rods: Option<()> = truss.project(&mut state);
     let v = state.split_off(n);
     Start { q: state, v }
 }
 
-/// Of the motion from each start five consecutive states, from one of twenty places.
+/// Data of five consecutive states from the motion of each start, beginning at one of twenty places.
 ///
 /// # Errors
-/// Where the motion cannot be followed.
+/// An error if the motion cannot be followed.
 pub fn training_set(truss: &Truss, trajectories: usize, seed: u64) -> Result<Dataset, IntegrationError> {
     let horizon = Horizon { h: STEP, samples: CHUNK * CHUNKS };
     let mut data = logged(truss, &starts(truss, trajectories, seed), horizon, 0.0, seed)?;

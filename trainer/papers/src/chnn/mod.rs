@@ -22,16 +22,16 @@ use leastaction_models::particles::Driven;
 use serde::Serialize;
 use std::time::Instant;
 
-/// How a chain is learned and judged.
+/// Settings for learning and judging a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Options {
-    /// Of the chain, the data and the weights.
+    /// Seed of the chain, the data and the weights.
     pub seed: u64,
-    /// Iterations of Levenberg–Marquardt at most.
+    /// Maximum number of Levenberg–Marquardt iterations.
     pub iterations: usize,
-    /// Training trajectories; the authors' 800.
+    /// Number of training trajectories; the authors use 800.
     pub trajectories: usize,
-    /// Starts of the rollouts; the authors' 100.
+    /// Number of starts of the rollouts; the authors use 100.
     pub starts: usize,
 }
 
@@ -41,53 +41,53 @@ impl Options {
         Self { seed, iterations: 200, trajectories: 800, starts: 100 }
     }
 
-    /// For a first look.
+    /// Smaller numbers for a first look.
     pub fn quick(seed: u64) -> Self {
         Self { iterations: 60, starts: 20, ..Self::new(seed) }
     }
 }
 
-/// What a chain gives.
+/// Results for a chain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Pendulums.
+    /// Number of pendulums.
     pub count: usize,
-    /// Training trajectories.
+    /// Number of training trajectories.
     pub trajectories: usize,
-    /// Numbers in the weight block that are learned.
+    /// Number of learned entries of the weight block.
     pub parameters: usize,
-    /// Mean squared error of the accelerations of the training data's interpolation, on samples held back.
+    /// Mean squared error of the accelerations interpolated from the training data, on held-back samples.
     pub validation_mse: f64,
-    /// Largest relative error of a learned mass; the first is known.
+    /// Largest relative error of a learned mass; the first mass is known.
     pub mass_error: f64,
     /// Geometric mean over starts and times of the rollout error of (q, v).
     pub rollout_error: f64,
-    /// The same at the end.
+    /// Geometric mean of the rollout error at the end.
     pub last_rollout_error: f64,
     /// Geometric mean of the energy violation.
     pub energy_violation: f64,
-    /// That of exact motion from starts that are off by 1e-8 m.
+    /// Rollout error of exact motion from starts that are off by 1e-8 m.
     pub floor_rollout_error: f64,
-    /// The same of the energy violation.
+    /// Energy violation of exact motion from starts that are off by 1e-8 m.
     pub floor_energy_violation: f64,
-    /// Rollouts that could not be followed to the end.
+    /// Number of rollouts that could not be followed to the end.
     pub failed: usize,
     /// Training time, s.
     pub train_seconds: f64,
-    /// Of the chain, the data and the weights.
+    /// Seed of the chain, the data and the weights.
     pub seed: u64,
 }
 
 /// Numbers of pendulums.
 pub const COUNTS: [usize; 3] = [2, 3, 5];
-/// Error a step of rollouts, relative to 1 + |x|.
+/// Error per step of rollouts, relative to 1 + |x|.
 const TOLERANCE: f64 = 1e-11;
-/// Steps of a rollout.
+/// Number of steps of a rollout.
 const ROLLOUT: usize = 100;
-/// Makes the stream of rollout starts another than that of the data.
+/// Mask that makes the random stream of rollout starts differ from that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 
-/// Learns a chain of so many pendulums, and rolls it out.
+/// Learns a chain of `count` pendulums, and rolls it out.
 ///
 /// # Errors
 /// [`ReproduceError`].
@@ -132,7 +132,7 @@ pub fn run(count: usize, options: &Options, tell: &(dyn Fn(&str) + Sync)) -> Res
     })
 }
 
-/// Accelerations show masses but for a common factor, which the first, of 1, fixes.
+/// Largest relative error of a learned mass. Accelerations show masses up to a common factor, which the first mass of 1 fixes.
 fn mass_error(learned: &impl Particles<f64, 2>, truss: &Truss) -> f64 {
     let first = truss.masses.first().copied().unwrap_or(1.0);
     let error = |(node, mass): (usize, &f64)| {

@@ -1,4 +1,4 @@
-//! What is learned.
+//! The models to be learned.
 
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{Drag, GraphShape, Kinetic, NodeShape, Potential};
@@ -7,14 +7,14 @@ use leastaction_core::network::Activation;
 use leastaction_ground_truth::Truss;
 use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 
-/// Hidden units of every bob's potential, beside a uniform field.
+/// Numbers of hidden units of every bob's potential, beside a uniform field.
 const POTENTIAL: [u16; 4] = [8, 0, 0, 0];
 
-/// A chain whose bobs are of a type each, with a mass, a uniform field and a network of the place: all learned but the first mass,
-/// which fixes the scale of L. The rods are known, as the authors' are.
+/// Returns a chain with a separate type for each bob, with a mass, a uniform field and a network of the position: all learned but the first
+/// mass, which fixes the scale of L. The rods are known, as in the authors' models.
 ///
 /// # Errors
-/// For more pendulums than there can be types.
+/// An error for more pendulums than there can be types.
 pub fn architecture(truss: &Truss) -> Result<GraphArchitecture, ModelError> {
     let count = truss.masses.len();
     let network =

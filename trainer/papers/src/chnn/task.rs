@@ -1,4 +1,4 @@
-//! The chains as tasks, their rows as records.
+//! Chains as tasks, and their results as records.
 
 use super::super::record::{Measure, Record};
 use super::super::task::{Task, TaskError, with_seeds};
@@ -9,12 +9,12 @@ use std::path::Path;
 struct Experiment {
     count: usize,
     options: Options,
-    /// The options beside chain and seed, as on the command line.
+    /// Command-line options other than chain and seed.
     arguments: String,
 }
 
-/// The tasks of chains of these numbers of pendulums, each with as many seeds from that of the options on; `arguments` are the
-/// options beside those two, as on the command line.
+/// Creates the tasks of chains with these numbers of pendulums, each with `seeds` seeds from that of the options on; `arguments` are the
+/// remaining options of the command line.
 pub fn tasks(counts: &[usize], options: &Options, seeds: usize, arguments: &str) -> Vec<Box<dyn Task>> {
     let one = |count: &usize, seed: u64| Experiment {
         count: *count,
@@ -55,7 +55,7 @@ impl Task for Experiment {
     }
 }
 
-/// Geometric means of the relative rollout error: CLNN and DeLaN by the number of pendulums, from 800 trajectories.
+/// Published geometric means of the relative rollout error from 800 trajectories, of CLNN and DeLaN, by the number of pendulums.
 fn published(count: usize, trajectories: usize) -> Option<[f64; 2]> {
     match (count, trajectories) {
         (2, 800) => Some([1.14e-4, 1.25e-3]),

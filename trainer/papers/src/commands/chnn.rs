@@ -8,22 +8,22 @@ use leastaction_papers::chnn::{COUNTS, Options, tasks};
 
 /// CHNN and CLNN (Finzi et al., NeurIPS 2020): chains of pendulums from short trajectories of positions and velocities.
 ///
-/// 800 trajectories of 5 states, 100 test starts; prints the geometric mean of the relative rollout error beside the paper's. With
-/// -o also as a page.
+/// 800 trajectories of 5 states, 100 test starts; prints the geometric mean of the relative rollout error beside the paper's. With -o also
+/// writes a page.
 ///
 /// Example: leastaction-papers chnn --pendulums 5 --json
 #[derive(Args)]
 pub struct Chnn {
-    /// Only the chain of so many: 2, 3 or 5 in the paper.
+    /// Only the chain with this number of pendulums: 2, 3 or 5 in the paper.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=5))]
     pendulums: Option<u8>,
-    /// Iterations of Levenberg-Marquardt at most: 200, or 60 with --quick.
+    /// Maximum number of Levenberg-Marquardt iterations: 200, or 60 with --quick.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: Option<u32>,
-    /// Training trajectories.
+    /// Number of training trajectories.
     #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u32).range(10..))]
     trajectories: u32,
-    /// Starts of the rollouts: 100, or 20 with --quick.
+    /// Number of starts of the rollouts: 100, or 20 with --quick.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     starts: Option<u32>,
     #[command(flatten)]
@@ -47,7 +47,7 @@ impl Chnn {
         self.selection.run(&CHNN, tasks, output)
     }
 
-    /// The options beside chain and seed.
+    /// Command-line options other than chain and seed.
     fn arguments(&self) -> String {
         [
             given("iterations", self.iterations),

@@ -9,24 +9,24 @@ use leastaction_papers::task::Task;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Machines of hardware: a double pendulum, a pendulum and an arm, learned from some of their logs and predicted along the others.
+/// Real machines: a double pendulum, a pendulum and an arm, learned from some of their logs and predicted along the others.
 ///
-/// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a tested
-/// log, of ours and of what it is compared with. The logs are not part of this program: DIR has a folder of .csv files for
-/// each machine, double-pendulum, pendulum and panda. Of the arm, whose log is panda/excitation.csv, the error is that of the torques along
-/// motion that was not learned from. With -o also as a page.
+/// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a
+/// tested log, for our models and for those that they are compared with. The logs are not part of this program: DIR has a folder of .csv
+/// files for each machine, double-pendulum, pendulum and panda. For the arm, whose log is panda/excitation.csv, the error is that of the
+/// torques along motion that was not learned from. With -o also writes a page.
 ///
 /// Example: leastaction-papers hardware --data DIR --machine double-pendulum --test 1,3,5 --json
 #[derive(Args)]
 pub struct Hardware {
-    /// Where the machines' logs are; of a machine any number, in the layout of the published ones.
+    /// Folder with the machines' logs, any number for each machine, in the layout of the published ones.
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// Only this machine; by default all that DIR has a folder of.
+    /// Only this machine; by default all machines that have a folder in DIR.
     #[arg(long)]
     machine: Option<Machine>,
-    /// Test these logs, counted from 0 in order of name, and learn from all others. By default of the double pendulum the last three of
-    /// ten and then 1, 3 and 5, of the pendulum every log in turn.
+    /// Test these logs, counted from 0 in order of name, and learn from all others. By default, for the double pendulum the last three of
+    /// ten and then 1, 3 and 5; for the pendulum every log in turn.
     #[arg(long, value_name = "LOG,…", value_delimiter = ',', requires = "machine")]
     test: Vec<usize>,
     /// Identified parameters of the double pendulum, lines of `name: number`; by default model_parameters.yml beside its logs.
@@ -85,14 +85,14 @@ impl Hardware {
         Ok(tasks(&data, &splits, &seeds, (self.selection.quick, &self.arguments())))
     }
 
-    /// The options beside machine, tested logs and seed.
+    /// Command-line options other than machine, tested logs and seed.
     fn arguments(&self) -> String {
         let baseline = given("baseline", self.baseline.as_ref().map(|file| file.display()));
         given("data", Some(self.data.display())) + &baseline + &self.selection.arguments()
     }
 }
 
-/// Logs or a baseline that cannot be used: the input is at fault.
+/// Converts unusable logs or an unusable baseline to a failure: the input is at fault.
 fn unreadable(error: HardwareError) -> Failure {
     Failure::Input(error.to_string())
 }

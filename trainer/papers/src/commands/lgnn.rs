@@ -7,13 +7,13 @@ use leastaction::cli::{Done, Output};
 use leastaction_papers::LGNN;
 use leastaction_papers::lgnn::{Case, Options, tasks};
 
-/// LGNN (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs from accelerations, run on other numbers of them.
+/// LGNN (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs from accelerations, transferred to other numbers of them.
 ///
-/// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the
-/// rollout error and of the energy violation. Data and truth are exact motion. With -o also as a page with pictures.
+/// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the rollout
+/// error and of the energy violation. Data and truth are exact motion. With -o also writes a page with pictures.
 ///
-/// The models that the paper compares with (GNS, LGN, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
-/// time, or diverged, says so.
+/// The models that the paper compares with (GNS, LGN, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row is marked if
+/// its training ran out of time or diverged.
 ///
 /// Example: leastaction-papers lgnn --case pendulum --json
 #[derive(Args)]
@@ -21,14 +21,14 @@ pub struct Lgnn {
     /// Only this experiment.
     #[arg(long)]
     case: Option<Case>,
-    /// Iterations of Levenberg-Marquardt at most: 200, or 60 with --quick.
+    /// Maximum number of Levenberg-Marquardt iterations: 200, or 60 with --quick.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: Option<u32>,
-    /// Starts of the rollouts: 100, or 10 with --quick; of large systems fewer are taken.
+    /// Number of starts of the rollouts: 100, or 10 with --quick; fewer for large systems.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     starts: Option<u32>,
-    /// No simple law (uniform field, polynomial of the squared distance, viscous drag) beside the networks; without --case some are
-    /// learned both ways.
+    /// Learn networks without a simple law (uniform field, polynomial of the squared distance, viscous drag) beside them; without --case,
+    /// some cases are learned both ways.
     #[arg(long)]
     networks_alone: bool,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub struct Lgnn {
     selection: Selection,
 }
 
-/// What is also learned by networks without laws, if no case is named.
+/// Cases that are also learned by networks without laws, if no case is named.
 const WITHOUT_LAWS: [Case; 4] = [Case::Pendulum, Case::Spring, Case::Hybrid, Case::HybridForce];
 
 impl Lgnn {
@@ -65,7 +65,7 @@ impl Lgnn {
         self.selection.run(&LGNN, all, output)
     }
 
-    /// The options beside case and seed.
+    /// Command-line options other than case and seed.
     fn arguments(&self) -> String {
         [
             given("iterations", self.iterations),

@@ -7,15 +7,15 @@ use leastaction_papers::PAPERS;
 use leastaction_papers::folder::Results;
 use std::path::PathBuf;
 
-/// Join what several runs gave: shares of one paper from many machines, or papers.
+/// Join the results of several runs: shares of one paper from many machines, or several papers.
 ///
 /// Example: leastaction-papers merge share-1 share-2 share-3 -o all
 #[derive(Args)]
 pub struct Merge {
-    /// The folders that were given to -o.
+    /// Folders that were given to -o.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Where all goes: the pages, the same as CSV and JSON, and what every task gave.
+    /// Folder for everything: the pages, the same as CSV and JSON, and the results of every task.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! The command line: one file and one variant of [`Command`] a paper.
+//! The command line: one file and one variant of [`Command`] per paper.
 
 mod chnn;
 mod compared;
@@ -13,7 +13,7 @@ use clap::{Parser, Subcommand};
 use leastaction::cli::Output;
 use std::process::ExitCode;
 
-/// Repeat the experiments of the papers that leastaction builds on, ours beside theirs.
+/// Repeat the experiments of the papers that leastaction builds on, our models beside theirs.
 ///
 /// Results go to stdout, messages to stderr. Exit codes: 0 success; 1 the work failed; 2 wrong usage or unreadable input.
 #[derive(Parser)]
@@ -36,7 +36,7 @@ enum Command {
     Merge(merge::Merge),
 }
 
-/// Reads the command line and does what it says.
+/// Reads the command line and runs its command.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let output = Output { json: cli.json };

@@ -13,14 +13,13 @@ use std::path::PathBuf;
 
 /// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 ///
-/// Runs every case that the options leave open and prints its errors beside the paper's. Predictions are judged in the
-/// paper's measures, which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged
-/// over 100 starts. Pendulums are chaotic: what exact physics in single precision reaches stands beside. With -o also as a page
-/// with pictures.
+/// Runs every case that the options leave open and prints its errors beside the paper's. Predictions are judged by the paper's measures,
+/// which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged over 100 starts. Pendulums are
+/// chaotic: the errors of exact physics in single precision are printed beside. With -o also writes a page with pictures.
 ///
-/// The models that the paper compares with (HNN, LNN and MLP, and light ones of about ModLaNet's size) are trained by their
-/// authors' recipes: Adam with 10,000 epochs of pendulums, 3,000 of bodies, which would take hours for some. A row that ran out of
-/// time, or diverged, says so.
+/// The models that the paper compares with (HNN, LNN and MLP, and light ones of about ModLaNet's size) are trained by their authors'
+/// recipes: Adam with 10,000 epochs for pendulums, 3,000 for bodies, which would take hours for some. A row is marked if its training ran
+/// out of time or diverged.
 ///
 /// Example: leastaction-papers modlanet --case double-pendulum --json
 #[derive(Args)]
@@ -32,16 +31,16 @@ pub struct Modlanet {
     /// three bodies; needs --case.
     #[arg(long, value_name = "FILE", requires = "case")]
     data: Option<PathBuf>,
-    /// What the bodies' pair potential sees of two positions.
+    /// Input of the bodies' pair potential, from two positions.
     #[arg(long, default_value = "inverse-distance")]
     pair: Pair,
-    /// Iterations of Levenberg-Marquardt at most; by default as many as the case needs, or 60 with --quick.
+    /// Maximum number of Levenberg-Marquardt iterations; by default as many as the case needs, or 60 with --quick.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: Option<u32>,
-    /// The most samples of dataset-size: 1,000,000, or 40,000 with --quick.
+    /// Largest number of samples in dataset-size: 1,000,000, or 40,000 with --quick.
     #[arg(long, value_parser = clap::value_parser!(u32).range(10_000..))]
     samples: Option<u32>,
-    /// Starts of the predictions: 100, or 10 with --quick; 0 makes none.
+    /// Number of starts of the predictions: 100, or 10 with --quick; 0 for none.
     #[arg(long)]
     starts: Option<u32>,
     #[command(flatten)]
@@ -52,13 +51,13 @@ pub struct Modlanet {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Pair {
-    /// One over the distance of the two: 1/|a - b|.
+    /// Reciprocal of the distance: 1/|a - b|.
     InverseDistance,
-    /// The distance of the two: |a - b|.
+    /// Distance: |a - b|.
     Distance,
-    /// The difference: a - b.
+    /// Difference: a - b.
     Difference,
-    /// Both positions (the authors').
+    /// Both positions (the authors' choice).
     Concat,
 }
 
@@ -74,7 +73,7 @@ impl Modlanet {
         self.selection.run(&MODLANET, tasks, output)
     }
 
-    /// The data of the file, if there is one and it is of the case's system.
+    /// Data of the file, if one is given and belongs to the case's system.
     fn data_set(&self) -> Result<Option<ModlanetData>, Failure> {
         let (Some(file), Some(case)) = (&self.data, self.case) else { return Ok(None) };
         let refused = |reason: &str| Failure::Input(format!("{}: {reason}", file.display()));
@@ -105,7 +104,7 @@ impl Modlanet {
         }
     }
 
-    /// With --quick the light ones.
+    /// Models to compare with; only the light ones with --quick.
     fn baselines(&self) -> &'static [Baseline] {
         match (self.compared.are_wanted(self.case.is_none()), self.selection.quick) {
             (false, _) => &[],
@@ -114,7 +113,7 @@ impl Modlanet {
         }
     }
 
-    /// The options beside case and seed.
+    /// Command-line options other than case and seed.
     fn arguments(&self) -> String {
         let pair = self.pair.to_possible_value().filter(|_| self.pair != Pair::InverseDistance);
         [

@@ -1,4 +1,4 @@
-//! Which of a paper's tasks, where they go, and what is printed of them.
+//! Choice of a paper's tasks, the place for their results, and the printed output.
 
 use clap::Args;
 use leastaction::cli::arguments::seed;
@@ -12,51 +12,51 @@ use serde_json::{Map, Value};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// What every paper's command takes.
+/// Options of every paper's command.
 #[derive(Args)]
 pub struct Selection {
-    /// Only tasks with this in their name; more than once: with one of these. --list prints the names.
+    /// Only tasks with this text in their names; given several times, with any of the texts. --list prints the names.
     #[arg(long, value_name = "TEXT")]
     only: Vec<String>,
-    /// Print the names of the tasks and do none.
+    /// Print the names of the tasks and run none.
     #[arg(long)]
     list: bool,
-    /// Of the initial weights and, where it is generated, of the data.
+    /// Seed of the initial weights and, if the data is generated, of the data.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Do every task with so many seeds from --seed on: medians are printed, with the least and the largest.
+    /// Run every task with N seeds, from --seed on: medians are printed, with the smallest and the largest value.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub seeds: u32,
     /// Fewer rows, iterations and starts, for a first look.
     #[arg(long)]
     pub quick: bool,
-    /// Tasks side by side; those that measure times come last, alone.
+    /// Number of tasks run side by side; those that measure times come last, alone.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_JOBS))]
     jobs: u32,
-    /// Only every Nth task from the Ith on, for many machines; `leastaction-papers merge` joins what they give.
+    /// Only every Nth task from the Ith on, for many machines; `leastaction-papers merge` joins their results.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
-    /// Writes a page with all tables and pictures there, the same as CSV and JSON, and what every task gave: a run that was
-    /// interrupted goes on where it stopped.
+    /// Folder for a page with all tables and pictures, the same as CSV and JSON, and the results of every task: an interrupted run
+    /// continues where it stopped.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
 
-/// A thread each.
+/// Largest number of tasks side by side; each takes a thread.
 const MOST_JOBS: i64 = 1024;
 
 impl Selection {
-    /// Of these options the one that changes results, as on the command line.
+    /// The only one of these options that changes results, as on the command line.
     pub fn arguments(&self) -> String {
         if self.quick { " --quick".to_owned() } else { String::new() }
     }
 
-    /// The seeds.
+    /// Seeds of the tasks.
     pub fn seeds(&self) -> impl Iterator<Item = u64> {
         (self.seed..).take(self.seeds as usize)
     }
 
-    /// Does the chosen ones of these tasks, writes and prints.
+    /// Runs the chosen tasks, writes and prints.
     pub fn run(&self, paper: &Paper, tasks: Vec<Box<dyn Task>>, output: Output) -> Done {
         let chosen = self.chosen(&tasks)?;
         if self.list {
@@ -86,7 +86,7 @@ impl Selection {
     }
 }
 
-/// Writes the page of all results there that belong together, not only of those that were chosen now.
+/// Writes the page of all results there that belong together, not only of those chosen now.
 fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Box<dyn Task>], output: Output) -> Done {
     let (page, others) = results.page(tasks).map_err(unusable)?;
     for file in paper.write(path, results, &page).map_err(unwritten)? {
@@ -99,18 +99,18 @@ fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Box<dyn Task>],
     Ok(())
 }
 
-/// An option with its value as on the command line, after a space; nothing where it was not given.
+/// An option with its value as on the command line, after a space; empty if it was not given.
 pub fn given(name: &str, value: Option<impl Display>) -> String {
     value.map_or(String::new(), |value| format!(" --{name} {value}"))
 }
 
-/// The folder of a paper's results.
+/// Opens the folder of a paper's results.
 pub fn open(path: &Path, paper: &Paper) -> Result<Results, Failure> {
     folder(path)?;
     Results::open(path, paper.name).map_err(unusable)
 }
 
-/// The tables, or all numbers as one object: that of the only row, or the rows and what sums them up.
+/// Prints the tables, or all numbers as one object: that of the only row, or the rows and their summaries.
 pub fn report(finished: &[Finished], output: Output) -> Done {
     if !output.json {
         return print(&table::text(finished));
@@ -136,7 +136,7 @@ pub fn report(finished: &[Finished], output: Output) -> Done {
     object(&all)
 }
 
-/// Tasks that failed make the command fail, when all others are done.
+/// Makes the command fail after all tasks if some of them failed.
 fn failure(finished: &[Finished]) -> Done {
     let failed: Vec<String> = finished
         .iter()
@@ -145,7 +145,7 @@ fn failure(finished: &[Finished]) -> Done {
     if failed.is_empty() { Ok(()) } else { Err(Failure::Work(failed.join("\n"))) }
 }
 
-/// Results that cannot be read or written.
+/// Converts an error of results that cannot be read or written.
 pub fn unusable(error: FolderError) -> Failure {
     let message = error.to_string();
     match error {
@@ -154,7 +154,7 @@ pub fn unusable(error: FolderError) -> Failure {
     }
 }
 
-/// A page that cannot be written.
+/// Converts an error of a page that cannot be written.
 pub fn unwritten(error: PageError) -> Failure {
     match error {
         PageError::Results(error) => unusable(error),

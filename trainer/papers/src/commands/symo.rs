@@ -13,9 +13,9 @@ use std::path::PathBuf;
 
 /// SyMo (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot from positions and controls.
 ///
-/// Learns every case that the options leave open (all: three systems, SyMo's two models of orders 2 and 4 and four baselines,
-/// 8 to 128 trajectories)
-/// and prints its errors beside the published program's on equal terms. With -o also as a page with pictures.
+/// Learns every case that the options leave open (all: three systems, SyMo's two models of orders 2 and 4 and four baselines, 8 to 128
+/// trajectories) and prints its errors beside those of the published program under equal conditions. With -o also writes a page with
+/// pictures.
 ///
 /// Example: leastaction-papers symo --system cartpole --model e2e-symo --order 4 --trajectories 32 --json
 #[derive(Args)]
@@ -29,11 +29,11 @@ pub struct Symo {
     /// Only this order, 2 or 4.
     #[arg(long, value_parser = order)]
     order: Option<u8>,
-    /// Only this many training trajectories.
+    /// Only this number of training trajectories.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=TRAJECTORIES))]
     trajectories: Option<u32>,
-    /// Standard deviation of the noise on the training and the test set. Without any choice, the pendulum from 32 trajectories is
-    /// also learned with 0.01, 0.05 and 0.1.
+    /// Standard deviation of the noise on the training and the test set. If nothing is chosen, the pendulum from 32 trajectories is also
+    /// learned with 0.01, 0.05 and 0.1.
     #[arg(long, value_name = "SIGMA", value_parser = positive, conflicts_with = "data")]
     noise: Option<f64>,
     /// A data set in the layout of the SyMo authors (train_x, test_x, int_x, …) instead of a generated one; needs --system.
@@ -63,9 +63,9 @@ impl From<System> for Mechanism {
     }
 }
 
-/// Trajectories of a training set.
+/// Number of trajectories of a training set.
 const TRAJECTORIES: i64 = 128;
-/// Iterations at most for a first look.
+/// Maximum number of iterations for a first look.
 const QUICK: usize = 30;
 
 impl Symo {
@@ -117,7 +117,7 @@ impl Symo {
         Ok(tasks(&cases, &data, &self.arguments()))
     }
 
-    /// Those that are chosen, or none and the authors' of their study of the pendulum.
+    /// Noise levels: the chosen one, or none and those of the authors' study of the pendulum.
     fn noises(&self, mechanism: Mechanism) -> Vec<f64> {
         let is_chosen = self.model.is_some() || self.order.is_some() || self.trajectories.is_some();
         match self.noise {
@@ -154,7 +154,7 @@ impl Symo {
         cases
     }
 
-    /// The options beside those that name a case.
+    /// Command-line options other than those that name a case.
     fn arguments(&self) -> String {
         given("data", self.data.as_ref().map(|file| file.display())) + &self.selection.arguments()
     }

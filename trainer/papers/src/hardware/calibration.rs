@@ -1,4 +1,4 @@
-//! Zero offsets of the encoders from the first seconds of a log, for any model.
+//! Zero offsets of the encoders, from the first seconds of a log, for any model.
 
 use super::log::Log;
 use super::machine::Machine;
@@ -10,23 +10,23 @@ use leastaction_learning::evaluate::median;
 use leastaction_learning::training::{ChunkRows, Failed, Levenberg, Residuals};
 use std::ops::Range;
 
-/// Steps of the windows that offsets are fitted to: 0.5 s.
+/// Number of steps of the windows that offsets are fitted to: 0.5 s.
 const STEPS: usize = 50;
-/// Iterations of Gauss–Newton at most, before and after the scale of the residuals is known.
+/// Maximum number of Gauss–Newton iterations, before and after the scale of the residuals is known.
 const ITERATIONS: [usize; 2] = [8, 12];
-/// How far from 0 an offset may be expected, rad.
+/// Expected size of an offset, rad.
 const OFFSET: f64 = 0.05;
-/// How far from that of the quadratic a start may be: position, rad, and velocity, rad/s.
+/// Expected difference of a start from that of the quadratic: position, rad, and velocity, rad/s.
 const START: [f64; 2] = [0.05, 1.0];
-/// Below this residuals are the encoder's, rad.
+/// Smallest scale of the residuals, rad; anything below is the encoder's resolution.
 const FINEST: f64 = 2e-4;
-/// Of a start that is moved for a derivative, in units of [`START`].
+/// Change of a start for a derivative, in units of [`START`].
 const MOVE: f64 = 1e-5;
 
-/// The offsets z, rad, of a log's encoders, q̃ = q + z, from its first 2 s alone.
+/// Returns the offsets z, rad, of a log's encoders, q̃ = q + z, from its first 2 s alone.
 ///
-/// z and the start states of all windows of 0.5 s there minimise the pseudo-Huber sum of q̂ + z − q̃ under a weak prior on each:
-/// a start state is physical, and z only adds to what is predicted from it. Where nothing moves, z is 0.
+/// z and the start states of all windows of 0.5 s in this time minimise the pseudo-Huber sum of q̂ + z − q̃ under a weak prior on each: a
+/// start state is physical, and z only adds to the prediction from it. Without motion, z is 0.
 pub fn zero_offsets(machine: Machine, predictor: &dyn Predictor, log: &Log) -> Vec<f64> {
     let mut windows = windows(machine, log, STEPS);
     let last =
@@ -50,29 +50,29 @@ pub fn zero_offsets(machine: Machine, predictor: &dyn Predictor, log: &Log) -> V
     unknown[..n].iter().map(|z| OFFSET * z).collect()
 }
 
-/// The offsets, in units of [`OFFSET`], and then of every window how far its start is from that of the quadratic, in units of
-/// [`START`], as the weights of an objective.
+/// Unknowns as the weights of an objective: the offsets, in units of [`OFFSET`], and then for every window the difference of its start from
+/// that of the quadratic, in units of [`START`].
 struct Offsets<'p> {
     predictor: &'p dyn Predictor,
     log: &'p Log,
     torques: Rows,
     predictions: Vec<Prediction>,
-    /// Of the residuals, rad: beyond it they count linearly.
+    /// Scale of the residuals, rad: beyond it they count linearly.
     scale: f64,
 }
 
 impl Offsets<'_> {
-    /// Unknowns of the start of a window.
+    /// Number of unknowns of the start of a window.
     fn of_start(&self) -> usize {
         2 * self.log.joints()
     }
 
-    /// Where the unknowns of a window's start are.
+    /// Position of the first unknown of a window's start.
     fn start_of(&self, window: usize) -> usize {
         self.log.joints() + window * self.of_start()
     }
 
-    /// The run of a window with one of its unknowns moved, if one is named.
+    /// Run of a window, with one of its unknowns changed if one is named.
     fn run(&self, unknown: &[f64], window: usize, moved: Option<usize>) -> Run<'_> {
         let (n, of) = (self.log.joints(), &self.predictions[window]);
         let own = &unknown[self.start_of(window)..][..2 * n];
@@ -85,7 +85,7 @@ impl Offsets<'_> {
         Run { start: [part(0), part(1)], torques }
     }
 
-    /// q̂ + z − q̃ of a window along a path.
+    /// Residuals q̂ + z − q̃ of a window along a path.
     fn residuals(&self, unknown: &[f64], window: usize, path: &[f64]) -> Vec<f64> {
         let n = self.log.joints();
         let logged = &self.log.q.as_flat()[self.predictions[window].first * n..];
@@ -93,7 +93,7 @@ impl Offsets<'_> {
         path.iter().zip(logged).enumerate().map(|(i, (q, logged))| q + offset(i) - logged).collect()
     }
 
-    /// A robust deviation of the residuals, rad: 1.4826 times their median magnitude.
+    /// Robust deviation of the residuals, rad: 1.4826 times their median magnitude.
     fn residual_scale(&self, unknown: &[f64]) -> f64 {
         let windows = 0..self.predictions.len();
         let runs: Vec<Run> = windows.clone().map(|window| self.run(unknown, window, None)).collect();
@@ -103,7 +103,7 @@ impl Offsets<'_> {
         if scale.is_finite() { scale.max(FINEST) } else { f64::INFINITY }
     }
 
-    /// The root of twice the pseudo-Huber function s²(√(1 + (r/s)²) − 1), with the sign of r, and its slope.
+    /// Square root of twice the pseudo-Huber function s²(√(1 + (r/s)²) − 1), with the sign of r, and its slope.
     fn robust(&self, r: f64) -> [f64; 2] {
         let bent = (1.0 + (r / self.scale).powi(2)).sqrt();
         // √(2/(b + 1)) = √(2(b − 1)) s/|r|, which is 1 at 0.

@@ -1,4 +1,4 @@
-//! Models that `leastaction train` learns with a configuration, from the files of the training logs as they are.
+//! Models that `leastaction train` learns with a configuration, directly from the files of the training logs.
 
 use super::entries::{Fitted, Training};
 use super::grid::STEP;
@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// What `train` gives with the configuration that the look at the training logs writes.
+/// Trains with the configuration that `leastaction look` writes for the training logs.
 ///
 /// # Errors
-/// Where no configuration can be written, or training fails.
+/// An error if no configuration can be written, or training fails.
 pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
     let files: Vec<PathBuf> = training.logs.iter().map(|log| log.file.clone()).collect();
     let folder = tempfile::tempdir()?;
@@ -28,29 +28,29 @@ pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
     train(&proposal.text, training, folder.path())
 }
 
-/// What a chain of rigid bodies has beside viscous friction.
+/// Terms of a chain of rigid bodies beside viscous friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Chain {
     /// Dry friction.
     pub dry: bool,
-    /// Torque as commanded, where it is logged, with gain and delay learned; else as measured.
+    /// Commanded torque, if it is logged, with learned gain and delay; otherwise the measured torque.
     pub commanded: bool,
     /// Dry friction that grows with the load.
     pub load: bool,
 }
 
 impl Chain {
-    /// Learns it over windows.
+    /// Learns the chain over windows.
     ///
     /// # Errors
-    /// Where training fails.
+    /// An error if training fails.
     pub fn fit(self, training: &Training) -> Result<Fitted, TaskError> {
         let folder = tempfile::tempdir()?;
         train(&chain(training, self)?, training, folder.path())
     }
 }
 
-/// The configuration of a chain.
+/// Returns the configuration of a chain.
 fn chain(training: &Training, kind: Chain) -> Result<String, std::fmt::Error> {
     let (columns, joints) = (training.machine.columns(), training.machine.joints());
     let names = |columns: &[Column]| listed(columns.iter().take(joints).map(|column| column.name.clone()));
@@ -79,7 +79,7 @@ fn chain(training: &Training, kind: Chain) -> Result<String, std::fmt::Error> {
     Ok(text)
 }
 
-/// As a list of TOML, whose strings those of JSON are.
+/// Returns the names as a TOML list, whose strings are written like those of JSON.
 fn listed(names: impl Iterator<Item = String>) -> String {
     serde_json::Value::from(names.collect::<Vec<_>>()).to_string()
 }
@@ -88,7 +88,7 @@ fn full(file: &Path) -> PathBuf {
     std::path::absolute(file).unwrap_or_else(|_| file.to_owned())
 }
 
-/// Trains in a folder that vanishes.
+/// Trains in a temporary folder.
 fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskError> {
     let mut config = Config::parse(text, &folder.join("machine.toml"))?;
     config.training.seed = training.seed;
@@ -110,10 +110,10 @@ fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskE
     Ok(Fitted { predictor: Box::new(predictor), parameters, seconds: clock.elapsed().as_secs_f64() })
 }
 
-/// Iterations at most for a first look.
+/// Maximum number of iterations for a first look.
 const QUICK: u64 = 10;
 
-/// Whether a configuration reads the commanded torque, and not the measured one.
+/// Whether a configuration reads the commanded torque rather than the measured one.
 fn is_commanded(config: &Config, training: &Training) -> Result<bool, TaskError> {
     let read = config.data.reading().columns.map_or(Vec::new(), |columns| columns.u);
     let known = training.machine.columns().u;
@@ -125,7 +125,7 @@ fn is_commanded(config: &Config, training: &Training) -> Result<bool, TaskError>
     }
 }
 
-/// Says how far training is, every ten iterations.
+/// Reports progress every ten iterations.
 struct Told<'t>(&'t (dyn Fn(&str) + Sync));
 
 impl Monitor for Told<'_> {

@@ -1,4 +1,4 @@
-//! A machine's logs and what others identified from them.
+//! Logs of a machine, and parameters that others identified from them.
 
 use super::error::HardwareError;
 use super::identified::Identified;
@@ -7,27 +7,27 @@ use super::machine::Machine;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What the tasks of a machine share.
+/// Data shared by the tasks of a machine.
 #[derive(Clone, Debug)]
 pub struct MachineData {
-    /// Which.
+    /// The machine.
     pub machine: Machine,
-    /// Where its logs are.
+    /// Folder of its logs.
     pub folder: PathBuf,
-    /// In order of name.
+    /// Logs in order of name.
     pub logs: Arc<[Log]>,
-    /// The parameters that others identified.
+    /// Parameters that others identified.
     pub baseline: Option<Arc<Identified>>,
-    /// Their file.
+    /// File of these parameters.
     file: Option<PathBuf>,
 }
 
-/// The file of identified parameters that is looked for beside the logs.
+/// File of identified parameters that is looked for beside the logs.
 const BASELINE: &str = "model_parameters.yml";
 
 impl MachineData {
-    /// Reads `data`/machine; of the double pendulum also the baseline, from its own file or from `model_parameters.yml` beside the
-    /// logs, where there is one.
+    /// Reads `data`/machine; for the double pendulum also the baseline, from its own file or from `model_parameters.yml` beside the logs,
+    /// if there is one.
     ///
     /// # Errors
     /// [`HardwareError`].
@@ -39,7 +39,7 @@ impl MachineData {
         Ok(Self { machine, folder, logs, baseline, file })
     }
 
-    /// The file of the baseline, in words.
+    /// Name of the file of the baseline.
     pub(super) fn baseline_name(&self) -> String {
         self.file.as_ref().map_or(String::new(), |file| file.display().to_string())
     }

@@ -1,4 +1,4 @@
-//! The models that stand in the table: one item each.
+//! Models in the table, one item each.
 
 use super::configured::{self, Chain};
 use super::identified::Identified;
@@ -8,24 +8,24 @@ use super::predictor::{ConstantVelocity, Predictor};
 use super::rivals::Rival;
 use crate::task::TaskError;
 
-/// What a model may learn from.
+/// Data that a model may learn from.
 pub struct Training<'t> {
-    /// Which machine.
+    /// The machine.
     pub machine: Machine,
-    /// The training logs, in order of name; never a tested one.
+    /// Training logs, in order of name; never a tested one.
     pub logs: Vec<&'t Log>,
-    /// What others identified, where it is known.
+    /// Parameters that others identified, if known.
     pub baseline: Option<&'t Identified>,
-    /// Of the initial weights.
+    /// Seed of the initial weights.
     pub seed: u64,
-    /// Fewer iterations, for a first look.
+    /// Whether to take fewer iterations, for a first look.
     pub quick: bool,
-    /// Says how far it is.
+    /// Reports progress.
     pub tell: &'t (dyn Fn(&str) + Sync),
 }
 
 impl<'t> Training<'t> {
-    /// The logs to learn from and those to judge by: the last one is held back where there are several.
+    /// Logs to learn from and logs to judge by: if there are several, the last one is held back.
     pub fn split(&self) -> [&[&'t Log]; 2] {
         match self.logs.split_last() {
             Some((_, rest)) if !rest.is_empty() => {
@@ -37,18 +37,18 @@ impl<'t> Training<'t> {
     }
 }
 
-/// What a model has become.
+/// A learned model.
 pub struct Fitted {
-    /// Predicts the tested logs.
+    /// Predictor of the tested logs.
     pub predictor: Box<dyn Predictor>,
-    /// Numbers that were learned.
+    /// Count of the learned numbers.
     pub parameters: usize,
-    /// Time that it took, s.
+    /// Learning time, s.
     pub seconds: f64,
 }
 
 impl Fitted {
-    /// What needs no training.
+    /// Creates a model that needs no training.
     fn known(predictor: impl Predictor + 'static) -> Self {
         Self { predictor: Box::new(predictor), parameters: 0, seconds: 0.0 }
     }
@@ -57,31 +57,31 @@ impl Fitted {
 /// A row of the table.
 #[derive(Clone, Copy)]
 pub struct Entry {
-    /// As in the table and, in small letters, in the names of tasks.
+    /// Name in the table and, in small letters, in the names of tasks.
     pub model: &'static str,
-    /// Whether it is what `leastaction train` gives with the configuration that the look at the logs writes.
+    /// Whether it is the model of `leastaction train` with the configuration that `leastaction look` writes for the logs.
     pub is_default: bool,
-    /// Whether it is ours.
+    /// Whether it is our model.
     pub is_ours: bool,
-    /// Whether it depends on the zeros of the encoders, so that there is a calibrated row as well.
+    /// Whether it depends on the zeros of the encoders, so that there is also a calibrated row.
     pub has_zeros: bool,
     /// Whether it depends on the seed.
     pub is_seeded: bool,
-    /// Seconds that it takes to learn from ten logs, roughly.
+    /// Rough time to learn from ten logs, s.
     pub expected_seconds: f64,
     /// Learns from training logs.
     pub fit: fn(&Training) -> Result<Fitted, TaskError>,
 }
 
 impl Entry {
-    /// In the names of tasks.
+    /// Label in the names of tasks.
     pub fn label(&self) -> String {
         let words = self.model.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
         words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
     }
 }
 
-/// A network of another kind.
+/// A network of another method.
 const NETWORK: Entry = Entry {
     model: "",
     is_default: false,
@@ -92,13 +92,13 @@ const NETWORK: Entry = Entry {
     fit: |_| Err("no model".into()),
 };
 
-/// Ours, by simple physics.
+/// Our models by simple physics.
 const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 10.0, ..NETWORK };
 
-/// What is known beforehand.
+/// A model that is known beforehand.
 const KNOWN: Entry = Entry { is_seeded: false, expected_seconds: 0.5, ..NETWORK };
 
-/// What is identified elsewhere, and stands in the table where its numbers are known.
+/// Parameters identified elsewhere; in the table only if they are known.
 const IDENTIFIED: Entry = Entry {
     model: "baseline: identified parameters",
     fit: |training| {
@@ -113,7 +113,7 @@ const COULOMB: Chain = Chain { dry: true, ..VISCOUS };
 const COMMANDED: Chain = Chain { commanded: true, ..COULOMB };
 const LOADED: Chain = Chain { load: true, ..COMMANDED };
 
-/// The other rows of the table, in order.
+/// All other rows of the table, in order.
 const ENTRIES: [Entry; 10] = [
     Entry {
         model: "constant velocity",
@@ -146,7 +146,7 @@ const ENTRIES: [Entry; 10] = [
     },
 ];
 
-/// The rows of a table, with identified parameters or without.
+/// Returns the rows of a table, with or without identified parameters.
 pub fn entries(has_baseline: bool) -> Vec<Entry> {
     let (first, rest) = ENTRIES.split_at(1);
     let identified = Some(IDENTIFIED).filter(|_| has_baseline);

@@ -1,22 +1,22 @@
-//! What can be wrong with logs of a machine and with a baseline.
+//! Errors of a machine's logs and of a baseline.
 
 use leastaction_learning::data::DataError;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Logs or a baseline that cannot be used.
+/// Reason why logs or a baseline cannot be used.
 #[derive(Debug, Error)]
 pub enum HardwareError {
-    /// A log.
+    /// An invalid log.
     #[error(transparent)]
     Log(#[from] DataError),
-    /// The operating system says why.
+    /// A folder or file cannot be read.
     #[error("{}: {error}", path.display())]
     Io {
-        /// Of the folder or file.
+        /// The folder or file.
         path: PathBuf,
-        /// Why.
+        /// Reason given by the operating system.
         error: io::Error,
     },
     /// A folder without enough logs to learn from some and test others.
@@ -26,51 +26,51 @@ pub enum HardwareError {
         if *found == 0 { "no log" } else { "only one log" }
     )]
     TooFew {
-        /// Where they were looked for.
+        /// Folder that was searched.
         folder: PathBuf,
-        /// How many there are.
+        /// Number of logs found.
         found: usize,
     },
-    /// A log that is to be tested and is not there.
+    /// A log that is to be tested and does not exist.
     #[error("--test {wanted}: there are {found} logs, counted from 0 in order of their names")]
     NoLog {
-        /// As given.
+        /// Number as given.
         wanted: usize,
-        /// How many there are.
+        /// Number of logs.
         found: usize,
     },
-    /// All logs are to be tested.
+    /// No log is left to learn from.
     #[error("--test: all {0} logs are tested, and none is left to learn from")]
     NoneLeft(usize),
-    /// A log with hardly any samples for its time.
+    /// A log with hardly any samples for its duration.
     #[error(
         "{}: {samples} samples over {span:.3e} s; stamps must be in seconds, and a second have at least one sample",
         file.display()
     )]
     Sparse {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// From the first to the last stamp, s.
+        /// Time from the first to the last stamp, s.
         span: f64,
-        /// How many there are.
+        /// Number of samples.
         samples: usize,
     },
-    /// A file of parameters that cannot be read.
+    /// A file of parameters with a line that cannot be read.
     #[error("{}, line {line}: {what}", file.display())]
     Line {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// From 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong there.
+        /// Problem with the line.
         what: String,
     },
-    /// A file of parameters that are not those of a mechanism.
+    /// A file of parameters that do not describe a mechanism.
     #[error("{}: {what}", file.display())]
     Parameters {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// What is wrong.
+        /// Problem with the parameters.
         what: String,
     },
 }

@@ -8,10 +8,10 @@ use super::window::HORIZONS;
 use leastaction_plot::{PlotError, Series, Stroke, log_log};
 use std::path::Path;
 
-/// The median error of every model against the horizon, one picture a table and kind of zeros.
+/// Draws the median error of every model against the horizon, one picture per table and kind of zeros.
 ///
 /// # Errors
-/// Where a file cannot be written.
+/// An error if a file cannot be written.
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
     let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();
@@ -28,7 +28,7 @@ pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, Pl
     Ok(drawn)
 }
 
-/// Whether as is or calibrated; none of a record that has no horizons.
+/// Kind of zeros, as is or calibrated; `None` for a record without horizons.
 fn zeros(record: &Record) -> Option<&str> {
     record.subject.first().filter(|(name, _)| name == ZEROS).map(|(_, value)| value.as_str())
 }
@@ -44,7 +44,7 @@ fn draw(file: &Path, title: &str, rows: &[&Record]) -> Result<(), PlotError> {
     };
     let models = distinct(rows.iter().map(|record| record.model.as_str()));
     let mut series: Vec<Series> = models.into_iter().map(series).collect();
-    // So that models of one colour have different strokes.
+    // Sorted so that models of one colour have different strokes.
     series.sort_by_key(|series| series.stroke == Stroke::Dotted);
     log_log(file, title, ("time ahead (s)", "error (rad)"), &series, &[])
 }

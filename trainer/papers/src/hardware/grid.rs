@@ -7,7 +7,7 @@ use std::path::Path;
 /// Step of the grid, s.
 pub const STEP: f64 = 0.01;
 
-/// Grid samples at most for each sample of the file: what has more was not logged at a rate that means anything here.
+/// Maximum number of grid samples per sample of the file: a log with more was not sampled at a meaningful rate.
 const SPARSEST: usize = 100;
 
 /// The grid t₀, t₀ + 10 ms, … over the stamps of a log.
@@ -17,14 +17,14 @@ pub(super) struct Grid<'m> {
 }
 
 impl<'m> Grid<'m> {
-    /// From the first stamp to the last.
+    /// Creates the grid from the first stamp to the last.
     ///
     /// # Errors
-    /// [`HardwareError::Sparse`] where the stamps are absurdly far apart.
+    /// [`HardwareError::Sparse`] if the stamps are absurdly far apart.
     pub fn new(file: &Path, measured: &'m Measured) -> Result<Self, HardwareError> {
         let t = &measured.t[..];
         let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
-        // Rounding must not cost the last sample.
+        // Rounding must not lose the last sample.
         let steps = span / STEP + 1e-6;
         if steps > (SPARSEST * t.len()) as f64 {
             return Err(HardwareError::Sparse { file: file.to_owned(), span, samples: t.len() });
@@ -32,13 +32,13 @@ impl<'m> Grid<'m> {
         Ok(Self { measured, samples: steps as usize + 1 })
     }
 
-    /// Along straight lines between samples, at every time of the grid.
+    /// Linear interpolation between samples, at every time of the grid.
     pub fn straight(&self, field: &Rows) -> Rows {
         let times: Vec<f64> = (0..self.samples).map(|k| self.at(k)).collect();
         self.measured.straight(field, &times)
     }
 
-    /// The mean over every step of the grid of what goes along straight lines between samples; after the last sample it stays.
+    /// Mean over every step of the grid of the linear interpolation between samples; after the last sample, its value is kept.
     pub fn averaged(&self, field: &Rows) -> Rows {
         let mut place = Place::new(&self.measured.t, field);
         let steps = (0..self.samples).map(|k| [self.at(k), self.at(k + 1)]);
@@ -54,11 +54,11 @@ impl<'m> Grid<'m> {
     }
 }
 
-/// A place between two samples, which only goes on.
+/// A place between two samples that only moves forward.
 struct Place<'m> {
     t: &'m [f64],
     field: &'m Rows,
-    /// The sample before.
+    /// Number of the sample before.
     before: usize,
 }
 
@@ -82,7 +82,7 @@ impl<'m> Place<'m> {
         from.iter().zip(sample(self.before + 1)).map(|(from, to)| from + part * (to - from)).collect()
     }
 
-    /// ∫ dt/(b − a) from a to b, exactly: by trapezia between samples.
+    /// Mean ∫ dt/(b − a) from a to b, computed exactly by trapezia between samples.
     fn mean(&mut self, [from, to]: [f64; 2]) -> Vec<f64> {
         let mut sum = vec![0.0; self.field.width()];
         let (mut begin, mut value) = (from, self.value(from));

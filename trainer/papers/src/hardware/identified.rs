@@ -1,4 +1,4 @@
-//! The double pendulum by numbers that others identified: the baseline.
+//! The double pendulum with parameters that others identified: the baseline.
 
 use super::parameters::Parameters;
 use super::predictor::{Predict, Predictor};
@@ -16,20 +16,20 @@ use std::path::Path;
 pub struct Identified {
     /// M₁₁ and its share of cos q₂, M₁₂, M₂₂, kg m².
     inertia: [f64; 4],
-    /// Of sin q₁ and sin(q₁ + q₂), N m.
+    /// Coefficients of sin q₁ and sin(q₁ + q₂), N m.
     gravity: [f64; 2],
-    /// b, N m s/rad.
+    /// Viscous friction b, N m s/rad.
     viscous: [f64; 2],
-    /// c_f, N m.
+    /// Dry friction c_f, N m.
     dry: [f64; 2],
 }
 
-/// How steeply dry friction changes its sign, s/rad.
+/// Steepness of the change of sign of dry friction, s/rad.
 const STEEPNESS: f64 = 100.0;
 
 impl Identified {
     /// Reads a file of lines `name: number` with I1, I2 about the joints and Ir of the rotors (kg m²), m1, m2 (kg), l1, r1, r2 (m), g
-    /// (m/s²), gr the gear, b1, b2 (N m s/rad), cf1, cf2 (N m).
+    /// (m/s²), the gear ratio gr, b1, b2 (N m s/rad), cf1, cf2 (N m).
     ///
     /// # Errors
     /// [`HardwareError::Io`], [`HardwareError::Line`], [`HardwareError::Parameters`].
@@ -51,13 +51,13 @@ impl Identified {
         Err(HardwareError::Parameters { file: file.to_owned(), what })
     }
 
-    /// M at this cosine of q₂.
+    /// M for this cosine of q₂.
     fn mass(&self, cosine: f64) -> [f64; 3] {
         let [m11, coupling, m12, m22] = self.inertia;
         [m11 + 2.0 * coupling * cosine, m12 + coupling * cosine, m22]
     }
 
-    /// Whether M is positive definite everywhere: as a function of the cosine its determinant is concave.
+    /// Whether M is positive definite everywhere: its determinant is concave as a function of the cosine.
     fn is_definite(&self) -> bool {
         [-1.0, 1.0].into_iter().all(|cosine| {
             let [m11, m12, m22] = self.mass(cosine);
@@ -65,7 +65,7 @@ impl Identified {
         })
     }
 
-    /// v̇.
+    /// Acceleration v̇.
     fn acceleration(&self, [q1, q2]: [f64; 2], v: [f64; 2], tau: [f64; 2]) -> [f64; 2] {
         let (sine, cosine) = q2.sin_cos();
         let centrifugal = self.inertia[1] * sine;

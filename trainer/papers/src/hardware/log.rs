@@ -1,4 +1,4 @@
-//! The logs of a machine on the grid.
+//! Logs of a machine, on the grid.
 
 use super::error::HardwareError;
 use super::grid::Grid;
@@ -6,18 +6,18 @@ use super::machine::Machine;
 use leastaction_learning::data::{Rows, read_measured};
 use std::path::{Path, PathBuf};
 
-/// A log, sample k at t₀ + 10k ms.
+/// A log with sample k at t₀ + 10k ms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
-    /// Its file.
+    /// File of the log.
     pub file: PathBuf,
     /// Positions, interpolated linearly, \[samples\]\[n\] (rad).
     pub q: Rows,
-    /// Velocities as the drives give them, interpolated linearly (rad/s).
+    /// Velocities given by the drives, interpolated linearly (rad/s).
     pub v: Rows,
-    /// Measured torques, the mean over every step (N m).
+    /// Measured torques, averaged over every step (N m).
     pub measured: Rows,
-    /// The same of commanded torques, where they are logged.
+    /// Commanded torques, averaged over every step, if they are logged (N m).
     pub commanded: Option<Rows>,
 }
 
@@ -29,7 +29,7 @@ impl Log {
     pub fn read(file: &Path, machine: Machine) -> Result<Self, HardwareError> {
         let samples = read_measured(file, &machine.columns())?;
         let grid = Grid::new(file, &samples)?;
-        // Every column that was asked for is there.
+        // Every requested column is there.
         let none = || samples.q.slice(0..0);
         let (v, u) = (samples.v.clone().unwrap_or_else(none), samples.u.clone().unwrap_or_else(none));
         let (n, torques) = (machine.joints(), grid.averaged(&u));
@@ -42,24 +42,24 @@ impl Log {
         })
     }
 
-    /// Samples on the grid.
+    /// Number of samples on the grid.
     pub fn samples(&self) -> usize {
         self.q.len()
     }
 
-    /// Joints n.
+    /// Number of joints n.
     pub fn joints(&self) -> usize {
         self.q.width()
     }
 }
 
-/// So many columns from one on.
+/// Returns `count` columns from `first` on.
 fn columns(rows: &Rows, first: usize, count: usize) -> Rows {
     let values = rows.iter().flat_map(|row| row.iter().skip(first).take(count).copied()).collect();
     Rows::from_flat(count, values).unwrap_or_else(|| rows.slice(0..0))
 }
 
-/// All logs of a machine in `data`/machine, `.csv` files in the order of their names.
+/// Reads all logs of a machine in `data`/machine, the `.csv` files in the order of their names.
 ///
 /// # Errors
 /// [`HardwareError`].

@@ -1,4 +1,4 @@
-//! The machines whose logs are known: where their columns are, and which of their motion counts.
+//! Known machines: the columns of their logs, and the motion that counts.
 
 use leastaction_learning::data::{Column, Columns};
 use serde::Serialize;
@@ -15,14 +15,14 @@ pub enum Machine {
     Panda,
 }
 
-/// cos q of a pendulum below which it is about to fall either way.
+/// Value of cos q of a pendulum below which it is about to fall either way.
 const UPRIGHT: f64 = -0.9;
 
 impl Machine {
-    /// All of them.
+    /// All machines.
     pub const ALL: [Self; 3] = [Self::DoublePendulum, Self::Pendulum, Self::Panda];
 
-    /// On the command line, and the folder of its logs.
+    /// Name on the command line, and of the folder of its logs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::DoublePendulum => "double-pendulum",
@@ -31,7 +31,7 @@ impl Machine {
         }
     }
 
-    /// Joints n.
+    /// Number of joints n.
     pub const fn joints(self) -> usize {
         match self {
             Self::DoublePendulum => 2,
@@ -45,7 +45,7 @@ impl Machine {
         matches!(self, Self::DoublePendulum)
     }
 
-    /// Its columns: u is the measured torque of every joint and then, where it is logged, the commanded one.
+    /// Columns of its logs: u is the measured torque of every joint, followed by the commanded torque if it is logged.
     pub fn columns(self) -> Columns {
         if self == Self::Panda {
             return Self::numbered_columns(self.joints());
@@ -62,15 +62,15 @@ impl Machine {
         Columns { t: Column::si("time"), q: of(q), v: of(v), u: of(u), actuation: None }
     }
 
-    /// position_1, …, velocity_1, …, torque_1, ….
+    /// Columns position_1, …, velocity_1, …, torque_1, ….
     fn numbered_columns(n: usize) -> Columns {
         let of = |name: &str| (1..=n).map(|k| Column::si(format!("{name}_{k}"))).collect();
         let (q, v, u) = (of("position"), of("velocity"), of("torque"));
         Columns { t: Column::si("time"), q, v, u, actuation: None }
     }
 
-    /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls either way,
-    /// whatever the model: windows that pass it are left out. Those of the double pendulum all count.
+    /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls either way, whatever
+    /// the model: windows that pass it are left out. All windows of the double pendulum count.
     pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
         match self {
             Self::DoublePendulum | Self::Panda => true,

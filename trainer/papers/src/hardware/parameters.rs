@@ -3,7 +3,7 @@
 use super::error::HardwareError;
 use std::path::{Path, PathBuf};
 
-/// Bytes of such a file at most: it has a line for each number.
+/// Maximum size of such a file in bytes: it has a line for each number.
 const LARGEST: u64 = 1 << 16;
 
 /// Named numbers.
@@ -14,10 +14,10 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Reads a file. Empty lines, comments (`# …`) and document marks (`---`) are passed over.
+    /// Reads a file. Empty lines, comments (`# …`) and document marks (`---`) are ignored.
     ///
     /// # Errors
-    /// [`HardwareError::Io`]; [`HardwareError::Line`] for a line of another form, a name that stands twice, or a number that is none.
+    /// [`HardwareError::Io`]; [`HardwareError::Line`] for a line of another form, a repeated name, or an invalid number.
     pub fn read(file: &Path) -> Result<Self, HardwareError> {
         let failed = |error| HardwareError::Io { path: file.to_owned(), error };
         if std::fs::metadata(file).map_err(failed)?.len() > LARGEST {
@@ -55,10 +55,10 @@ impl Parameters {
         self.numbers.iter().find(|(known, _)| known == name).map(|(_, number)| *number)
     }
 
-    /// The numbers of these names; others are ignored.
+    /// Returns the numbers with these names; others are ignored.
     ///
     /// # Errors
-    /// [`HardwareError::Parameters`] where one is missing.
+    /// [`HardwareError::Parameters`] if one is missing.
     pub fn get<const K: usize>(&self, names: [&str; K]) -> Result<[f64; K], HardwareError> {
         let missing: Vec<&str> = names.into_iter().filter(|name| self.number(name).is_none()).collect();
         if !missing.is_empty() {

@@ -6,14 +6,14 @@ use leastaction_learning::data::Rows;
 use leastaction_learning::matrix::cholesky;
 use nalgebra::DMatrix;
 
-/// What to multiply the samples of a stretch by, and add up, for the value, the slope and the curvature in its middle.
+/// Weights of the samples of a stretch in the value, the slope and the curvature in its middle.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Polynomial {
     weights: [Vec<f64>; 3],
 }
 
 impl Polynomial {
-    /// Of this degree through 2 · `half` + 1 samples, more than its degree, which is at least 2.
+    /// Creates the polynomial of this degree, at least 2, through 2 · `half` + 1 samples, which must be more than the degree.
     pub fn new(half: usize, degree: usize) -> Self {
         let count = 2 * half + 1;
         // Powers of −1 … 1 are better conditioned than those of seconds.
@@ -29,12 +29,12 @@ impl Polynomial {
         Self { weights: [row(0, 1.0), row(1, scale), row(2, 2.0 * scale * scale)] }
     }
 
-    /// Samples of a stretch.
+    /// Number of samples of a stretch.
     pub fn samples(&self) -> usize {
         self.weights[0].len()
     }
 
-    /// Value, slope and curvature of every column in the middle of the stretch from sample `start` on.
+    /// Returns value, slope and curvature of every column in the middle of the stretch from sample `start` on.
     pub fn at(&self, rows: &Rows, start: usize) -> [Vec<f64>; 3] {
         self.weights.each_ref().map(|weights| {
             let mut sum = vec![0.0; rows.width()];
@@ -70,7 +70,7 @@ mod tests {
     fn a_quadratic_smooths_noise_evenly() {
         let quadratic = Polynomial::new(3, 2);
         let spike = Rows::from_rows(1, (0..7).map(|k| [f64::from(u8::from(k == 3))])).unwrap();
-        // The weight of the middle of seven samples, (3m² + 3m − 1)/((2m − 1)(2m + 1)(2m + 3)) · 3 for m = 3.
+        // Weight of the middle of seven samples, (3m² + 3m − 1)/((2m − 1)(2m + 1)(2m + 3)) · 3 for m = 3.
         assert!((quadratic.at(&spike, 0)[0][0] - 7.0 / 21.0).abs() < 1e-12);
     }
 }

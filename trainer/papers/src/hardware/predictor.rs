@@ -1,27 +1,27 @@
-//! What predicts a machine's motion: acceleration from state and torque, whatever it was learned by.
+//! Predictors of a machine's motion: acceleration from state and torque, learned in any way.
 
 use super::log::Log;
 use leastaction_learning::data::Rows;
 use leastaction_programs::dynamics::Accelerations;
 use leastaction_programs::{Row, System};
 
-/// Writes accelerations, rad/s², n rows, of many samples side by side from their positions (rad), velocities (rad/s) and torques
-/// (N m), n rows each; not a number where there is none. It keeps its workspace.
+/// Writes accelerations, rad/s², n rows, of many samples side by side from their positions (rad), velocities (rad/s) and torques (N m), n
+/// rows each; NaN if there is none. The function keeps its workspace.
 pub type Predict<'p> = dyn FnMut([&[Row]; 3], &mut [Row]) + 'p;
 
 /// A model of a machine in physical coordinates.
 pub trait Predictor: Sync {
-    /// The torque that acts in every step of a log, \[samples\]\[n\] (N m), from what the log has: a model that has learned a
-    /// drive's gain and delay applies them here. Measured torque as it is where nothing else is said.
+    /// Torque that acts in every step of a log, \[samples\]\[n\] (N m): a model that has learned a drive's gain and delay applies them
+    /// here. By default the measured torque.
     fn torques(&self, log: &Log) -> Rows {
         log.measured.clone()
     }
 
-    /// Its accelerations, with a workspace of their own.
+    /// Returns the model's accelerations, with a workspace of their own.
     fn motion(&self) -> Box<Predict<'_>>;
 }
 
-/// No acceleration at all: what any model must be better than.
+/// A model without any acceleration, which every other model must beat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ConstantVelocity;
 
@@ -39,7 +39,7 @@ pub struct Learned {
 }
 
 impl Learned {
-    /// A system, without constraints, over its weight block.
+    /// Creates the predictor of a system without constraints, with its weight block.
     pub fn new(system: &System, weights: Vec<f64>) -> Self {
         Self { accelerations: Accelerations::new(system), weights }
     }
@@ -49,7 +49,7 @@ impl Predictor for Learned {
     fn motion(&self) -> Box<Predict<'_>> {
         let mut accelerations = self.accelerations.clone();
         Box::new(move |state, a| {
-            // What failed is not a number.
+            // Failed samples are NaN.
             let _failures = accelerations.evaluate(&self.weights, state, a, None);
         })
     }

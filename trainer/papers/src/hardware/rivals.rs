@@ -1,4 +1,4 @@
-//! Networks that learn from single states: L-NODE and DeLaN, on the training logs alone.
+//! Networks that learn from single states, using the training logs alone: L-NODE and DeLaN.
 
 use super::entries::{Fitted, Training};
 use super::log::Log;
@@ -13,29 +13,29 @@ use leastaction_models::{Architecture, FrictionArchitecture, InertiaNetworkArchi
 use leastaction_programs::System;
 use std::time::Instant;
 
-/// Units of both hidden layers.
+/// Number of units of both hidden layers.
 const WIDTH: u16 = 16;
-/// Iterations of Levenberg–Marquardt at most, and for a first look.
+/// Maximum number of Levenberg–Marquardt iterations: usually, and for a first look.
 const ITERATIONS: [usize; 2] = [60, 10];
-/// b of friction before anything is learned, N m s/rad.
+/// Initial viscous friction b, N m s/rad.
 const VISCOUS: f64 = 0.01;
-/// c (N m), c_load, τ_s (N m) and ε (rad/s) then, and which of them are learned.
+/// Initial c (N m), c_load, τ_s (N m) and ε (rad/s), each with whether it is learned.
 const FRICTION: [(f64, bool); 4] = [(0.1, true), (0.0, false), (0.1, false), (0.1, true)];
 
-/// Which of them.
+/// Method of the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rival {
-    /// The state after a Runge–Kutta step of order 4 from logged states: Zhong, Dey and Chakraborty 2020, Lutter and Peters 2021.
+    /// Loss of the state after a Runge–Kutta step of order 4 from logged states: Zhong, Dey and Chakraborty 2020, Lutter and Peters 2021.
     LNode,
-    /// The torque that a smoothed motion takes, by inverse dynamics: Lutter, Ritter and Peters 2019.
+    /// Loss of the torque that a smoothed motion needs, by inverse dynamics: Lutter, Ritter and Peters 2019.
     Delan,
 }
 
 impl Rival {
-    /// Learns from the training logs; the last of several judges which iteration to keep.
+    /// Learns from the training logs; if there are several, the last one decides which iteration to keep.
     ///
     /// # Errors
-    /// Where the logs have no samples to learn from.
+    /// An error if the logs have no samples to learn from.
     pub fn fit(self, training: &Training, has_friction: bool) -> Result<Fitted, TaskError> {
         let clock = Instant::now();
         let (network, [learned, judges]) = (network(training, has_friction), training.split());
@@ -72,12 +72,12 @@ impl Rival {
     }
 }
 
-/// An inertia network for joints that turn, with friction of each or without.
+/// Returns an inertia network for rotating joints, with friction of each joint or without.
 fn network(training: &Training, has_friction: bool) -> Architecture {
     let n = training.machine.joints();
     let mut inertia_network = InertiaNetworkArchitecture::new(&vec![Coordinate::Angle; n], WIDTH);
     if n > 1 {
-        // 10⁻⁴ kg m² keeps the first iterations, whose inertia is far from that of the machine, from dividing by nothing.
+        // The constant 10⁻⁴ kg m² prevents division by nearly zero in the first iterations, whose inertia is far from that of the machine.
         inertia_network.inertia = Inertia::Cholesky { epsilon: 1e-4 };
     }
     let mut network = Architecture::from(inertia_network);

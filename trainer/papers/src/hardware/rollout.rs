@@ -5,8 +5,8 @@ use super::predictor::Predict;
 use leastaction_programs::{Row, WIDTH};
 use std::array::from_fn;
 
-/// Runge–Kutta steps in a step of the grid. Friction is stiff where velocities change sign: its slope of up to 16 N m s/rad on
-/// 0.03 kg m² takes 2 ms for the method to be stable and to four digits exact.
+/// Number of Runge–Kutta steps per step of the grid. Friction is stiff where velocities change sign: with a slope of up to 16 N m s/rad on
+/// 0.03 kg m², the method needs steps of 2 ms to be stable and exact to four digits.
 const SUBSTEPS: usize = 5;
 
 /// A run to predict.
@@ -18,13 +18,13 @@ pub struct Run<'t> {
     pub torques: &'t [f64],
 }
 
-/// Positions (rad) of every run from its start on, \[steps + 1\]\[n\], flat, after every step of the grid. Classical Runge–Kutta of
-/// order 4. All runs have as many steps as the first.
+/// Predicts the positions (rad) of every run from its start on, \[steps + 1\]\[n\], flat, after every step of the grid, by the classical
+/// Runge–Kutta method of order 4. All runs must have as many steps as the first.
 pub fn roll_out(motion: &mut Predict, runs: &[Run]) -> Vec<Vec<f64>> {
     runs.chunks(WIDTH).flat_map(|runs| block(motion, runs)).collect()
 }
 
-/// Runs side by side; the last fills up.
+/// Predicts runs side by side; unused lanes repeat the last run.
 fn block(motion: &mut Predict, runs: &[Run]) -> Vec<Vec<f64>> {
     let Some(last) = runs.len().checked_sub(1) else { return Vec::new() };
     let n = runs[0].start[0].len();
@@ -50,7 +50,7 @@ fn block(motion: &mut Predict, runs: &[Run]) -> Vec<Vec<f64>> {
 /// Positions and velocities.
 type State = [Vec<Row>; 2];
 
-/// Steps of h, s.
+/// Integrator with steps of h, s.
 struct Stepper<'m, 'p> {
     motion: &'m mut Predict<'p>,
     state: State,
@@ -69,7 +69,7 @@ impl Stepper<'_, '_> {
         }
     }
 
-    /// (v, v̇).
+    /// Rate (v, v̇) of a state.
     fn rate(&mut self, [q, v]: &State, torque: &[Row]) -> State {
         let mut a = vec![Row::default(); q.len()];
         (self.motion)([q, v, torque], &mut a);
@@ -77,7 +77,7 @@ impl Stepper<'_, '_> {
     }
 }
 
-/// state + c · rate.
+/// Returns state + c · rate.
 fn moved(state: &State, c: f64, rate: &State) -> State {
     let add = |x: &Row, rate: &Row| Row(from_fn(|lane| x.0[lane] + c * rate.0[lane]));
     from_fn(|part| state[part].iter().zip(&rate[part]).map(|(x, rate)| add(x, rate)).collect())

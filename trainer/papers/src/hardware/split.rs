@@ -1,20 +1,20 @@
-//! Which logs are learned from and which are tested.
+//! Choice of the logs that are learned from and of those that are tested.
 
 use super::error::HardwareError;
 use super::machine::Machine;
 use serde::Serialize;
 
-/// A row's logs, by their numbers in order of name from 0.
+/// Logs of a row, numbered from 0 in order of name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Split {
-    /// In words.
+    /// Description in words.
     pub name: String,
-    /// The logs that are tested after each training; it learns from all others.
+    /// Logs that are tested after each training; the training uses all others.
     pub folds: Vec<Vec<usize>>,
 }
 
 impl Split {
-    /// These logs, of so many.
+    /// Creates a split that tests these logs, of `logs` in total.
     ///
     /// # Errors
     /// [`HardwareError::NoLog`], [`HardwareError::NoneLeft`].
@@ -28,8 +28,8 @@ impl Split {
         }
     }
 
-    /// Those of a machine where none are named: of the double pendulum the last 3 of 10 logs, and as many of the odd ones; of the
-    /// pendulum each in turn.
+    /// Default splits of a machine: for the double pendulum the last 3 of 10 logs, and as many of the odd ones; for the pendulum each log
+    /// in turn.
     pub fn usual(machine: Machine, logs: usize) -> Vec<Self> {
         if machine == Machine::Pendulum {
             let name = "every log in turn".to_owned();
@@ -37,7 +37,7 @@ impl Split {
         }
         let count = (3 * logs / 10).max(1);
         let (late, mixed) = ((logs - count..logs).collect(), (0..count).map(|k| 2 * k + 1).collect());
-        // Of two or three logs both may be the same.
+        // With two or three logs both splits may be equal.
         let mut splits: Vec<Self> =
             [late, mixed].into_iter().filter_map(|test| Self::of(test, logs).ok()).collect();
         splits.dedup();
@@ -49,7 +49,7 @@ impl Split {
         self.folds.concat()
     }
 
-    /// In the names of files and tasks: "1-3-5", or "each".
+    /// Label in the names of files and tasks: "1-3-5", or "each".
     pub fn label(&self) -> String {
         match &self.folds[..] {
             [test] => listed(test, "-"),

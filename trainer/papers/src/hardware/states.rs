@@ -1,4 +1,4 @@
-//! States of the training logs, for losses that look at one of them or a step ahead.
+//! States of the training logs, for losses that need single states or a step ahead.
 
 use super::grid::STEP;
 use super::log::Log;
@@ -6,10 +6,10 @@ use super::polynomial::Polynomial;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::training::Samples;
 
-/// Samples on each side of one that its smoothed state is taken from, and the degree of the polynomial through them.
+/// Number of samples on each side from which a smoothed state is taken, and the degree of the polynomial through them.
 const SMOOTHED: (usize, usize) = (4, 3);
 
-/// Logs as trajectories of the grid's step: positions, the drives' velocities, measured torques.
+/// Converts logs to trajectories with the grid's step: positions, the drives' velocities, measured torques.
 pub(super) fn dataset(logs: &[&Log]) -> Dataset {
     let n = logs.first().map_or(1, |log| log.joints());
     let trajectory = |(id, log): (i64, &&Log)| Trajectory {
@@ -23,7 +23,7 @@ pub(super) fn dataset(logs: &[&Log]) -> Dataset {
     Dataset { n, h: STEP, control: None, trajectories: (0..).zip(logs).map(trajectory).collect() }
 }
 
-/// Positions, velocities and accelerations of cubics through nine samples, with the mean of the torque before and after.
+/// Returns positions, velocities and accelerations of cubics through nine samples, with the mean of the torque before and after.
 pub(super) fn smoothed(logs: &[&Log]) -> Samples {
     let n = logs.first().map_or(1, |log| log.joints());
     let mut samples = Samples { n, h: STEP, ..Samples::default() };
@@ -40,7 +40,7 @@ pub(super) fn smoothed(logs: &[&Log]) -> Samples {
     samples
 }
 
-/// Of the torques of the steps before and after a sample.
+/// Mean of the torques of the steps before and after a sample.
 fn mean(torques: &Rows, sample: usize) -> Vec<f64> {
     let of = |k: usize| torques.get(k).unwrap_or_default();
     of(sample - 1).iter().zip(of(sample)).map(|(before, after)| 0.5 * (before + after)).collect()

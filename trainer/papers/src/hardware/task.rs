@@ -1,4 +1,4 @@
-//! A model on the logs of a machine as a task, its rows as records.
+//! A model on the logs of a machine as a task, with its rows as records.
 
 use super::calibration::zero_offsets;
 use super::data::MachineData;
@@ -11,7 +11,7 @@ use crate::task::{Task, TaskError};
 use serde::Serialize;
 use std::path::Path;
 
-/// The column that says whether zero offsets of a tested log were estimated.
+/// Column that says whether the zero offsets of a tested log were estimated.
 pub(super) const ZEROS: &str = "zeros";
 
 /// A row of `--json`.
@@ -21,33 +21,33 @@ pub struct Outcome {
     pub machine: &'static str,
     /// Name of the model.
     pub model: &'static str,
-    /// Whether it is what `train` gives with the configuration that the look at the logs writes.
+    /// Whether it is the model of `leastaction train` with the configuration that `leastaction look` writes for the logs.
     pub default: bool,
-    /// The tested logs, counted from 0 in order of name.
+    /// Tested logs, counted from 0 in order of name.
     pub test: Vec<usize>,
     /// Whether the zero offsets of a tested log's encoders are estimated from its first 2 s.
     pub calibrated: bool,
     /// Median window error after 0.1 s, rad.
     pub error_100ms: f64,
-    /// After 0.5 s.
+    /// Median window error after 0.5 s, rad.
     pub error_500ms: f64,
-    /// After 1 s.
+    /// Median window error after 1 s, rad.
     pub error_1s: f64,
     /// 90th percentile after 0.1 s, rad.
     pub p90_100ms: f64,
-    /// After 0.5 s.
+    /// 90th percentile after 0.5 s, rad.
     pub p90_500ms: f64,
-    /// After 1 s.
+    /// 90th percentile after 1 s, rad.
     pub p90_1s: f64,
-    /// Windows that count.
+    /// Number of windows that count.
     pub windows: usize,
-    /// The offsets of every tested log that was calibrated, rad.
+    /// Offsets of every tested log that was calibrated, rad.
     pub zero_offsets: Vec<Vec<f64>>,
-    /// Numbers that were learned.
+    /// Count of the learned numbers.
     pub parameters: usize,
-    /// Training time, s, of all trainings together.
+    /// Total training time, s.
     pub train_seconds: f64,
-    /// Of the initial weights.
+    /// Seed of the initial weights.
     pub seed: u64,
 }
 
@@ -58,11 +58,11 @@ pub(super) struct Experiment {
     pub split: Split,
     pub seed: u64,
     pub quick: bool,
-    /// The options beside those that name the case, as on the command line.
+    /// Command-line options other than those that name the case.
     pub arguments: String,
 }
 
-/// As is and calibrated.
+/// Errors of the windows as is and calibrated.
 #[derive(Default)]
 struct Errors {
     windows: [Vec<[f64; 3]>; 2],
@@ -119,7 +119,7 @@ impl Task for Experiment {
 }
 
 impl Experiment {
-    /// Learns from all logs but these.
+    /// Learns from all logs except these.
     fn fit(&self, test: &[usize], tell: &(dyn Fn(&str) + Sync)) -> Result<Fitted, TaskError> {
         let logs = self.data.logs.iter().enumerate();
         let logs = logs.filter(|(k, _)| !test.contains(k)).map(|(_, log)| log).collect();

@@ -1,4 +1,4 @@
-//! The error of predictions over windows of a second: what every row is judged by.
+//! The error of predictions over windows of a second, by which every row is judged.
 
 use super::log::Log;
 use super::machine::Machine;
@@ -8,19 +8,19 @@ use super::rollout::{Run, roll_out};
 use leastaction_learning::data::Rows;
 use leastaction_learning::evaluate::{median, percentile};
 
-/// Steps of the predictions: 0.1, 0.5 and 1 s.
+/// Numbers of steps of the predictions: 0.1, 0.5 and 1 s.
 pub const HORIZONS: [usize; 3] = [10, 50, 100];
 
-/// Samples from the start of a window to that of the next.
+/// Number of samples from the start of a window to that of the next.
 const STRIDE: usize = 25;
-/// Samples on each side of the start of a prediction that its state is taken from.
+/// Number of samples on each side of the start of a prediction that determine its state.
 const HALF: usize = 3;
-/// A window counts where a joint is at least so fast in it, rad/s.
+/// Speed that some joint must reach in a window for it to count, rad/s.
 const MOVING: f64 = 0.2;
-/// Samples that calibration may see: 2 s. Windows that start later are reported.
+/// Number of samples that calibration may use: 2 s. Windows that start later are reported.
 pub const CALIBRATED: usize = 200;
 
-/// The windows of a log that predict so many steps, by the sample at which each starts.
+/// Windows of a log with predictions of `steps` steps, by the sample at which each starts.
 pub(super) fn windows(machine: Machine, log: &Log, steps: usize) -> Vec<usize> {
     let samples = HALF + steps + 1;
     let starts = (0..).step_by(STRIDE).take_while(|start| start + samples <= log.samples());
@@ -33,15 +33,15 @@ fn is_counted(machine: Machine, log: &Log, start: usize, samples: usize) -> bool
     moves && machine.counts(of(&log.q).iter())
 }
 
-/// A prediction from a window of a log: where it starts, and what it is compared with.
+/// A prediction from a window of a log: its start, and the samples to compare it with.
 pub(super) struct Prediction {
-    /// Positions and velocities of a quadratic through seven samples, in their middle.
+    /// Positions and velocities of a quadratic through seven samples, at their middle.
     pub start: [Vec<f64>; 2],
-    /// The first sample predicted from.
+    /// Sample at the start of the prediction.
     pub first: usize,
 }
 
-/// The predictions of windows; offsets z are taken from the logged positions.
+/// Returns the predictions of windows; the offsets z are subtracted from the logged positions.
 pub(super) fn predictions(log: &Log, windows: &[usize], offsets: &[f64]) -> Vec<Prediction> {
     let quadratic = Polynomial::new(HALF, 2);
     let of = |window: &usize| {
@@ -52,8 +52,8 @@ pub(super) fn predictions(log: &Log, windows: &[usize], offsets: &[f64]) -> Vec<
     windows.iter().map(of).collect()
 }
 
-/// The error to each horizon, rad, of the windows of a log that start at these samples: the root mean square over all joints and all
-/// samples from the start of the prediction on. `offsets` are the zeros z of the encoders, q̃ = q + z. Infinite where a
+/// Error to each horizon, rad, for the windows of a log that start at these samples: the root mean square over all joints and all samples
+/// from the start of the prediction on. `offsets` are the zeros z of the encoders, q̃ = q + z. Infinite if a prediction breaks off.
 /// prediction breaks off.
 pub(super) fn window_errors(
     predictor: &dyn Predictor,
@@ -89,19 +89,19 @@ fn errors(differences: &[f64], n: usize) -> [f64; 3] {
     })
 }
 
-/// Errors of many windows in few numbers.
+/// Summary of the errors of many windows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// The median over windows of the error to each horizon, rad.
+    /// Median over windows of the error to each horizon, rad.
     pub medians: [f64; 3],
-    /// The 90th percentiles.
+    /// 90th percentiles over windows, rad.
     pub percentiles: [f64; 3],
-    /// Windows.
+    /// Number of windows.
     pub windows: usize,
 }
 
 impl Summary {
-    /// Of these errors; not numbers where there are none.
+    /// Summarises these errors; NaN if there are none.
     pub fn of(errors: &[[f64; 3]]) -> Self {
         let column = |horizon: usize| errors.iter().map(|of| of[horizon]).collect::<Vec<_>>();
         Self {
@@ -118,7 +118,7 @@ mod tests {
     use super::super::predictor::ConstantVelocity;
     use super::*;
 
-    /// Two joints, the first accelerated evenly by so much, rad/s², the second at rest; slower than 0.2 rad/s before `moving`.
+    /// Two joints, the first with a constant acceleration, rad/s², the second at rest; slower than 0.2 rad/s before `moving`.
     fn log(acceleration: f64, samples: usize, moving: usize) -> Log {
         let t = |k: usize| k as f64 * STEP;
         let rows =
@@ -140,12 +140,12 @@ mod tests {
         assert!(of(103, 0).is_empty());
         assert_eq!(of(104, 0), [0]);
         assert_eq!(of(154, 0), [0, 25, 50]);
-        // A window sees sample s + 103, not the next.
+        // A window uses sample s + 103, but not the next.
         assert_eq!((of(154, 103), of(154, 104), of(154, 129)), (vec![0, 25, 50], vec![25, 50], vec![50]));
     }
 
-    /// Of a constant velocity on an even acceleration the error k steps on is ½a(kh)², half of the joints have it, and Σ k⁴ has a closed
-    /// form.
+    /// A constant velocity on a constant acceleration has the error ½a(kh)² after k steps; half of the joints have it, and Σ k⁴ has a
+    /// closed form.
     #[test]
     fn the_error_is_the_root_mean_square_over_joints_and_samples() {
         let errors = window_errors(&ConstantVelocity, &log(3.0, 160, 0), &[0, 50], &[0.0; 2]);

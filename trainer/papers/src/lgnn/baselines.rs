@@ -1,4 +1,4 @@
-//! The models that the paper compares with, trained as its authors train them.
+//! Models that the paper compares with, trained by its authors' recipe.
 
 use super::super::training::{Bounds, Limits, Recipe};
 use super::recipe::JUDGES;
@@ -11,26 +11,26 @@ use leastaction_learning::training::{AdamSettings, Samples, Schedule};
 use leastaction_models::accelerations::Accelerations;
 use serde::Serialize;
 
-/// Error a step of their rollouts, relative to 1 + |x|: that of the models is far above it.
+/// Error per step of their rollouts, relative to 1 + |x|, far below the error of the models.
 const TOLERANCE: f64 = 1e-8;
 
-/// Units of each hidden layer of LNN.
+/// Number of units of each hidden layer of LNN.
 const LNN_WIDTH: usize = 256;
 
 /// A model of the paper's figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Baseline {
-    /// Graph network from the state to the accelerations, of five springs and on more.
+    /// Graph network from the state to the accelerations, trained on five springs and run on more.
     Gns,
-    /// Graph network from the state to the Lagrangian, of three pendulums with their rods, and of five springs and on more.
+    /// Graph network from the state to the Lagrangian, for three pendulums with their rods, and trained on five springs and run on more.
     Lgn,
     /// Lagrangian network of the positions of three pendulums, with their rods.
     Lnn,
 }
 
 impl Baseline {
-    /// Those of a case.
+    /// Baselines of a case.
     pub fn of(case: Case) -> &'static [Self] {
         match case {
             Case::Pendulum => &[Self::Lnn, Self::Lgn],
@@ -39,7 +39,7 @@ impl Baseline {
         }
     }
 
-    /// As in tables.
+    /// Name in tables.
     pub fn title(self) -> &'static str {
         match self {
             Self::Gns => "GNS",
@@ -48,7 +48,7 @@ impl Baseline {
         }
     }
 
-    /// Its name in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gns => "gns",
@@ -57,7 +57,7 @@ impl Baseline {
         }
     }
 
-    /// Weights of the authors', where they are known.
+    /// Number of weights of the authors' network, if known.
     pub(super) fn published_parameters(self) -> Option<usize> {
         match self {
             Self::Gns => Some(2_130),
@@ -66,12 +66,12 @@ impl Baseline {
         }
     }
 
-    /// What it is trained on in a case.
+    /// System that a baseline is trained on in a case.
     fn trained(case: Case) -> LgnnSystem {
         if case == Case::Pendulum { LgnnSystem::Pendulum(3) } else { LgnnSystem::Spring(5) }
     }
 
-    /// What it is run on in a case. LGN's mass matrix is dense: a rollout of 500 springs would take hours.
+    /// Systems that a baseline is run on in a case. LGN's mass matrix is dense: a rollout of 500 springs would take hours.
     fn systems(self, case: Case) -> Vec<LgnnSystem> {
         match (case, self) {
             (Case::Pendulum, _) => vec![LgnnSystem::Pendulum(3)],
@@ -80,7 +80,7 @@ impl Baseline {
         }
     }
 
-    /// Its shape on a system.
+    /// Shape of the baseline on a system.
     fn model(self, system: LgnnSystem) -> Result<AnyBaseline, ModelError> {
         Ok(match self {
             Self::Gns => AnyBaseline::Gns(Gns::new(GraphSizes::LGNN, &lgnn_graph(system))?),
@@ -106,7 +106,7 @@ impl AnyBaseline {
         }
     }
 
-    /// v̇(q, v), m/s².
+    /// Accelerations v̇(q, v), m/s².
     fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
         match self {
             Self::Gns(gns) => gns.motion(weights),
@@ -116,7 +116,7 @@ impl AnyBaseline {
     }
 }
 
-/// The authors': 10,000 epochs at 1e-3 in batches of 100.
+/// Recipe of the authors: 10,000 epochs at 1e-3 in batches of 100.
 fn recipe(seed: u64) -> Recipe {
     let schedule = Schedule::Constant;
     Recipe {
@@ -125,7 +125,7 @@ fn recipe(seed: u64) -> Recipe {
     }
 }
 
-/// Trains a baseline within limits, and rolls it out; `tell` gets a line of progress now and then.
+/// Trains a baseline within limits, and rolls it out; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
 /// [`ReproduceError`].
@@ -165,7 +165,7 @@ impl Experiment<'_> {
         baseline.systems(self.case).into_iter().map(one).collect()
     }
 
-    /// The row with the rollouts of a trained model on a system: those that are not done in time have failed.
+    /// Completes a row with the rollouts of a trained model on a system; those that are not finished in time count as failed.
     fn baseline_on(
         &self,
         (row, model): (Outcome, AnyBaseline),

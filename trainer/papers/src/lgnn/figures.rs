@@ -1,4 +1,4 @@
-//! Pictures of what the table says, and of what was learned; the numbers of the latter also as comma-separated values.
+//! Pictures of the table, and of the learned terms; the numbers of the latter also as comma-separated values.
 
 use super::super::numbered;
 use super::{Compared, Insight, Outcome};
@@ -6,8 +6,8 @@ use leastaction_learning::atomic;
 use leastaction_plot::{Panel, PlotError, Series, Stroke, Vertical, stacked, time_series};
 use std::path::Path;
 
-/// Draws the errors of the rollout over time (the paper's Figures 3 and 4), the potential of the springs, the drag, and the pulls of
-/// the rods along one motion, in files that begin with the name of the task; their names.
+/// Draws the errors of the rollout over time (the paper's Figures 3 and 4), the potential of the springs, the drag, and the pulls of the
+/// rods along one motion, in files that begin with the name of the task; returns their names.
 pub(super) fn draw(folder: &Path, task: &str, row: &Outcome) -> Result<Vec<String>, PlotError> {
     let name = format!("{task}-{}-{}", numbered(row.system, row.count), row.samples);
     let Insight { spring, drag, rods } = &row.insight;
@@ -40,7 +40,7 @@ fn draw_errors(folder: &Path, name: &str, row: &Outcome) -> Result<Option<String
     Ok(Some(name.to_owned()))
 }
 
-/// A picture and a table of learned curves beside the exact ones, one panel each; nothing where there is none.
+/// Draws a picture and writes a table of learned curves beside the exact ones, one panel each; does nothing without curves.
 fn learned(
     folder: &Path,
     name: &str,

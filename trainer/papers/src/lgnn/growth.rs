@@ -1,16 +1,16 @@
-//! How time and error go with the number of springs.
+//! Growth of time and error with the number of springs.
 
 use super::{Case, Outcome};
 use serde::Serialize;
 
-/// Of the rows of [`Case::Scale`].
+/// Growth over the rows of [`Case::Scale`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Growth {
     /// Slope of the logarithm of a step's time against that of the size.
     pub time_exponent: f64,
     /// Slope of the logarithm of the energy violation against that of the size.
     pub energy_violation_slope: f64,
-    /// One step of 500 springs, µs.
+    /// Time of one step of 500 springs, µs.
     pub microseconds_per_step_500: f64,
 }
 
@@ -29,7 +29,7 @@ impl Growth {
     }
 }
 
-/// Of the line of least squares.
+/// Slope of the least-squares line.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));

@@ -1,4 +1,4 @@
-//! What a model has learned, beside the truth.
+//! Learned terms of a model, beside the true ones.
 
 use super::{LearnedGraph, ReproduceError};
 use leastaction_core::energy::graph::{Edge, Graph};
@@ -8,17 +8,17 @@ use leastaction_learning::training::Samples;
 use leastaction_models::HostTypes;
 use leastaction_models::particles::Driven;
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: usize = 200;
 
-/// A quantity over another, learned and exact.
+/// A function of one quantity, learned and exact.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Compared {
-    /// (abscissa, learned, exact).
+    /// Rows of (abscissa, learned, exact).
     pub rows: Vec<[f64; 3]>,
 }
 
-/// What the networks and laws of a model are worth.
+/// Learned terms of a model's networks and laws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Insight {
     /// Potential energy of a spring, J, over its length, m, in the range of the data; 0 at 1 m.
@@ -30,13 +30,13 @@ pub struct Insight {
 }
 
 impl Insight {
-    /// Of the springs and the drag of a model trained on samples; rods need a motion ([`pulls`]).
+    /// Computes the springs and the drag of a model trained on samples; rods need a motion ([`pulls`]).
     pub(super) fn new(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Self, ReproduceError> {
         Ok(Self { spring: spring(model, samples)?, drag: dragged(model, drag, samples)?, rods: Vec::new() })
     }
 }
 
-/// The largest distance between the ends of the model's edges.
+/// Largest distance between the ends of the model's edges.
 fn longest(model: &LearnedGraph, samples: &Samples) -> Result<f64, ReproduceError> {
     let edges = &model.architecture.graph()?.edges;
     let length = |q: &[[f64; 2]], edge: &Edge| {
@@ -80,7 +80,7 @@ fn dragged(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Compare
     Ok(Compared { rows: (0..POINTS).map(row).collect() })
 }
 
-/// The pull of every rod along an exact motion under a force u: states (q, v), `h` seconds apart.
+/// Pull of every rod along an exact motion under a force u, with states (q, v) `h` seconds apart.
 pub(super) fn pulls<P: Particles<f64, 2>>(
     driven: &Driven<'_, P, 2>,
     u: &[f64],

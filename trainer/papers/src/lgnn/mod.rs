@@ -1,7 +1,7 @@
-//! LGNN's experiments (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs from accelerations, run on other
-//! numbers of them and on hybrids of both.
+//! LGNN's experiments (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs, learned from accelerations, run on other numbers
+//! of them and on hybrids of both.
 //!
-//! Data and truth are exact motion; the authors' carry the error of their integrator, which is what their training loss ends at.
+//! Data and truth are exact motion; the authors' data carries the error of their integrator, which limits their training loss.
 
 mod baselines;
 mod figures;
@@ -38,15 +38,15 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
-    /// Three pendulums on rods, and the same model on 4 and 5.
+    /// Three pendulums on rods, and the same model run on 4 and 5.
     Pendulum,
-    /// Five springs in a ring, and the same model on 3 and 4.
+    /// Five springs in a ring, and the same model run on 3 and 4.
     Spring,
-    /// The model of five springs on 50, 500 and 5,000.
+    /// The model of five springs run on 50, 500 and 5,000.
     Scale,
-    /// Two pendulums and four springs, from the models of three pendulums and five springs.
+    /// Two pendulums and four springs, with the models of three pendulums and five springs.
     Hybrid,
-    /// The same under 10 N on the second bob.
+    /// The hybrid under 10 N on the second bob.
     HybridForce,
     /// Pendulums and springs with drag.
     Drag,
@@ -55,7 +55,7 @@ pub enum Case {
 }
 
 impl Case {
-    /// All, in the order of the paper.
+    /// All experiments, in the order of the paper.
     pub const ALL: [Self; 7] = [
         Self::Pendulum,
         Self::Spring,
@@ -67,32 +67,32 @@ impl Case {
     ];
 }
 
-/// How a case is run.
+/// Settings for running a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Options {
-    /// Of the initial weights and of generated data.
+    /// Seed of the initial weights and of generated data.
     pub seed: u64,
-    /// Iterations of Levenberg–Marquardt at most.
+    /// Maximum number of Levenberg–Marquardt iterations.
     pub iterations: usize,
-    /// Starts of rollouts; fewer of large systems.
+    /// Number of starts of rollouts; fewer are taken for large systems.
     pub starts: usize,
-    /// Whether no simple law stands beside the networks.
+    /// Whether the networks stand without a simple law beside them.
     pub networks_alone: bool,
 }
 
 impl Options {
-    /// Of the printed tables.
+    /// Settings of the printed tables.
     pub fn new(seed: u64) -> Self {
         Self { seed, iterations: 200, starts: 100, networks_alone: false }
     }
 
-    /// For a first look.
+    /// Settings for a first look.
     pub fn quick(seed: u64) -> Self {
         Self { iterations: 60, starts: 10, ..Self::new(seed) }
     }
 }
 
-/// Runs a case; `tell` gets a line of progress now and then.
+/// Runs a case; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
 /// [`ReproduceError`].
@@ -121,13 +121,13 @@ pub fn run(
     }
 }
 
-/// The authors' drag, N s/m.
+/// Drag in the authors' experiments, N s/m.
 const DRAG: f64 = 0.1;
-/// The authors' force on the hybrid, N.
+/// Force on the hybrid in the authors' experiments, N.
 const PULL: f64 = 10.0;
-/// Error a step of rollouts, relative to 1 + |x|.
+/// Error per step of rollouts, relative to 1 + |x|.
 const TOLERANCE: f64 = 1e-11;
-/// Samples of `data-efficiency`, those held back included.
+/// Numbers of samples in `data-efficiency`, held-back samples included.
 const SAMPLES: [usize; 5] = [100, 500, 1_000, 5_000, 10_000];
 
 struct Experiment<'a> {
@@ -136,14 +136,14 @@ struct Experiment<'a> {
     tell: &'a (dyn Fn(&str) + Sync),
 }
 
-/// A trained model with the row that training gives.
+/// A trained model with its row after training.
 struct Learned {
     model: LearnedGraph,
     row: Outcome,
 }
 
 impl Experiment<'_> {
-    /// Learns a system from the authors' number of samples, or from the first so many of them in an order drawn by the seed.
+    /// Learns a system from the authors' number of samples, or from the first `samples` of them in an order drawn by the seed.
     fn learn(
         &self,
         system: LgnnSystem,
@@ -179,7 +179,7 @@ impl Experiment<'_> {
         Ok(Learned { row: Outcome { drag_error, ..row }, model })
     }
 
-    /// Learns a system, and rolls the model out on it and on others.
+    /// Learns a system, and rolls the model out on it and on other systems.
     fn sizes(
         &self,
         trained: LgnnSystem,
@@ -207,7 +207,7 @@ impl Experiment<'_> {
         self.rolled_out(row, system, &Graph::new(types, &graph.nodes, &graph.edges)?)
     }
 
-    /// The row with the rollouts of learned particles on a system.
+    /// Completes a row with the rollouts of learned particles on a system.
     fn rolled_out<P: Particles<f64, 2> + Sync>(
         &self,
         row: Outcome,
@@ -224,7 +224,7 @@ impl Experiment<'_> {
         Ok(Outcome { insight, ..trial.judged(row, rollouts)? })
     }
 
-    /// The model of five springs on more and more, with the time of a step.
+    /// Runs the model of five springs on growing numbers of them, with the time of a step.
     fn scale(&self) -> Result<Vec<Outcome>, ReproduceError> {
         let trained = LgnnSystem::Spring(5);
         let learned = self.learn(trained, 0.0, None)?;
@@ -236,7 +236,7 @@ impl Experiment<'_> {
         LINEAR_SIZES.into_iter().map(one).collect()
     }
 
-    /// The union of the models of three pendulums and of five springs.
+    /// Runs the union of the models of three pendulums and of five springs.
     fn hybrid(&self, pull: f64) -> Result<Vec<Outcome>, ReproduceError> {
         let bobs = self.learn(LgnnSystem::Pendulum(3), 0.0, None)?;
         let springs = self.learn(LgnnSystem::Spring(5), 0.0, None)?;
@@ -262,7 +262,7 @@ impl Experiment<'_> {
         Ok(vec![self.rolled_out(row, system, &union)?])
     }
 
-    /// Pendulums and springs from more and more samples.
+    /// Learns pendulums and springs from growing numbers of samples.
     fn data_efficiency(&self) -> Result<Vec<Outcome>, ReproduceError> {
         let mut rows = Vec::new();
         for system in [LgnnSystem::Pendulum(3), LgnnSystem::Spring(5)] {
@@ -276,7 +276,7 @@ impl Experiment<'_> {
     }
 }
 
-/// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, those below 1% of the fastest left out.
+/// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, without those below 1% of the fastest.
 fn drag_error(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<f64, ReproduceError> {
     let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
     let graph = Graph::new(types, &[0], &[])?;

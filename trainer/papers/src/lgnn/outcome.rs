@@ -1,4 +1,4 @@
-//! What an experiment gives, and why it cannot be done.
+//! Results of an experiment, and reasons why it fails.
 
 use super::super::training::{Ending, TrainingError, in_words};
 use super::{Case, Insight, Published};
@@ -13,32 +13,32 @@ use thiserror::Error;
 /// Rollouts in the paper's measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RolledOut {
-    /// Length, s.
+    /// Length of a rollout, s.
     pub rollout_seconds: f64,
-    /// Starts.
+    /// Number of starts.
     pub starts: usize,
     /// Geometric mean of the rollout error.
     pub rollout_error: f64,
-    /// The same at the end.
+    /// Geometric mean of the rollout error at the end.
     pub last_rollout_error: f64,
     /// Geometric mean of the energy violation.
     pub energy_violation: f64,
-    /// Rollouts that could not be followed to the end.
+    /// Number of rollouts that could not be followed to the end.
     pub failed: usize,
-    /// Geometric mean of the rollout error of exact motion from starts that are off by 1e-8.
+    /// Geometric mean of the rollout error of exact motion from starts that are off by 1e-8 m.
     pub floor_rollout_error: f64,
-    /// The same of the energy violation.
+    /// Geometric mean of the energy violation of this motion.
     pub floor_energy_violation: f64,
 }
 
-/// What one row of a table gives.
+/// Results of one row of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// The experiment.
+    /// Experiment of the row.
     pub case: Case,
-    /// The kind of system.
+    /// Kind of system.
     pub system: &'static str,
-    /// Nodes.
+    /// Number of nodes.
     pub count: usize,
     /// Drag of the system, N s/m.
     pub drag: f64,
@@ -46,47 +46,47 @@ pub struct Outcome {
     pub pull: f64,
     /// `trained` on this system, or `zero-shot`.
     pub kind: &'static str,
-    /// `ours`, or a baseline as in [`Baseline::title`](super::Baseline::title).
+    /// Name of the model: `ours`, or that of a baseline as in [`Baseline::title`](super::Baseline::title).
     pub model: &'static str,
-    /// Samples learned from.
+    /// Number of samples learned from.
     pub samples: usize,
-    /// Numbers in the weight block that are learned.
+    /// Number of learned entries of the weight block.
     pub parameters: usize,
-    /// Mean squared error of accelerations, training samples.
+    /// Mean squared error of accelerations on training samples.
     pub train_mse: f64,
-    /// The same, samples held back.
+    /// Mean squared error of accelerations on held-back samples.
     pub validation_mse: f64,
     /// Training time, s.
     pub train_seconds: f64,
-    /// Of the weights and of the data.
+    /// Seed of the weights and of the data.
     pub seed: u64,
-    /// Epochs of Adam; none by Levenberg–Marquardt.
+    /// Number of epochs of Adam; `None` for Levenberg–Marquardt.
     pub epochs: Option<u64>,
-    /// How training ended, in words; null where it was complete.
+    /// End of the training in words; null if it was complete.
     #[serde(rename = "stopped", serialize_with = "in_words")]
     pub ending: Ending,
-    /// Rollouts.
+    /// Results of the rollouts.
     #[serde(flatten)]
     pub rolled_out: Option<RolledOut>,
-    /// Largest error of the learned drag over the velocities in the data, relative to the exact one.
+    /// Largest error of the learned drag over the velocities in the data, relative to the exact drag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drag_error: Option<f64>,
-    /// One step of order 2, µs.
+    /// Time of one step of order 2, µs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_microseconds: Option<f64>,
-    /// The rollouts over time, with the time between comparisons, s.
+    /// Rollouts over time, with the time between comparisons, s.
     #[serde(skip)]
     pub pictured: Option<(f64, Rollouts)>,
-    /// What was learned, beside the truth.
+    /// Learned terms, beside the true ones.
     #[serde(skip)]
     pub insight: Insight,
-    /// The paper's.
+    /// Results of the paper.
     #[serde(skip)]
     pub published: Published,
 }
 
 impl Outcome {
-    /// Of a model that is trained on a system, before it is.
+    /// Creates the row of a model that is to be trained on a system.
     pub(super) fn trained(case: Case, system: LgnnSystem, seed: u64) -> Self {
         Self {
             case,
@@ -114,13 +114,13 @@ impl Outcome {
     }
 }
 
-/// An experiment that cannot be done.
+/// Reason why an experiment fails.
 #[derive(Debug, Error)]
 pub enum ReproduceError {
-    /// There is no data.
+    /// The data cannot be generated.
     #[error(transparent)]
     Data(#[from] GenerationError),
-    /// The shape does not fit in itself or the data.
+    /// The shape is inconsistent or does not fit the data.
     #[error(transparent)]
     LearnedGraph(#[from] ModelError),
     /// A model that the paper compares with cannot be trained.
@@ -129,10 +129,10 @@ pub enum ReproduceError {
     /// The exact motion cannot be followed.
     #[error(transparent)]
     ExactMotion(#[from] IntegrationError),
-    /// The graph cannot be.
+    /// The graph is invalid.
     #[error(transparent)]
     Graph(#[from] GraphError),
-    /// The rods cannot be.
+    /// The rods are invalid.
     #[error("the rods cannot be: {0:?}")]
     Rods(ConstraintError<f64>),
     /// The data has no accelerations.

@@ -1,23 +1,23 @@
-//! What the authors' program reaches, measured with it on its own data and its own integrator.
+//! Results of the authors' program, measured with it on its own data and its own integrator.
 
 use super::Baseline;
 use leastaction_ground_truth::LgnnSystem;
 
-/// Geometric means of rollout error and energy violation; `None`: not known.
+/// Geometric means of rollout error and energy violation; `None` if unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Published {
     /// Rollout error.
     pub rollout_error: Option<f64>,
     /// Energy violation.
     pub energy_violation: Option<f64>,
-    /// Weights.
+    /// Number of weights.
     pub parameters: Option<usize>,
 }
 
-/// Weights of the authors' networks: without and with drag.
+/// Numbers of weights of the authors' networks, without and with drag.
 const PARAMETERS: [usize; 2] = [694, 740];
 
-/// The network trained on 3 pendulums or 5 springs (with drag where the system has it), run on this system.
+/// Results of the network trained on 3 pendulums or 5 springs (with drag if the system has it), run on this system.
 pub fn rolled_out(system: LgnnSystem, drag: bool) -> Published {
     let row = |rollout_error, energy_violation| {
         row(rollout_error, energy_violation, Some(PARAMETERS[usize::from(drag)]))
@@ -42,13 +42,13 @@ pub fn rolled_out(system: LgnnSystem, drag: bool) -> Published {
     }
 }
 
-/// The union of both networks on the hybrid, free or pulled by 10 N.
+/// Results of the union of both networks on the hybrid, free or pulled by 10 N.
 pub fn hybrid(pulled: bool) -> Published {
     let parameters = Some(PARAMETERS[0]);
     if pulled { row(1.8e-3, 3.2e-4, parameters) } else { row(1.3e-3, 1.1e-4, parameters) }
 }
 
-/// A model that the paper compares with, run on this system. LGN diverged when we ran it.
+/// Results of a model that the paper compares with, run on this system. LGN diverged when we ran it.
 pub fn baseline(baseline: Baseline, system: LgnnSystem) -> Published {
     let row = |rollout_error, energy_violation| {
         row(rollout_error, energy_violation, baseline.published_parameters())

@@ -1,4 +1,4 @@
-//! What is learned, and how.
+//! The models to be learned, and the training.
 
 use crate::baselines::AccelerationModel;
 use leastaction_core::model::ModelError;
@@ -7,34 +7,34 @@ use leastaction_ground_truth::lgnn_graph;
 use leastaction_learning::training::{Levenberg, Samples};
 use leastaction_models::GraphArchitecture;
 
-/// Of 4 samples 3 are learned from, and one judges.
+/// Inverse of the fraction of the samples that are held back to judge.
 pub(super) const JUDGES: usize = 4;
-/// Mean squared error, relative to the mean square, that is rounding.
+/// Mean squared error, relative to the mean square, that counts as rounding.
 const ROUNDING: f64 = 1e-26;
 
 /// A trained model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedGraph {
-    /// Its shape.
+    /// Shape of the model.
     pub architecture: GraphArchitecture,
-    /// Its weight block.
+    /// Weight block of the model.
     pub weights: Vec<f64>,
 }
 
 impl LearnedGraph {
-    /// The same nodes and edges in another graph.
+    /// Returns the model with the same node and edge types on another graph.
     #[must_use]
     pub fn on(&self, system: LgnnSystem) -> Self {
         Self { architecture: self.architecture.with_graph(lgnn_graph(system)), weights: self.weights.clone() }
     }
 }
 
-/// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples: first the simple laws alone, then with
-/// the networks beside them; keeps what is best on the fourth quarter. `watch` is called with the iteration and the loss. Also
-/// the mean squared errors on both.
+/// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples: first the simple laws alone, then with the networks
+/// beside them; keeps the weights that are best on the fourth quarter. `watch` is called with the iteration and the loss. Also returns the
+/// mean squared errors on both parts.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// An error if the shape is inconsistent or does not fit the data.
 pub fn train(
     architecture: GraphArchitecture,
     samples: &Samples,
@@ -51,7 +51,7 @@ pub fn train(
         weights = Levenberg::new(&*objective, weights).best(&*objective, &*judge, iterations, |_, _| ());
         best.push(architecture.with_corrections_scaled(weights.clone(), 0.0));
     }
-    // Where the laws are all there is, networks could only learn rounding.
+    // If the laws explain everything, networks could only learn rounding.
     let rounding = ROUNDING * samples.mean_square();
     if best.first().is_none_or(|laws| judge.loss(laws) > rounding) {
         let start = Levenberg::new(&*objective, weights);

@@ -1,4 +1,4 @@
-//! The time of a step as a system grows.
+//! Time of a step as a system grows.
 
 use super::{LearnedGraph, LgnnSettings, LgnnSystem, ReproduceError};
 use leastaction_core::constraints::Constrained;
@@ -11,19 +11,19 @@ use leastaction_ground_truth::lgnn_starts;
 use leastaction_models::HostTypes;
 use std::time::Instant;
 
-/// Numbers of springs that the time of a step is measured for.
+/// Numbers of springs for which the time of a step is measured.
 pub const LINEAR_SIZES: [usize; 4] = [5, 50, 500, 5_000];
-/// The authors' step of springs, s.
+/// Step size of springs in the authors' program, s.
 const STEP: f64 = 1e-3;
-/// Node steps in a measured stretch.
+/// Number of node steps in a measured stretch.
 const STRETCH: usize = 50_000;
-/// The fastest of so many stretches counts: the others were disturbed.
+/// Number of stretches, of which the fastest counts: the others were disturbed.
 const STRETCHES: usize = 7;
 
 /// Time of one variational step of order 2 of a ring of springs, on one core in f64, µs.
 ///
 /// # Errors
-/// Where the graph cannot be, or a step fails.
+/// An error if the graph is invalid, or a step fails.
 pub fn step_microseconds(model: &LearnedGraph) -> Result<f64, ReproduceError> {
     let graph = model.architecture.graph()?;
     let nodes = graph.nodes.len();

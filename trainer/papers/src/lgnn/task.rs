@@ -1,4 +1,4 @@
-//! The experiments as tasks, their rows as records.
+//! Experiments as tasks, with their rows as records.
 
 use super::super::interrupted::Interrupted;
 use super::super::record::{Measure, Record};
@@ -15,12 +15,12 @@ struct Experiment {
     case: Case,
     baseline: Option<(Baseline, Limits)>,
     options: Options,
-    /// The options beside case and seed, as on the command line.
+    /// Command-line options other than case and seed.
     arguments: String,
 }
 
-/// The tasks of these cases, each with as many seeds from that of the options on, and within the limits, if there are any, those of
-/// the models that the paper compares with; `arguments` are the options beside case and seed, as on the command line.
+/// Creates the tasks of these cases, each with `seeds` seeds from that of the options on; given limits, also those of the models that the
+/// paper compares with. `arguments` are the command-line options other than case and seed.
 pub fn tasks(
     cases: &[Case],
     (options, limits): (&Options, Option<Limits>),
@@ -166,7 +166,7 @@ fn measures(row: &Outcome) -> Vec<Measure> {
     measures
 }
 
-/// What has no column.
+/// Note with the results that have no column.
 fn note(row: &Outcome) -> Option<String> {
     let failed = row.rolled_out.map(|rolled| rolled.failed).filter(|failed| *failed > 0);
     let failed = failed.map(|failed| format!("{failed} rollouts could not be followed to the end"));
@@ -178,7 +178,7 @@ fn note(row: &Outcome) -> Option<String> {
     Some(notes.join("; ")).filter(|note| !note.is_empty())
 }
 
-/// Like a row of the case, with how the rows grow instead.
+/// Summary in the form of a row of the case, with the growth in place of its measures.
 fn summary(growth: &Growth, row: &Record) -> Result<Record, serde_json::Error> {
     let measures = vec![
         Measure::error("time ∝ springs to the power of", growth.time_exponent, None),

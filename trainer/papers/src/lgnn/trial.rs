@@ -1,4 +1,4 @@
-//! The starts that a model is judged from, with the exact motion from them.
+//! Starts from which a model is judged, with the exact motion from them.
 
 use super::{Compared, Experiment, Outcome, ReproduceError, RolledOut, insight};
 use leastaction_core::particles::Particles;
@@ -10,15 +10,15 @@ use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
 use leastaction_models::particles::Driven;
 
-/// Makes the stream of rollout starts another than that of the data.
+/// Mask that makes the random stream of rollout starts differ from that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;
-/// How far the starts of the floor are off, m.
+/// Disturbance of the starts for the floor, m.
 const DISTURBANCE: f64 = 1e-8;
-/// Of large systems fewer starts are needed: nodes of all starts at most, and starts at least.
+/// Maximum number of nodes of all starts together, and minimum number of starts: large systems need fewer.
 const MOST_NODES: usize = 10_000;
 const FEWEST_STARTS: usize = 4;
 
-/// A system with exact motions of it.
+/// A system with its exact motions.
 pub(super) struct Trial {
     system: LgnnSystem,
     truss: Truss,
@@ -27,7 +27,7 @@ pub(super) struct Trial {
 }
 
 impl Experiment<'_> {
-    /// Of a system under the drag and the pull of a row.
+    /// Creates the trial of a system under the drag and the pull of a row.
     pub(super) fn trial(&self, row: &Outcome, system: LgnnSystem) -> Result<Trial, ReproduceError> {
         (self.tell)(&format!("rolling out on {} of {}", system.name(), system.nodes()));
         let seed = self.options.seed ^ UNSEEN;
@@ -41,7 +41,7 @@ impl Experiment<'_> {
 }
 
 impl Trial {
-    /// The force on every coordinate, N; empty where there is none.
+    /// Force on every coordinate, N; empty if there is none.
     pub fn pull(&self) -> Vec<f64> {
         if self.truss.pulls.is_empty() { Vec::new() } else { self.truss.pull().into_flattened() }
     }
@@ -55,12 +55,12 @@ impl Trial {
         Rollouts::new(&self.truth, &self.truss, What::Positions, tolerance, acceleration)
     }
 
-    /// The pulls of the rods along the first motion.
+    /// Pulls of the rods along the first motion.
     pub fn pulls<P: Particles<f64, 2>>(&self, driven: &Driven<'_, P, 2>, u: &[f64]) -> Vec<Compared> {
         insight::pulls(driven, u, &self.truss, self.truth.first(), self.truth.horizon().h)
     }
 
-    /// The row with these rollouts.
+    /// Completes a row with these rollouts.
     pub fn judged(&self, row: Outcome, rollouts: Rollouts) -> Result<Outcome, ReproduceError> {
         let horizon = self.truth.horizon();
         let [floor_rollout_error, floor_energy_violation] =
@@ -81,19 +81,19 @@ impl Trial {
         Ok(Outcome { system, count, rolled_out: Some(rolled_out), pictured, ..row })
     }
 
-    /// The exact motion.
+    /// Exact motion of the system.
     pub fn motion(&self) -> &dyn ExactMotion {
         &self.truss
     }
 }
 
-/// The authors' tests: 10 s of what has rods, 20 s of springs.
+/// Horizon of the authors' tests: 10 s for systems with rods, 20 s for springs.
 fn horizon(system: LgnnSystem) -> Horizon {
     let (h, seconds) = if system.rods().is_empty() { (0.1, 20.0) } else { (0.05, 10.0) };
     Horizon { h, samples: (seconds / h) as usize + 1 }
 }
 
-/// Exact motion from disturbed starts, taken for a prediction.
+/// Errors of exact motion from disturbed starts, taken as a prediction.
 pub(crate) fn floor(
     truth: &Truth,
     truss: &Truss,

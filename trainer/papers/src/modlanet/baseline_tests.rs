@@ -4,7 +4,7 @@ use crate::training::Ending;
 use leastaction_ground_truth::{ModlanetSettings, modlanet_set_of};
 use std::time::Duration;
 
-/// 101 rows to learn from, 101 to test with.
+/// A data set with 101 rows to learn from and 101 to test with.
 fn set(system: ManyBody) -> ModlanetSet {
     let settings = ModlanetSettings { trajectories: 2, ..ModlanetSettings::published(system, 5) };
     modlanet_set_of(&settings).unwrap()
@@ -27,7 +27,7 @@ fn every_baseline_has_its_row_beside_ours() {
         let rows = rows(case, system, limits);
         assert_eq!(rows.iter().map(|row| row.kind).collect::<Vec<_>>(), Baseline::ALL.map(Baseline::name));
         for row in &rows {
-            // As large as the authors', but for the inputs of angles and the output.
+            // About as large as the authors' model, except for the inputs of angles and the output.
             let theirs = row.published.parameters.unwrap() as f64;
             assert!((row.parameters as f64 / theirs - 1.0).abs() < 0.12, "{row:?}");
             assert!(row.epochs == Some(1) || row.ending == Ending::Diverged { epoch: 1 }, "{row:?}");

@@ -1,4 +1,4 @@
-//! The models that the paper compares with (Table 2 and Figure 5), trained as its authors train them.
+//! Models that the paper compares with (Table 2 and Figure 5), trained by its authors' recipe.
 
 use super::super::training::{Bounds, Limits, Recipe};
 use super::published;
@@ -11,7 +11,7 @@ use leastaction_learning::training::{AdamSettings, Samples, Schedule};
 use leastaction_models::Family as _;
 use serde::Serialize;
 
-/// Error a step of their predictions: that of the models is far above it.
+/// Error per step of their predictions, far below the error of the models.
 const TOLERANCE: f64 = 1e-8;
 
 /// A model of the paper's table.
@@ -19,27 +19,27 @@ const TOLERANCE: f64 = 1e-8;
 pub enum Baseline {
     /// Hamiltonian network.
     Hnn,
-    /// The same, about as large as ModLaNet.
+    /// Hamiltonian network about as large as ModLaNet.
     LightHnn,
     /// Lagrangian network.
     Lnn,
-    /// The same, about as large as ModLaNet.
+    /// Lagrangian network about as large as ModLaNet.
     LightLnn,
-    /// From the state to the accelerations.
+    /// Plain network from the state to the accelerations.
     Mlp,
-    /// The same, about as large as ModLaNet; the program has it, the table not.
+    /// Plain network about as large as ModLaNet; in the authors' program, but not in the table.
     LightMlp,
 }
 
 impl Baseline {
-    /// All, in the order of the table.
+    /// All models, in the order of the table.
     pub const ALL: [Self; 6] =
         [Self::Hnn, Self::LightHnn, Self::Lnn, Self::LightLnn, Self::Mlp, Self::LightMlp];
 
-    /// Those that are about as large as ModLaNet.
+    /// Models that are about as large as ModLaNet.
     pub const LIGHT: [Self; 3] = [Self::LightHnn, Self::LightLnn, Self::LightMlp];
 
-    /// As in tables.
+    /// Name in tables.
     pub fn title(self) -> &'static str {
         match self {
             Self::Hnn => "HNN",
@@ -51,7 +51,7 @@ impl Baseline {
         }
     }
 
-    /// Its name in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Hnn => "hnn",
@@ -67,7 +67,7 @@ impl Baseline {
         matches!(self, Self::Lnn | Self::LightLnn)
     }
 
-    /// Units of its two hidden layers, as in the authors' program.
+    /// Number of units of its two hidden layers, as in the authors' program.
     pub fn width(self, system: ManyBody) -> usize {
         match (self, system) {
             (Self::Lnn, _) => 600,
@@ -77,8 +77,8 @@ impl Baseline {
         }
     }
 
-    /// The authors': weight decay 1e-4; 10,000 epochs of pendulums at 1e-2, halved after 3,000 and 9,000, and 3,000 epochs of
-    /// bodies at 1e-3; LNN at 1e-3 throughout.
+    /// Recipe of the authors: weight decay 1e-4; for pendulums 10,000 epochs at 1e-2, halved after 3,000 and 9,000, for bodies 3,000 epochs
+    /// at 1e-3; LNN at 1e-3 throughout.
     pub fn recipe(self, system: ManyBody) -> Recipe {
         let (epochs, learning_rate, schedule) = match (system, self.is_lnn()) {
             (ManyBody::Pendulum(_), false) => {
@@ -90,10 +90,10 @@ impl Baseline {
         Recipe { epochs, adam: AdamSettings { learning_rate, batch: 0, schedule, decay: 1e-4, seed: 0 } }
     }
 
-    /// Its shape for a system; `coordinates` has a letter each, `a` for angles.
+    /// Returns its shape for a system; `coordinates` has one letter each, `a` for angles.
     ///
     /// # Errors
-    /// Where it does not fit the data.
+    /// An error if it does not fit the data.
     pub fn model(
         self,
         system: ManyBody,
@@ -109,7 +109,7 @@ impl Baseline {
 }
 
 impl Experiment<'_> {
-    /// Trains one and judges it.
+    /// Trains a baseline and judges it.
     pub(super) fn baseline(
         &self,
         baseline: Baseline,
@@ -132,7 +132,7 @@ impl Experiment<'_> {
         Ok(outcome)
     }
 
-    /// Predicts where the errors of accelerations are below the accelerations themselves, and there is time enough.
+    /// Predicts if the errors of the accelerations are smaller than the accelerations themselves, and time is left.
     fn predict_baseline(
         &self,
         outcome: &mut Outcome,

@@ -1,4 +1,4 @@
-//! The paper's experiments, and how they are run.
+//! Experiments of the paper, and the settings for running them.
 
 use leastaction_core::energy::modular::PairInput;
 use leastaction_ground_truth::ManyBody;
@@ -10,22 +10,22 @@ use serde::Serialize;
 pub enum Case {
     /// Two pendulums: accelerations, and predictions of 30 s (Table 2, Figure 5).
     DoublePendulum,
-    /// Three bodies: the same.
+    /// Three bodies: accelerations, and predictions of 30 s.
     ThreeBody,
-    /// The model of two pendulums in chains of 3 and 4, as it is and fine-tuned (Figure 6).
+    /// The model of two pendulums applied to chains of 3 and 4, unchanged and fine-tuned (Figure 6).
     ExtendPendulum,
-    /// The model of three bodies among 4, 5 and 6.
+    /// The model of three bodies applied to 4, 5 and 6.
     ExtendBody,
     /// Two pendulums from 10,000 to 1,000,000 samples (Table 4).
     DatasetSize,
-    /// Four pendulums and six bodies, learned directly (the paper: diverges).
+    /// Four pendulums and six bodies, learned directly (diverges in the paper).
     DirectLarge,
     /// Two pendulums from 100, 300 and 1,000 samples, without and with noise, beside an MLP of equal size.
     Noise,
 }
 
 impl Case {
-    /// All, in the order of the paper, and what it does not have.
+    /// All experiments: those of the paper in its order, then those that it does not have.
     pub const ALL: [Self; 7] = [
         Self::DoublePendulum,
         Self::ThreeBody,
@@ -36,7 +36,7 @@ impl Case {
         Self::Noise,
     ];
 
-    /// Iterations after which its errors hardly fall.
+    /// Number of iterations after which the errors hardly fall.
     pub fn iterations(self, pair: PairInput) -> usize {
         match (self, pair) {
             (Self::ThreeBody | Self::ExtendBody, PairInput::Distance | PairInput::Difference) => 80,
@@ -49,12 +49,12 @@ impl Case {
         }
     }
 
-    /// Whether the paper has other models in it.
+    /// Whether the paper compares with other models in this experiment.
     pub fn has_baselines(self) -> bool {
         matches!(self, Self::DoublePendulum | Self::ThreeBody)
     }
 
-    /// The system whose data the case can take from a file.
+    /// System whose data the case can take from a file.
     pub fn system(self) -> Option<ManyBody> {
         match self {
             Self::DoublePendulum | Self::ExtendPendulum | Self::Noise => Some(ManyBody::Pendulum(2)),
@@ -64,25 +64,25 @@ impl Case {
     }
 }
 
-/// How a case is run.
+/// Settings for running a case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
-    /// What the bodies' pair potential sees.
+    /// Input of the bodies' pair potential.
     pub pair: PairInput,
-    /// Of the initial weights and of generated data.
+    /// Seed of the initial weights and of generated data.
     pub seed: u64,
-    /// Iterations of Levenberg–Marquardt; `None`: [`Case::iterations`].
+    /// Number of Levenberg–Marquardt iterations; `None` for [`Case::iterations`].
     pub iterations: Option<usize>,
-    /// The most samples of [`Case::DatasetSize`].
+    /// Largest number of samples in [`Case::DatasetSize`].
     pub most_samples: usize,
-    /// Starts of predictions; 0: none are made.
+    /// Number of starts of predictions; 0 for no predictions.
     pub starts: usize,
-    /// Steps of the long run in single precision; 0: none.
+    /// Number of steps of the long run in single precision; 0 for none.
     pub steps: usize,
 }
 
 impl Options {
-    /// Of the printed tables.
+    /// Settings of the printed tables.
     pub fn new(seed: u64) -> Self {
         Self {
             pair: PairInput::InverseDistance,
@@ -94,7 +94,7 @@ impl Options {
         }
     }
 
-    /// For a first look.
+    /// Settings for a first look.
     pub fn quick(seed: u64) -> Self {
         Self { iterations: Some(60), most_samples: 40_000, starts: 10, steps: 100_000, ..Self::new(seed) }
     }

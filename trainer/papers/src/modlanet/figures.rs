@@ -1,4 +1,4 @@
-//! Pictures of what the table says.
+//! Pictures of the table's contents.
 
 use super::super::{numbered, option_name};
 use super::{LongRun, Outcome, Pictured};
@@ -8,11 +8,11 @@ use leastaction_plot::{
 };
 use std::path::Path;
 
-/// How much of a motion a picture of paths shows, s.
+/// Duration of the motion in a picture of paths, s.
 const PATH_SECONDS: f64 = 10.0;
 
-/// Draws the accelerations of the test set (the paper's Figure 8), the prediction over time (Figures 5 and 6), the paths of its first
-/// start (Figure 7), and the energies of the long run; the names of the files.
+/// Draws the accelerations of the test set (the paper's Figure 8), the prediction over time (Figures 5 and 6), the paths of its first start
+/// (Figure 7), and the energies of the long run; returns the names of the files.
 pub(super) fn draw(folder: &Path, row: &Outcome) -> Result<Vec<String>, PlotError> {
     let name =
         format!("{}-{}-{}-{}", option_name(&row.case), numbered(row.system, row.count), row.kind, row.seed);
@@ -44,7 +44,7 @@ fn title(row: &Outcome) -> String {
     format!("{} {what}, {}", row.count, row.kind)
 }
 
-/// Learned accelerations over the true ones.
+/// Draws learned accelerations over the true ones.
 fn draw_accelerations(file: &Path, row: &Outcome) -> Result<(), PlotError> {
     let truth = row.accelerations.iter().map(|(exact, _)| *exact);
     let [least, largest] =
@@ -57,7 +57,7 @@ fn draw_accelerations(file: &Path, row: &Outcome) -> Result<(), PlotError> {
     phase_portrait(file, &format!("{}: accelerations of the test set", title(row)), phase, &[exact, learned])
 }
 
-/// Mean squared errors over time beside those of exact physics in single precision.
+/// Draws mean squared errors over time beside those of exact physics in single precision.
 fn draw_errors(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), PlotError> {
     let Pictured { h, ours, floor, .. } = pictured;
     let over_time = |label: &str, errors: &[f64]| {
@@ -73,7 +73,7 @@ fn draw_errors(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), Pl
     time_series(file, &format!("{}: errors over {} starts", title(row), ours.trajectories.len()), &panels)
 }
 
-/// The first start: of a chain the path of its end, of bodies those of all.
+/// Draws paths of the first start: for a chain that of its end, for bodies all of them.
 fn draw_paths(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), PlotError> {
     let shown = (PATH_SECONDS / pictured.h) as usize + 1;
     let paths = |label: &str, states: &[f64], stroke| -> Vec<Series> {
@@ -86,7 +86,7 @@ fn draw_paths(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), Plo
     phase_portrait(file, &format!("{}: the first {PATH_SECONDS} s of one motion", title(row)), phase, &series)
 }
 
-/// Points in the plane along states (q, v); rods are 1 m long.
+/// Paths of points in the plane along states (q, v); rods are 1 m long.
 fn paths(row: &Outcome, states: &[f64]) -> Vec<Vec<(f64, f64)>> {
     if is_chain(row) {
         let end = |state: &[f64]| {
@@ -99,7 +99,7 @@ fn paths(row: &Outcome, states: &[f64]) -> Vec<Vec<(f64, f64)>> {
     (0..row.count).map(|k| states.chunks_exact(4 * row.count).map(body(k)).collect()).collect()
 }
 
-/// The energy error of the long runs over time.
+/// Draws the energy error of the long runs over time.
 fn draw_energy(file: &Path, run: &LongRun) -> Result<(), PlotError> {
     let series = |label: &str, errors: &[(f64, f64)]| Series::new(label, errors.iter().copied());
     let del = [series("DEL, order 2", &run.del_2), series("DEL, order 4", &run.del_4)];

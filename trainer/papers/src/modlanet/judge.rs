@@ -1,4 +1,4 @@
-//! What judges long predictions: exact motions from starts that no training data has.
+//! Judge of long predictions: exact motions from starts that no training data has.
 
 use super::{Options, Outcome, Pictured, Predicted, ReproduceError};
 use crate::baselines::{AccelerationModel, Follow};
@@ -6,14 +6,14 @@ use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{ExactMotion, GenerationError, Horizon, ManyBody, ModlanetSettings, starts};
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 
-/// Makes the stream of prediction starts another than that of the data.
+/// Mask that makes the random stream of prediction starts differ from that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 
-/// Exact motions of a system, and how far single precision leads from them.
+/// Exact motions of a system, and the errors that single precision causes in them.
 pub(super) struct Judge {
-    /// The exact motion.
+    /// Exact motion of the system.
     pub motion: Box<dyn ExactMotion>,
-    /// s.
+    /// Length of the predictions, s.
     pub length: f64,
     truth: Truth,
     floor: Prediction,
@@ -29,7 +29,7 @@ impl Judge {
         Ok(Self { motion, length, truth, floor })
     }
 
-    /// The errors of a model.
+    /// Errors of a model.
     pub fn predict(
         &self,
         (shape, weights): (&dyn AccelerationModel, &[f64]),
@@ -38,7 +38,7 @@ impl Judge {
         shape.predict(weights, &self.truth, follow)
     }
 
-    /// Puts them into a row of the table.
+    /// Puts errors into a row of the table.
     pub fn put(&self, outcome: &mut Outcome, found: Prediction) {
         outcome.predicted = Some(Predicted::new(self.length, &found, &self.floor));
         let (h, exact) = (self.truth.horizon().h, self.truth.first().to_vec());

@@ -1,4 +1,4 @@
-//! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
+//! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies, learned from accelerations, extended to more of them.
 
 mod baselines;
 mod case;
@@ -31,7 +31,7 @@ use leastaction_models::Family as _;
 use leastaction_models::ModularArchitecture;
 use std::time::Instant;
 
-/// Runs a case; `tell` gets a line of progress now and then.
+/// Runs a case; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
 /// [`ReproduceError`].
@@ -79,7 +79,7 @@ pub fn run(
     }
 }
 
-/// Runs one of the models that the paper compares with in a case that has them; `tell` gets a line of progress now and then.
+/// Runs one of the models that the paper compares with, in a case that has them; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
 /// [`ReproduceError`].
@@ -96,7 +96,7 @@ pub fn run_baseline(
     experiment.baseline(baseline, (system, &set), bounds, judge.as_ref())
 }
 
-/// As many trajectories as the trained sizes have.
+/// Generates data with as many trajectories as for the trained sizes.
 fn large(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
     modlanet_set_of(&ModlanetSettings { trajectories: 100, ..ModlanetSettings::published(system, seed) })
 }
@@ -108,7 +108,7 @@ struct Experiment<'a> {
 }
 
 impl Experiment<'_> {
-    /// The model of a system, if the data is of it.
+    /// Returns the model of a system, if the data belongs to it.
     fn architecture(
         &self,
         system: ManyBody,
@@ -122,7 +122,7 @@ impl Experiment<'_> {
         Ok(architecture)
     }
 
-    /// A system with predictions of 30 s.
+    /// Learns a system, with predictions of 30 s.
     fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), ReproduceError> {
         let (mut outcome, model) = self.learn(system, set)?;
         if let Some(judge) = &self.judge(system, PREDICTION)? {
@@ -188,7 +188,7 @@ impl Experiment<'_> {
         self.options.iterations.unwrap_or_else(|| self.case.iterations(self.options.pair))
     }
 
-    /// What judges predictions of so many seconds; `None` where none are made.
+    /// Returns the judge of predictions of `length` s; `None` if no predictions are made.
     fn judge(&self, system: ManyBody, length: f64) -> Result<Option<Judge>, ReproduceError> {
         if self.options.starts == 0 {
             return Ok(None);
@@ -209,7 +209,7 @@ impl Experiment<'_> {
         Ok(())
     }
 
-    /// The trained model in larger systems, as it is and fine-tuned.
+    /// Applies the trained model to larger systems, unchanged and fine-tuned.
     fn extend(
         &self,
         system: ManyBody,
@@ -247,7 +247,7 @@ impl Experiment<'_> {
         Ok([zero_shot, fine_tuned])
     }
 
-    /// The double pendulum from more and more samples, with the same iterations.
+    /// Learns the double pendulum from growing numbers of samples, with the same number of iterations.
     fn dataset_size(&self) -> Result<Vec<Outcome>, ReproduceError> {
         let system = ManyBody::Pendulum(2);
         let sizes = [10_000, 20_000, 40_000, 100_000, 1_000_000];
@@ -255,7 +255,7 @@ impl Experiment<'_> {
         for samples in sizes.into_iter().filter(|samples| *samples <= self.options.most_samples) {
             (self.tell)(&format!("{samples} samples"));
             let published = ModlanetSettings::published(system, self.options.seed);
-            // Of every ten trajectories of 101 states nine are for training.
+            // Nine of every ten trajectories of 101 states are for training.
             let settings = ModlanetSettings { trajectories: samples / 100, ..published };
             let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?)?;
             rows.push(Outcome {
@@ -268,14 +268,14 @@ impl Experiment<'_> {
     }
 }
 
-/// Length of the predictions of what a model was trained on, s.
+/// Length of the predictions of a system that a model was trained on, s.
 const PREDICTION: f64 = 30.0;
-/// Step of the long run, s.
+/// Step size of the long run, s.
 const LONG_STEP: f32 = 0.01;
-/// Iterations of fine-tuning.
+/// Number of iterations of fine-tuning.
 const FINE_TUNING: usize = 30;
 
-/// The rows but for the last trajectories, one in so many of all, which judge; where there is but one, its last rows.
+/// Splits off the last trajectories, one in `one_in`, to judge the rest; if there is only one trajectory, splits off its last rows.
 fn held_back(rows: &ModlanetRows, one_in: usize) -> [ModlanetRows; 2] {
     let starts = rows.starts();
     let first = starts.get(starts.len() - (starts.len() / one_in).max(1)).copied().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! Few and noisy samples, beside a network that knows nothing of mechanics.
+//! Few and noisy samples, in comparison with a network that knows nothing of mechanics.
 
 use super::recipe::best_of;
 use super::{Experiment, Outcome, ReproduceError, held_back};
@@ -15,24 +15,24 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 
-/// Samples in all, those that judge included.
+/// Numbers of samples in total, including those that judge.
 const SAMPLES: [usize; 3] = [100, 300, 1_000];
 /// Standard deviations of the noise on positions (rad) and velocities (rad/s).
 const NOISE: [f64; 2] = [0.0, 0.01];
-/// One in so many samples is held back to choose the iteration: a fifth.
+/// Inverse of the fraction of the samples that are held back to choose the iteration: a fifth.
 const JUDGES: usize = 5;
-/// The model learned as if states were exact where they were logged.
+/// Kind of the model that is learned as if the logged states were exact.
 const AT_LOGGED: &str = "at logged states";
-/// Penalties λ|θ|² on what is 1 where the model explains all but the noise.
+/// Factors λ of the penalty λ|θ|² on an objective that is 1 if the model explains everything but the noise.
 const DECAYS: [f64; 3] = [100.0, 10.0, 1.0];
 
-/// The weights that are learned from rows, and chosen by others.
+/// A function that learns weights from some rows and chooses among them by other rows.
 type Learning<'a> = dyn Fn([&ModlanetRows; 2]) -> Result<Vec<f64>, ModelError> + 'a;
 
 impl Experiment<'_> {
-    /// The system from few samples, without and with noise, by the model and by an MLP of at least as many weights: both by
-    /// the same iterations, and of each that with the lowest error on a fifth of the samples, held back and as noisy as the
-    /// others. The test set is without noise.
+    /// Learns the system from few samples, without and with noise, with the model and with an MLP of at least as many weights: both for the
+    /// same number of iterations, each time keeping the iteration with the lowest error on a fifth of the samples, held back and equally
+    /// noisy. The test set has no noise.
     pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, ReproduceError> {
         let modular = self.architecture(system, set)?;
         let weights = Family::initial_weights(&modular, self.options.seed).len();
@@ -63,8 +63,8 @@ impl Experiment<'_> {
         Ok(rows)
     }
 
-    /// At free states, from strong penalties on the weights to weak ones, each from where the one before was best: the weights that are
-    /// best of all by the likelihood of the rows that judge.
+    /// Learns with free states, from strong penalties on the weights to weak ones, each beginning at the best weights of the one before:
+    /// returns the weights that are best of all by the likelihood of the judging rows.
     fn free_states(
         &self,
         modular: &ModularArchitecture,
@@ -99,13 +99,13 @@ impl Experiment<'_> {
     }
 }
 
-/// So many rows from anywhere, drawn by the seed, with noise on their positions and velocities; more rows begin with the
-/// same, and noise is the same but for its size. Accelerations stay exact.
+/// Returns `count` rows from anywhere, drawn by the seed, with noise on their positions and velocities; a larger number begins with the
+/// same rows, and the noise differs only in its size. Accelerations stay exact.
 fn few(rows: &ModlanetRows, count: usize, noise: f64, seed: u64) -> ModlanetRows {
     let mut order: Vec<usize> = (0..rows.q.len()).collect();
     order.shuffle(&mut Pcg64::seed_from_u64(seed));
     order.truncate(count);
-    // Streams of their own, so that the number of rows does not matter.
+    // Separate random streams make the noise independent of the number of rows.
     let disturbed = |values: &Rows, stream| {
         let mut stream = Pcg64::new(u128::from(seed), stream);
         values.select(&order).map(|x| noisy([x], noise, &mut stream)[0])
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
     use leastaction_ground_truth::{ModlanetSettings, modlanet_set_of};
 
-    /// 202 rows to learn from, 101 to judge by.
+    /// A data set with 202 rows to learn from and 101 to judge by.
     fn set() -> ModlanetSet {
         let settings = ModlanetSettings::published(ManyBody::Pendulum(2), 5);
         modlanet_set_of(&ModlanetSettings { trajectories: 3, ..settings }).unwrap()
@@ -139,7 +139,7 @@ mod tests {
         for (exact, noisy) in [(exact.q, noisy.q), (exact.v, noisy.v)] {
             let pairs = exact.as_flat().iter().zip(noisy.as_flat());
             let square = pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / exact.as_flat().len() as f64;
-            // 400 numbers: their standard deviation is within a sixth, more than four times its own.
+            // The standard deviation of 400 numbers is within a sixth, more than four times its own deviation.
             assert!((square.sqrt() - 0.01).abs() < 0.01 / 6.0, "{square}");
         }
     }
@@ -158,7 +158,7 @@ mod tests {
             assert_eq!((exact.parameters, free.parameters, plain.parameters), (172, 172, 173));
             assert!(exact.test_mse < 0.5 * plain.test_mse, "{exact:?}");
             assert!(at_logged.test_mse < 0.5 * noisy_plain.test_mse, "{at_logged:?}");
-            // Noise of states is not taken for forces.
+            // Noise of states is not mistaken for forces.
             assert!(3.0 * free.test_mse < at_logged.test_mse, "{free:?} {at_logged:?}");
         }
         let [exact, noisy] = [&rows[5], &rows[8]];

@@ -1,4 +1,4 @@
-//! What an experiment gives, and why it cannot be done.
+//! Results of an experiment, and reasons why it fails.
 
 use super::super::training::{Ending, TrainingError, in_words};
 use super::{Case, Energies, LongRun, Published, SteppingError};
@@ -11,26 +11,26 @@ use thiserror::Error;
 /// A prediction beside the floor of single precision, in the authors' measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Predicted {
-    /// Length, s.
+    /// Length of the predictions, s.
     pub prediction_seconds: f64,
-    /// Starts.
+    /// Number of starts.
     pub starts: usize,
-    /// A_q.
+    /// Position error A_q.
     pub position: f64,
-    /// A_E.
+    /// Energy error A_E.
     pub energy: f64,
-    /// Median valid-prediction time, s.
+    /// Median time for which predictions are valid, s.
     pub valid_seconds: f64,
-    /// A_q of exact accelerations rounded to f32.
+    /// Position error A_q of exact accelerations rounded to f32.
     pub floor_position: f64,
-    /// A_E of the same.
+    /// Energy error A_E of exact accelerations rounded to f32.
     pub floor_energy: f64,
-    /// Median valid-prediction time of the same, s.
+    /// Median time for which predictions by exact accelerations rounded to f32 are valid, s.
     pub floor_valid_seconds: f64,
 }
 
 impl Predicted {
-    /// Of predictions over `length` s and their floor.
+    /// Creates the measures of predictions over `length` s and of their floor.
     pub fn new(length: f64, ours: &Prediction, floor: &Prediction) -> Self {
         Self {
             prediction_seconds: length,
@@ -48,28 +48,28 @@ impl Predicted {
 /// A prediction over time, for pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictured {
-    /// Time from comparison to comparison, s.
+    /// Time between comparisons, s.
     pub h: f64,
-    /// The learned model's.
+    /// Prediction by the learned model.
     pub ours: Prediction,
-    /// That of exact physics in single precision.
+    /// Prediction by exact physics in single precision.
     pub floor: Prediction,
-    /// (q, v) along the exact motion from the first start.
+    /// States (q, v) along the exact motion from the first start.
     pub exact: Vec<f64>,
 }
 
-/// What a million steps in single precision do to the energy of a learned double pendulum.
+/// Effect of a long run in single precision on the energy of a learned double pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Stepped {
-    /// Steps.
+    /// Number of steps.
     pub steps: usize,
-    /// Step, s.
+    /// Step size, s.
     pub step_seconds: f32,
-    /// By the DEL equation of order 2.
+    /// Energy errors of the DEL equation of order 2.
     pub energy_del_2: Energies,
-    /// Of order 4.
+    /// Energy errors of the DEL equation of order 4.
     pub energy_del_4: Energies,
-    /// By a Runge–Kutta method of order 4.
+    /// Energy errors of a Runge–Kutta method of order 4.
     pub energy_rk4: Energies,
 }
 
@@ -85,68 +85,68 @@ impl From<&LongRun> for Stepped {
     }
 }
 
-/// What one row of a table gives.
+/// Results of one row of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// The experiment.
+    /// Experiment of the row.
     pub case: Case,
-    /// n-pendulum or n-body.
+    /// Kind of system: n-pendulum or n-body.
     pub system: &'static str,
-    /// Elements.
+    /// Number of elements.
     pub count: usize,
-    /// `trained`, `zero-shot` or `fine-tuned`; or a baseline: of [`Case::Noise`] `mlp` is a plain network of the same size,
-    /// else as in [`Baseline::name`](super::Baseline::name).
+    /// Kind of model: `trained`, `zero-shot` or `fine-tuned`; or a baseline: `mlp` in [`Case::Noise`] is a plain network of the same size,
+    /// any other name is that of [`Baseline::name`](super::Baseline::name).
     pub kind: &'static str,
-    /// Rows learned from.
+    /// Number of rows learned from.
     pub samples: usize,
     /// Standard deviation of the noise on their positions and velocities, rad (m) and rad/s (m/s).
     pub noise: f64,
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub parameters: usize,
-    /// Mean squared error of accelerations, training set.
+    /// Mean squared error of accelerations on the training set.
     pub train_mse: f64,
-    /// The same, test set.
+    /// Mean squared error of accelerations on the test set.
     pub test_mse: f64,
-    /// The same, relative to the mean squared acceleration of the test set.
+    /// Mean squared error of accelerations on the test set, relative to their mean square.
     pub relative_test_mse: f64,
     /// Training time, s.
     pub train_seconds: f64,
-    /// Epochs of Adam; none by Levenberg–Marquardt.
+    /// Number of epochs of Adam; `None` for Levenberg–Marquardt.
     pub epochs: Option<u64>,
-    /// How training ended, in words; null where it was complete.
+    /// End of the training in words; null if it was complete.
     #[serde(rename = "stopped", serialize_with = "in_words")]
     pub ending: Ending,
-    /// Of the weights and of generated data.
+    /// Seed of the weights and of generated data.
     pub seed: u64,
-    /// Long predictions, where the paper has them.
+    /// Long predictions, if the paper has them.
     #[serde(flatten)]
     pub predicted: Option<Predicted>,
-    /// Why there are none.
+    /// Reason why there are no predictions.
     pub unpredicted: Option<&'static str>,
-    /// A million steps in single precision, of two pendulums.
+    /// Long run of two pendulums in single precision.
     #[serde(flatten)]
     pub stepped: Option<Stepped>,
-    /// Accelerations of the test set, true and learned: some of them.
+    /// Some accelerations of the test set, true and learned.
     #[serde(skip)]
     pub accelerations: Vec<(f64, f64)>,
-    /// The predictions over time.
+    /// Predictions over time.
     #[serde(skip)]
     pub pictured: Option<Pictured>,
-    /// The energies along those steps.
+    /// Energies along the long run.
     #[serde(skip)]
     pub long_run: Option<LongRun>,
-    /// The paper's.
+    /// Results of the paper.
     #[serde(skip)]
     pub published: Published,
 }
 
-/// An experiment that cannot be done.
+/// Reason why an experiment fails.
 #[derive(Debug, Error)]
 pub enum ReproduceError {
-    /// There is no data.
+    /// The data cannot be generated.
     #[error(transparent)]
     Data(#[from] GenerationError),
-    /// The shape does not fit in itself or the data.
+    /// The shape is inconsistent or does not fit the data.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A model that the paper compares with cannot be trained.
@@ -158,12 +158,12 @@ pub enum ReproduceError {
     /// The exact motion cannot be followed.
     #[error(transparent)]
     ExactMotion(#[from] leastaction_ground_truth::IntegrationError),
-    /// The data of another system.
+    /// The data belongs to another system.
     #[error("the data has {found} coordinates, the case needs {needed}")]
     Coordinates {
-        /// Of the data.
+        /// Number of coordinates of the data.
         found: usize,
-        /// Of the case.
+        /// Number of coordinates of the case.
         needed: usize,
     },
 }

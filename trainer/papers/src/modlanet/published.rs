@@ -1,22 +1,22 @@
-//! What the paper and its authors' program reach.
+//! Results of the paper and of its authors' program.
 
 use super::Baseline;
 use leastaction_ground_truth::ManyBody;
 
-/// Errors as printed: of accelerations, and of predictions in the authors' measures. `None`: not printed, or it failed.
+/// Errors as printed: of accelerations, and of predictions in the authors' measures. `None` if not printed or failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Published {
-    /// Weights, as the program has them.
+    /// Number of weights in the authors' program.
     pub parameters: Option<usize>,
-    /// Mean squared error of accelerations, test set.
+    /// Mean squared error of accelerations on the test set.
     pub test_mse: Option<f64>,
-    /// A_q.
+    /// Position error A_q.
     pub position: Option<f64>,
-    /// A_E.
+    /// Energy error A_E.
     pub energy: Option<f64>,
 }
 
-/// ModLaNet trained on this system itself (Table 2).
+/// Results of ModLaNet trained on this system itself (Table 2).
 pub fn trained(system: ManyBody) -> Published {
     match system {
         ManyBody::Pendulum(2) => row(6_275, 3.47e-2, 1.28, 4.6e-2),
@@ -25,7 +25,7 @@ pub fn trained(system: ManyBody) -> Published {
     }
 }
 
-/// ModLaNet extended to this system (section 5.3; predictions of the pendulums by the authors' program over 100 and 40 starts).
+/// Results of ModLaNet extended to this system (section 5.3; predictions of the pendulums by the authors' program over 100 and 40 starts).
 pub fn extended(system: ManyBody, fine_tuned: bool) -> Published {
     match (system, fine_tuned) {
         (ManyBody::Pendulum(3), false) => row(6_275, 7.15, 1.88, 1.01),
@@ -42,7 +42,7 @@ pub fn extended(system: ManyBody, fine_tuned: bool) -> Published {
     }
 }
 
-/// The double pendulum by the number of samples (Table 4): 100K and 1M fail.
+/// Results for the double pendulum by the number of samples (Table 4): 100K and 1M fail.
 pub fn by_samples(samples: usize) -> Published {
     let test_mse = match samples {
         10_000 => Some(3.47e-2),
@@ -53,8 +53,8 @@ pub fn by_samples(samples: usize) -> Published {
     Published { parameters: Some(6_275), test_mse, ..Published::default() }
 }
 
-/// A model that the paper compares with (Table 2); the light MLP by the authors' program, whose losses of HNN and MLP are those
-/// of ṗ alone. Where predictions are left out they fail.
+/// Results of a model that the paper compares with (Table 2); those of the light MLP are by the authors' program, whose losses of HNN and
+/// MLP are those of ṗ alone. Predictions that are left out fail.
 pub fn baseline(system: ManyBody, baseline: Baseline) -> Published {
     let failing = |parameters, test_mse| Published {
         parameters: Some(parameters),

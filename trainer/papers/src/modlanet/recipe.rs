@@ -1,4 +1,4 @@
-//! What is learned, and how.
+//! The models to be learned, and the training.
 
 use crate::baselines::AccelerationModel;
 use leastaction_core::energy::List;
@@ -13,10 +13,10 @@ use leastaction_learning::training::{Levenberg, Samples};
 use leastaction_models::Model;
 use leastaction_models::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
 
-/// Hidden units of the pendulum's position; its potential is linear in the position, as the authors' is.
+/// Numbers of hidden units of the pendulum's position; its potential is linear in the position, as in the authors' model.
 const POSITION: [u16; 4] = [32, 0, 0, 0];
-/// Hidden units of the bodies' pair potential. In one over the distance it is linear, w/r + b: the form of the law is known
-/// and its strength learned, and only so does it hold at encounters closer than any in the data.
+/// Numbers of hidden units of the bodies' pair potential. With the reciprocal distance as input it is linear, w/r + b: the form of the law
+/// is known and its strength learned, and only then does it hold at encounters closer than any in the data.
 const fn pair_widths(input: PairInput) -> [u16; 4] {
     match input {
         PairInput::Concat => [24, 24, 0, 0],
@@ -25,10 +25,10 @@ const fn pair_widths(input: PairInput) -> [u16; 4] {
     }
 }
 
-/// Accelerations in a picture, about.
+/// Approximate number of accelerations in a picture.
 const SHOWN: usize = 400;
 
-/// A model of one element type, mass 1, and the tree of the system.
+/// Returns a model with one element type of mass 1, and the tree of the system.
 pub fn architecture(system: ManyBody, pair: PairInput) -> ModularArchitecture {
     match system {
         ManyBody::Pendulum(_) => pendulum(),
@@ -37,7 +37,7 @@ pub fn architecture(system: ManyBody, pair: PairInput) -> ModularArchitecture {
     .with_tree(tree(system))
 }
 
-/// The tree of a system whose elements are all of the first type.
+/// Returns the tree of a system whose elements all have the first type.
 pub fn tree(system: ManyBody) -> NamedTree {
     let kinds = vec![0; system.count()];
     match system {
@@ -66,8 +66,8 @@ fn bodies(input: PairInput) -> ModularArchitecture {
     one_type(shape, "body")
 }
 
-/// All numbers known: a point of mass 1 without damping, c₁ = c₂ = 1. The networks bear the scales, and a known mass fixes
-/// the scale of L, which accelerations do not show.
+/// Returns a model whose numbers are all known: a point of mass 1 without damping, c₁ = c₂ = 1. The networks contain the scales, and a
+/// known mass fixes the scale of L, which accelerations do not show.
 fn one_type(shape: ModularShape, name: &str) -> ModularArchitecture {
     let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
     let types = vec![NamedType { name: name.to_owned(), numbers }];
@@ -77,28 +77,28 @@ fn one_type(shape: ModularShape, name: &str) -> ModularArchitecture {
 /// A trained model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedTree {
-    /// Its shape.
+    /// Shape of the model.
     pub architecture: ModularArchitecture,
-    /// Its weight block.
+    /// Weight block of the model.
     pub weights: Vec<f64>,
 }
 
 impl LearnedTree {
-    /// The same elements in another tree.
+    /// Returns the model with the same elements in another tree.
     #[must_use]
     pub fn extended(&self, system: ManyBody) -> Self {
         Self { architecture: self.architecture.with_tree(tree(system)), weights: self.weights.clone() }
     }
 
-    /// The shape, whatever the family.
+    /// Returns the shape as one of any family.
     pub fn shape(&self) -> Architecture {
         self.architecture.clone().into()
     }
 
-    /// Accelerations of rows, true and learned: some of them, evenly taken, where there are many.
+    /// Accelerations of rows, true and learned; if there are many, an evenly spaced selection.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself or the data.
+    /// An error if the shape is inconsistent or does not fit the data.
     pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
         let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
         Model::new(self.shape(), self.weights.clone()).with_accelerations(|accelerations| {
@@ -111,7 +111,7 @@ impl LearnedTree {
         })
     }
 
-    /// What is learned, and the weights it has.
+    /// Returns the shape that is learned, and its weights.
     pub fn learned(&self) -> (&dyn AccelerationModel, &[f64]) {
         (&self.architecture, &self.weights)
     }
@@ -120,7 +120,7 @@ impl LearnedTree {
 /// Learns from accelerations by Levenberg–Marquardt; `watch` is called with the iteration and the loss.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// An error if the shape is inconsistent or does not fit the data.
 pub fn train(
     architecture: ModularArchitecture,
     rows: &ModlanetRows,
@@ -134,11 +134,11 @@ pub fn train(
     Ok(LearnedTree { architecture, weights: levenberg.weights })
 }
 
-/// Goes on from a trained model with other rows; of all iterations, the start included, the one with the lowest error on
-/// `validation` is kept, so that the model never becomes worse there.
+/// Continues from a trained model with other rows; of all iterations, including the start, the one with the lowest error on `validation` is
+/// kept, so that the model never becomes worse there.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// An error if the shape is inconsistent or does not fit the data.
 pub fn fine_tune(
     model: &LearnedTree,
     [rows, validation]: [&ModlanetRows; 2],
@@ -148,11 +148,11 @@ pub fn fine_tune(
     Ok(LearnedTree { weights, ..model.clone() })
 }
 
-/// Goes on from these weights by Levenberg–Marquardt on `rows`; of all iterations, the start included, the weights with the
-/// lowest error on `validation`.
+/// Continues from these weights by Levenberg–Marquardt on `rows`; returns the weights with the lowest error on `validation` among all
+/// iterations, including the start.
 ///
 /// # Errors
-/// Where the shape does not fit in itself or the data.
+/// An error if the shape is inconsistent or does not fit the data.
 pub(super) fn best_of(
     shape: &dyn AccelerationModel,
     [rows, validation]: [&ModlanetRows; 2],

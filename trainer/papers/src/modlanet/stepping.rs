@@ -1,5 +1,5 @@
-//! A learned double pendulum stepped a million times in single precision: by the DEL equation its energy stays, by a
-//! Runge–Kutta method on the same accelerations it drifts.
+//! A learned double pendulum stepped a million times in single precision: with the DEL equation its energy stays, with a Runge–Kutta method
+//! on the same accelerations it drifts.
 
 use super::{LearnedTree, ReproduceError};
 use leastaction_core::continuous::{ContinuousState, energy, rk4_step};
@@ -16,37 +16,37 @@ use thiserror::Error;
 const N: usize = 2;
 const WIDTH: usize = 64;
 const DEPTH: usize = 3;
-/// Energies kept of each run.
+/// Number of energies kept of each run.
 const KEPT: usize = 1000;
 
 type Tree<'w, S> = System<Modular<'w, <S as Scalar>::Weight, N, MAX_TYPES, WIDTH, DEPTH>, Viscous<S, N>>;
 
-/// The energies along three runs, against that of the start, J.
+/// Energies along three runs, relative to that of the start, J.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LongRun {
-    /// Steps of each.
+    /// Number of steps of each run.
     pub steps: usize,
-    /// Step, s.
+    /// Step size, s.
     pub h: f32,
-    /// Energy errors by the DEL equation of order 2: (time, error).
+    /// Energy errors of the DEL equation of order 2: (time, error).
     pub del_2: Vec<(f64, f64)>,
-    /// The same of order 4.
+    /// Energy errors of the DEL equation of order 4: (time, error).
     pub del_4: Vec<(f64, f64)>,
-    /// By the classical Runge–Kutta method of order 4 on the accelerations.
+    /// Energy errors of the classical Runge–Kutta method of order 4 on the accelerations: (time, error).
     pub rk4: Vec<(f64, f64)>,
 }
 
-/// What a run comes to.
+/// Summary of the energy errors of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Energies {
-    /// The largest error, J.
+    /// Largest error, J.
     pub largest: f64,
-    /// How much the line through the errors rises over the run, J.
+    /// Rise of the line through the errors over the run, J.
     pub drift: f64,
 }
 
 impl Energies {
-    /// Of errors at equal times.
+    /// Summarises errors at equally spaced times.
     pub fn of(errors: &[(f64, f64)]) -> Self {
         let n = errors.len() as f64;
         let (mx, my) =
@@ -61,10 +61,10 @@ impl Energies {
     }
 }
 
-/// A step that could not be done.
+/// Reason why a step failed.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SteppingError {
-    /// Of the DEL equation.
+    /// A step of the DEL equation failed.
     #[error("a step of the DEL equation failed: {0:?}")]
     Step(StepError<f32>),
     /// The mass matrix is singular.
@@ -87,7 +87,7 @@ impl From<SolveError> for SteppingError {
 /// Steps a model of two pendulums from rest at 0.9 and −0.6 rad, by all three methods.
 ///
 /// # Errors
-/// Where the model has other coordinates, or a step fails.
+/// An error if the model has other coordinates, or a step fails.
 pub fn long_run(model: &LearnedTree, steps: usize, h: f32) -> Result<LongRun, ReproduceError> {
     let rounded: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
     let exact: Vec<f64> = rounded.iter().map(|w| f64::from(*w)).collect();
@@ -101,7 +101,7 @@ pub fn long_run(model: &LearnedTree, steps: usize, h: f32) -> Result<LongRun, Re
 
 struct Run<'w> {
     system: Tree<'w, f32>,
-    /// The same model in double precision, which takes the energies.
+    /// The model in double precision, which evaluates the energies.
     judge: Tree<'w, f64>,
     steps: usize,
     h: f32,
@@ -130,7 +130,7 @@ impl Run<'_> {
         })
     }
 
-    /// Energy errors after every so many steps.
+    /// Energy errors after every `every` steps.
     fn run(
         &self,
         mut step: impl FnMut() -> Result<([f64; N], [f64; N]), SteppingError>,

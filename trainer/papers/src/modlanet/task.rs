@@ -1,4 +1,4 @@
-//! The experiments as tasks, their rows as records.
+//! Experiments as tasks, with their rows as records.
 
 use super::super::interrupted::Interrupted;
 use super::super::record::{Measure, Record};
@@ -10,12 +10,12 @@ use leastaction_learning::data::modlanet::ModlanetSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A data set that was read.
+/// A data set from a file.
 #[derive(Clone, Debug)]
 pub struct ModlanetData {
-    /// From where.
+    /// File of the data.
     pub file: String,
-    /// What.
+    /// Content of the file.
     pub set: Arc<ModlanetSet>,
 }
 
@@ -25,13 +25,12 @@ struct Experiment {
     baseline: Option<(Baseline, Limits)>,
     options: Options,
     data: Option<ModlanetData>,
-    /// The options beside case and seed, as on the command line.
+    /// Command-line options other than case and seed.
     arguments: String,
 }
 
-/// The tasks of these cases, each with as many seeds from that of the options on, and within the limits those of models that the
-/// paper compares with, where it has them; without data it is generated. `arguments` are the options beside case and seed, as on the
-/// command line.
+/// Creates the tasks of these cases, each with `seeds` seeds from that of the options on, and those of the baselines within the limits, in
+/// cases that have them; without data it is generated. `arguments` are the command-line options other than case and seed.
 pub fn tasks(
     cases: &[Case],
     options: &Options,
@@ -111,7 +110,7 @@ impl Task for Experiment {
     }
 }
 
-/// The title of a case's table, and whether there are predictions in it.
+/// Title of a case's table, and whether it has predictions.
 fn table(case: Case) -> (&'static str, bool) {
     match case {
         Case::DoublePendulum | Case::ThreeBody => {
@@ -151,7 +150,7 @@ fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
     })
 }
 
-/// As in the table, and whether it is ours.
+/// Name of the model in the table, and whether it is ours.
 fn model(kind: &str) -> (String, bool) {
     if let Some(baseline) = Baseline::ALL.into_iter().find(|baseline| baseline.name() == kind) {
         return (baseline.title().to_owned(), false);
@@ -180,7 +179,7 @@ fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
     measures
 }
 
-/// How training ended, why there are no predictions, and the energies of the long run.
+/// Note on the end of the training, the reason for missing predictions, and the energies of the long run.
 fn note(row: &Outcome) -> Option<String> {
     let unpredicted = row.unpredicted.map(|why| format!("no predictions: {why}"));
     let notes = [row.ending.words(), unpredicted, row.stepped.as_ref().map(energies)];

@@ -1,21 +1,21 @@
-//! The mechanisms as planar rigid bodies on joints, whose masses, lengths, centres and moments of inertia are learned.
+//! Mechanisms as planar rigid bodies on joints, whose masses, lengths, centres and moments of inertia are learned.
 //!
-//! Known is what an engineer knows who looks at the mechanism: which joints there are, that gravity is 9.81 m/s² and where it points
-//! at q = 0, and that the centres of mass lie on the links. Learned is every other number, from starts that are those of no mechanism here.
+//! The known numbers are those an engineer sees at a glance: which joints there are, that gravity is 9.81 m/s² and its direction at q = 0,
+//! and that the centres of mass lie on the links. All other numbers are learned, from initial values that belong to none of the mechanisms.
 
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_ground_truth::Mechanism;
 use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use std::f64::consts::FRAC_PI_2;
 
-/// m/s².
+/// Gravity, m/s².
 const GRAVITY: f64 = 9.81;
-/// Starts of a mass, kg, the distance of a centre of mass from its joint, m, and a moment of inertia about it, kg m².
+/// Initial values of a mass, kg, the distance of a centre of mass from its joint, m, and a moment of inertia about the centre, kg m².
 const START: [f64; 3] = [0.6, 0.2, 0.05];
-/// The start of a length, m.
+/// Initial value of a length, m.
 const LENGTH: f64 = 0.4;
 
-/// The bodies of a mechanism; `None` where they were no tree.
+/// Returns the bodies of a mechanism; `None` if they do not form a tree.
 pub(super) fn bodies(mechanism: Mechanism) -> Option<Architecture> {
     let (gravity, bodies) = match mechanism {
         // Upright at 0.
@@ -32,7 +32,7 @@ fn learned(value: f64) -> Number {
     Number { value, learned: true }
 }
 
-/// A link on a joint that is turned by `angle` and sits so far along its parent.
+/// Returns a link on a joint that is turned by `angle` and sits at `length` along its parent.
 fn link(parent: Option<u8>, angle: f64, length: Option<f64>) -> (TreeBody, BodyParameters<Number>) {
     let ([mass, centre, inertia], zero) = (START.map(learned), Number::known(0.0));
     let parameters = BodyParameters {
@@ -47,7 +47,7 @@ fn link(parent: Option<u8>, angle: f64, length: Option<f64>) -> (TreeBody, BodyP
     (TreeBody { joint: Joint::Revolute, parent }, parameters)
 }
 
-/// A mass on a rail, which never turns.
+/// Returns a mass on a rail, which never turns.
 fn cart() -> (TreeBody, BodyParameters<Number>) {
     let (joint, (_, link)) = (Joint::Prismatic, link(None, 0.0, None));
     let [zero, one] = [0.0, 1.0].map(Number::known);

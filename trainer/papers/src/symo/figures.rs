@@ -5,11 +5,11 @@ use super::super::{Overview, distinct};
 use leastaction_plot::{PlotError, Series, Stroke, log_log};
 use std::path::Path;
 
-/// Test and integration error, energy and inertia against the number of trajectories, one picture a mechanism and measure, ours and
-/// the paper's (Figure 4).
+/// Draws test and integration error, energy and inertia against the number of trajectories, one picture per mechanism and measure, with our
+/// values and the paper's (Figure 4).
 ///
 /// # Errors
-/// Where a file cannot be written.
+/// An error if a file cannot be written.
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
     let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();

@@ -1,5 +1,5 @@
-//! What exact physics reaches when it is stepped by the DEL equation, as every model here is: the floor of the discretisation. A
-//! learned Lagrangian may go below it, as it learns the modified one.
+//! Errors of exact physics stepped by the DEL equation, which all models here use: the floor of the discretisation. A learned Lagrangian
+//! may go below it, because it learns the modified Lagrangian.
 
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
@@ -8,7 +8,7 @@ use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::{energy_mse, integration_errors, rollout_system};
 
-/// The measures of [`super::Outcome::measures`] of the exact mechanism; nothing for the inertia matrix.
+/// Measures of [`super::Outcome::measures`] for the exact mechanism; NaN for the inertia matrix.
 pub(super) fn floor(mechanism: Mechanism, order: u8, set: &SymoSet) -> [f64; 6] {
     match mechanism.exact() {
         Exact::One(exact) => of(&undamped(exact), mechanism, order, set),
@@ -34,7 +34,7 @@ fn of<L: Lagrangian<f64, N> + Sync, const N: usize>(
     [test, errors.mean, errors.median, errors.first_100, energy, f64::NAN]
 }
 
-/// Every three consecutive states as a motion of its own.
+/// Returns every three consecutive states as a separate motion.
 fn triples(data: &Dataset) -> Dataset {
     let cut = |rows: &Rows, k: usize| rows.select(&[k, k + 1, k + 2]);
     let of_trajectory = |trajectory: &Trajectory| -> Vec<Trajectory> {

@@ -1,5 +1,5 @@
-//! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of
-//! positions and controls. The control is linear between samples, as in the authors' equation; in each trajectory it is constant.
+//! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of positions and
+//! controls. The control is linear between samples, as in the authors' equation; in each trajectory it is constant.
 
 mod bodies;
 mod figures;
@@ -25,41 +25,41 @@ use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use leastaction_models::{Beginning, Model};
 use serde::Serialize;
 
-/// Which of the models: SyMo's two, and the baselines that are stepped by Runge–Kutta from logged velocities.
+/// Model to learn: SyMo's two, and the baselines, some of which are stepped by Runge–Kutta from logged velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The DEL residual at logged positions is minimised.
+    /// Minimises the DEL residual at logged positions.
     Symo,
-    /// The error of the implicit step's next position is minimised.
+    /// Minimises the error of the implicit step's next position.
     E2eSymo,
-    /// From positions alone over whole trajectories with free start states, the position error of Runge–Kutta steps of order 4 is minimised;
-    /// stepped by the equation of the other two.
+    /// Minimises the position error of Runge–Kutta steps of order 4 over whole trajectories with free start states, from positions alone;
+    /// stepped by the equation of the SyMo models.
     Windows,
-    /// As `windows`, but the mechanism is described as rigid bodies on joints, whose numbers are learned.
+    /// Like `windows`, with the mechanism described as rigid bodies on joints, whose numbers are learned.
     Bodies,
-    /// SyMo's network, the error of the next state by a Runge–Kutta step of order 4 is minimised.
+    /// SyMo's network; minimises the error of the next state by a Runge–Kutta step of order 4.
     LNodeRk4,
-    /// The same with the explicit midpoint rule.
+    /// SyMo's network; minimises the error of the next state by the explicit midpoint rule.
     LNodeMidpoint,
-    /// A plain network for the acceleration, stepped as L-NODE of order 4.
+    /// A plain network for the acceleration, stepped like L-NODE of order 4.
     NodeRk4,
-    /// The same with the explicit midpoint rule.
+    /// A plain network for the acceleration, stepped by the explicit midpoint rule.
     NodeMidpoint,
 }
 
 impl Method {
-    /// Whether it is one of the discrete Euler–Lagrange equation, and not one that those are compared with.
+    /// Whether it is stepped by the discrete Euler–Lagrange equation.
     pub fn is_discrete(self) -> bool {
         matches!(self, Self::Symo | Self::E2eSymo | Self::Windows | Self::Bodies)
     }
 
-    /// Whether it is for data with noise alone: without any, single steps say as much.
+    /// Whether it is meant only for data with noise: without noise, single steps show as much.
     pub fn is_for_noise(self) -> bool {
         matches!(self, Self::Windows | Self::Bodies)
     }
 
-    /// Of its integrators.
+    /// Orders of its integrators.
     pub fn orders(self) -> &'static [u8] {
         match self {
             Self::Symo | Self::E2eSymo => &[2, 4],
@@ -72,58 +72,57 @@ impl Method {
 /// One row of the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Case {
-    /// Which mechanism.
+    /// Mechanism of the row.
     pub mechanism: Mechanism,
-    /// Which loss.
+    /// Model of the row.
     pub model: Method,
-    /// 2 (SyMo's) or 4.
+    /// Order of the integrator, 2 (SyMo's) or 4.
     pub order: u8,
-    /// Training trajectories.
+    /// Number of training trajectories.
     pub trajectories: usize,
-    /// Of the initial weights.
+    /// Seed of the initial weights.
     pub seed: u64,
     /// Standard deviation of the noise on the states of the training and of the test set, rad or m and per second.
     pub noise: f64,
-    /// Iterations of the recipe at most.
+    /// Maximum number of iterations of the recipe.
     pub most_iterations: usize,
 }
 
-/// What a case gives, in SyMo's measures on equal terms.
+/// Results of a case, in SyMo's measures under equal conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// Name of the mechanism.
     pub system: &'static str,
-    /// Which loss.
+    /// Model of the row.
     pub model: Method,
-    /// Of the integrator.
+    /// Order of the integrator.
     pub order: u8,
-    /// Training trajectories.
+    /// Number of training trajectories.
     pub trajectories: usize,
-    /// Weights.
+    /// Number of weights.
     pub parameters: usize,
-    /// Mean squared error of the next position, training set (m², rad²).
+    /// Mean squared error of the next position on the training set (m², rad²).
     pub train_mse: f64,
-    /// The same, test set.
+    /// Mean squared error of the next position on the test set (m², rad²).
     pub test_mse: f64,
     /// Mean squared position error over 16 × 500 free steps.
     pub integration_mse: f64,
-    /// Median over the 16.
+    /// Median of this error over the 16 motions.
     pub integration_median: f64,
-    /// Mean over their first 100 steps.
+    /// Mean of this error over their first 100 steps.
     pub integration_mse_100: f64,
-    /// Mean squared error of the true energy along them (J²).
+    /// Mean squared error of the true energy along these motions (J²).
     pub energy_mse: f64,
-    /// Mean squared error of the inertia matrix on the test set; NODE has none.
+    /// Mean squared error of the inertia matrix on the test set; `None` for NODE.
     pub inertia_mse: Option<f64>,
     /// Training time, s.
     pub train_seconds: f64,
-    /// Of the initial weights.
+    /// Seed of the initial weights.
     pub seed: u64,
 }
 
 impl Outcome {
-    /// The six measures of the tables: test, integration mean, median and first 100 steps, energy, inertia; not a number where
-    /// there is none.
+    /// The six measures of the tables: test, integration mean, median and first 100 steps, energy, inertia; NaN for a missing one.
     pub fn measures(&self) -> [f64; 6] {
         [
             self.test_mse,
@@ -136,26 +135,26 @@ impl Outcome {
     }
 }
 
-/// Of so many noisy trajectories one judges.
+/// Inverse of the fraction of noisy trajectories that judge.
 const JUDGES: usize = 4;
 
-/// How a case is learned.
+/// Settings for learning a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
-    /// The network.
+    /// Shape of the network.
     pub architecture: Architecture,
-    /// Iterations on the order-2 DEL residual, which is finite whatever the weights, before the loss of a discrete model itself.
+    /// Number of iterations on the order-2 DEL residual, which is finite for any weights, before the loss of a discrete model itself.
     pub warm_up: usize,
-    /// Iterations on the loss.
+    /// Number of iterations on the loss.
     pub iterations: usize,
     /// Penalty on the weights.
     pub decay: f64,
-    /// Training trajectories that are held back to judge by.
+    /// Number of training trajectories that are held back to judge.
     pub judges: usize,
 }
 
 impl Recipe {
-    /// So many iterations on an objective; the last weights, or those that are best by another objective.
+    /// Runs the given number of iterations on an objective; returns the last weights, or those that are best by another objective.
     fn minimise(
         &self,
         (objective, judge): (&dyn Objective, Option<&dyn Objective>),
@@ -171,7 +170,7 @@ impl Recipe {
         }
     }
 
-    /// Of these trajectories those that are learned from, and those that judge: where none are held back, the same.
+    /// Splits trajectories into those that are learned from and those that judge; both are all trajectories if none are held back.
     fn split(&self, data: &Dataset) -> [Dataset; 2] {
         match self.judges {
             0 => [data.clone(), data.clone()],
@@ -181,9 +180,8 @@ impl Recipe {
 }
 
 impl Case {
-    /// The recipe for a case. One wide layer is better conditioned than two narrow ones and generalises better from few
-    /// trajectories; the acrobot wants the second layer where the data can fill it. The cart's position is known to be
-    /// cyclic.
+    /// Returns the recipe for a case. One wide layer is better conditioned than two narrow ones and generalises better from few
+    /// trajectories; the acrobot needs the second layer once there is enough data. The cart's position is known to be cyclic.
     pub fn recipe(&self) -> Recipe {
         let (coordinates, widths): (&[Coordinate], Vec<u16>) = match self.mechanism {
             Mechanism::Pendulum => (&[Coordinate::Angle], vec![40]),
@@ -192,15 +190,15 @@ impl Case {
         };
         let architecture =
             InertiaNetworkArchitecture { widths, ..InertiaNetworkArchitecture::new(coordinates, 0) }.into();
-        // At order 2 the model cannot fit the motion exactly and soon learns the integrator's error by heart; that error, and
-        // so the penalty that keeps the weights from it, is the largest at the pendulum's step of 0.1 s.
+        // At order 2 the model cannot fit the motion exactly and soon overfits to the integrator's error. That error, and therefore the
+        // penalty on the weights against overfitting, is largest at the pendulum's step of 0.1 s.
         let (iterations, decay) = match (self.order, self.mechanism) {
             (4, _) => (150, 0.0),
             (_, Mechanism::Pendulum) => (30, 1e-8),
             (_, Mechanism::Cartpole) => (30, 1e-9),
             (_, Mechanism::Acrobot) => (30, 0.0),
         };
-        // What is learned by heart of noise shows on other trajectories.
+        // Overfitting to noise shows on other trajectories.
         let judges = if self.noise > 0.0 { self.trajectories / JUDGES } else { 0 };
         Recipe { architecture, warm_up: 20, iterations: iterations.min(self.most_iterations), decay, judges }
     }
@@ -214,10 +212,10 @@ impl Case {
         if self.model == Method::Symo { LossKind::DelResidual } else { LossKind::NextPosition }
     }
 
-    /// The learned weights of a discrete model.
+    /// Learns the weights of a discrete model.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself or the data.
+    /// An error if the shape is inconsistent or does not fit the data.
     pub fn train(
         &self,
         recipe: &Recipe,
@@ -233,16 +231,16 @@ impl Case {
         let loss = objective(architecture, samples, self.loss(), self.order)?;
         let weights = architecture.initial_weights(self.seed);
         let weights = recipe.minimise((&*warm_up, Some(&*next)), weights, recipe.warm_up, &mut watch);
-        // On the same trajectories the next position would judge itself.
+        // On the same trajectories the loss of the next position would judge itself.
         let is_other = recipe.judges > 0 || self.model == Method::Symo;
         let judge = Some(&*judge).filter(|_| is_other);
         Ok(recipe.minimise((&*loss, judge), weights, recipe.iterations, &mut watch))
     }
 
-    /// The measures of a discrete model.
+    /// Measures of a discrete model.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself or the data.
+    /// An error if the shape is inconsistent or does not fit the data.
     pub fn outcome(&self, model: &Model, set: &SymoSet, train_seconds: f64) -> Result<Outcome, ModelError> {
         let train = set.train.truncated(self.trajectories);
         let runs = model.rollout(self.order, (&set.integration, Beginning::Positions))?;

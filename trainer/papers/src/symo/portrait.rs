@@ -9,26 +9,26 @@ use leastaction_plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use std::path::Path;
 use thiserror::Error;
 
-/// Steps of the motion.
+/// Number of steps of the motion.
 const STEPS: usize = 4_000;
-/// Makes the stream of its start another than that of the data.
+/// Mask that makes the random stream of the start differ from that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 
-/// A picture that cannot be drawn.
+/// Reason why a picture cannot be drawn.
 #[derive(Debug, Error)]
 pub(super) enum PortraitError {
-    /// The exact motion.
+    /// The exact motion cannot be followed.
     #[error(transparent)]
     ExactMotion(#[from] IntegrationError),
-    /// The learned one.
+    /// The learned motion cannot be computed.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The file.
+    /// The file cannot be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
 }
 
-/// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that no data has; the name of the file.
+/// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that no data has; returns the name of the file.
 pub(super) fn draw(folder: &Path, name: &str, case: &Case, model: &Model) -> Result<String, PortraitError> {
     let start = Settings {
         samples: STEPS + 2,

@@ -1,23 +1,22 @@
-//! What the authors' program reaches.
+//! Results of the authors' program.
 
 use super::Case;
 use super::Method::{self, E2eSymo, LNodeRk4, NodeRk4, Symo};
 use leastaction_ground_truth::Mechanism::{self, Acrobot, Cartpole, Pendulum};
 
-/// What the published program reaches, on equal terms; `None` where it is not known or, beyond 100 steps of the chaotic
-/// acrobot, means nothing.
+/// Results of the published program under equal conditions; `None` if unknown, or meaningless (beyond 100 steps of the chaotic acrobot).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published {
-    /// Weights of its network.
+    /// Number of weights of its network.
     pub parameters: usize,
-    /// In the order of [`super::Outcome::measures`].
+    /// Measures in the order of [`super::Outcome::measures`].
     pub measures: [Option<f64>; 6],
 }
 
-/// A row: mechanism, model, trajectories, weights, measures.
+/// Row of the table: mechanism, model, trajectories, weights, measures.
 type Row = (Mechanism, Method, usize, usize, [f64; 6]);
 
-/// Not known, or without meaning.
+/// Unknown or meaningless.
 const UNKNOWN: f64 = f64::NAN;
 
 const TABLE: [Row; 25] = [
@@ -48,7 +47,7 @@ const TABLE: [Row; 25] = [
     (Acrobot, E2eSymo, 128, 68_100, [8.1e-9, UNKNOWN, UNKNOWN, 0.0042, 3.0e-3, 1.2e-4]),
 ];
 
-/// The published program's figures for a case, measured with it on its own data.
+/// Returns the published program's results for a case, measured with it on its own data.
 pub fn published(case: &Case) -> Option<Published> {
     if case.noise > 0.0 {
         return noisy(case);
@@ -59,7 +58,7 @@ pub fn published(case: &Case) -> Option<Published> {
     Some(Published { parameters: *parameters, measures: measures.map(known) })
 }
 
-/// With noise on positions and velocities of the training and the test set: the error one step ahead, against noisy targets.
+/// Returns the error one step ahead against noisy targets, with noise on positions and velocities of the training and the test set.
 fn noisy(case: &Case) -> Option<Published> {
     let is_known = case.mechanism == Pendulum && case.trajectories == 32;
     let of_noise = match case.model {
@@ -72,5 +71,5 @@ fn noisy(case: &Case) -> Option<Published> {
     Some(Published { parameters: 17_154, measures: [Some(test), None, None, None, None, None] })
 }
 
-/// The authors' standard deviations.
+/// Standard deviations of the noise in the authors' study.
 pub const NOISE: [f64; 3] = [0.01, 0.05, 0.1];

@@ -1,4 +1,4 @@
-//! The baselines that are stepped by Runge–Kutta from logged states: L-NODE and NODE.
+//! Baselines that are stepped by Runge–Kutta from logged states: L-NODE and NODE.
 
 use super::{Case, Method, Outcome, Recipe};
 use crate::baselines::NeuralOde;
@@ -17,21 +17,21 @@ use leastaction_models::accelerations::Forced;
 use std::time::Instant;
 use thiserror::Error;
 
-/// A case that cannot be run.
+/// Reason why a case cannot be run.
 #[derive(Debug, Error)]
 pub enum CaseError {
-    /// Its shape.
+    /// The shape is inconsistent or does not fit.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Its data.
+    /// The data does not fit.
     #[error(transparent)]
     Samples(#[from] SampleError),
-    /// Its trajectories are shorter than windows.
+    /// The trajectories are shorter than windows.
     #[error(transparent)]
     Windows(#[from] TooShort),
 }
 
-/// What a baseline has learned.
+/// Learned model of a baseline.
 enum Learned {
     /// A Lagrangian.
     LNode(Box<Model>),
@@ -52,7 +52,7 @@ impl Case {
     /// Learns and evaluates a baseline.
     ///
     /// # Errors
-    /// Where the shape does not fit the data, or the data has no velocities.
+    /// An error if the shape does not fit the data, or the data has no velocities.
     pub(super) fn run_from_states(
         &self,
         set: &SymoSet,
@@ -74,8 +74,8 @@ impl Case {
         Ok(Outcome { inertia_mse, parameters: weights.len(), train_seconds: seconds, ..outcome })
     }
 
-    /// By the recipe of SyMo's models: the network, the iterations on the loss, the penalty and who judges; finite whatever the
-    /// initial weights, the loss needs no warm-up.
+    /// Learns by the recipe of SyMo's models: the network, the number of iterations on the loss, the penalty and the judge. The loss is
+    /// finite for any initial weights and needs no warm-up.
     fn learn_from_states(
         &self,
         recipe: Recipe,
@@ -103,7 +103,7 @@ impl Case {
         Ok((Learned::NeuralOde(node), weights))
     }
 
-    /// The measures of learned accelerations.
+    /// Measures of learned accelerations.
     fn stepped<const N: usize>(&self, exact: &Trigonometric<N>, forced: &Forced, set: &SymoSet) -> Outcome {
         let acceleration = |q: &[f64; N], v: &[f64; N], u: &[f64; N]| {
             let mut out = [0.0; N];

@@ -1,4 +1,4 @@
-//! The cases as tasks, their rows as records.
+//! Cases as tasks, with their rows as records.
 
 use super::super::option_name;
 use super::super::record::{Measure, Record};
@@ -14,26 +14,26 @@ use std::time::Instant;
 
 pub use super::figures::overview;
 
-/// The data of a mechanism: generated when the first task wants it, or read.
+/// Data of a mechanism: generated when the first task needs it, or read from a file.
 #[derive(Clone, Debug)]
 pub struct SymoData {
     set: Arc<OnceLock<Result<SymoSet, IntegrationError>>>,
-    /// What exact physics reaches on it at order 2 and at order 4, measured when the first task wants it.
+    /// Errors of exact physics on this data at order 2 and at order 4, measured when the first task needs them.
     floors: Arc<[OnceLock<[f64; 6]>; 2]>,
     mechanism: Mechanism,
     seed: u64,
     noise: f64,
-    /// Where it was read from.
+    /// File that the data was read from.
     file: Option<String>,
 }
 
 impl SymoData {
-    /// By our own generator, with noise on the training and the test set.
+    /// Creates data by our own generator, with noise on the training and the test set.
     pub fn generated(mechanism: Mechanism, seed: u64, noise: f64) -> Self {
         Self { set: Arc::default(), floors: Arc::default(), mechanism, seed, noise, file: None }
     }
 
-    /// What was read from a file.
+    /// Creates data that was read from a file.
     pub fn read(mechanism: Mechanism, file: String, set: SymoSet) -> Self {
         let set = Arc::new(Ok(set).into());
         Self { set, floors: Arc::default(), mechanism, seed: 0, noise: 0.0, file: Some(file) }
@@ -55,12 +55,12 @@ impl SymoData {
 struct Experiment {
     case: Case,
     data: SymoData,
-    /// The options beside those that name the case, as on the command line.
+    /// Command-line options other than those that name the case.
     arguments: String,
 }
 
-/// The tasks of these cases on the data of their mechanism; `arguments` are the options beside those that name a case, as on the
-/// command line.
+/// Creates the tasks of these cases on the data of their mechanism; `arguments` are the command-line options other than those that name a
+/// case.
 pub fn tasks(cases: &[Case], data: &SymoData, arguments: &str) -> Vec<Box<dyn Task>> {
     let one = |case: &Case| -> Box<dyn Task> {
         Box::new(Experiment { case: *case, data: data.clone(), arguments: arguments.to_owned() })
@@ -129,10 +129,10 @@ impl Task for Experiment {
     }
 }
 
-/// Trajectories of the models whose motion is drawn.
+/// Number of training trajectories of the models whose motion is drawn.
 const PORTRAYED: usize = 32;
 
-/// A model's name in the tables; that of a baseline says its integrator.
+/// Name of a model in the tables; that of a baseline includes its integrator.
 fn label(case: &Case) -> String {
     let name = option_name(&case.model);
     if case.model.is_discrete() { format!("{name}, order {}", case.order) } else { name }

@@ -1,4 +1,4 @@
-//! From positions alone over windows of many steps, whose start states are free: noise averages out, and forces add up.
+//! Learning from positions alone over windows of many steps, whose start states are free: noise averages out, and effects of forces add up.
 
 use super::bodies::bodies;
 use super::states::CaseError;
@@ -15,22 +15,22 @@ use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Steps of the windows that are learned from first: whatever the initial weights, motion over them is hardly chaotic.
+/// Number of steps of the first windows: motion over them is hardly chaotic, whatever the initial weights.
 const SHORT: usize = 7;
-/// A Runge–Kutta step of order 4 at most, s: its error is far below the noise.
+/// Longest Runge–Kutta step of order 4, s: its error is far below the noise.
 const LONGEST_STEP: f64 = 0.025;
-/// Units of the hidden layer to choose from; without one, potential and the factor of the inertia are linear in what the network sees.
+/// Hidden layers to choose from, by their units; without one, potential and the factor of the inertia are linear in the features.
 const WIDTHS: [&[u16]; 2] = [&[], &[40]];
 /// Penalties on the weights of a hidden layer to choose from.
 const DECAYS: [f64; 3] = [1e-6, 1e-5, 1e-4];
-/// By which part the error of a later choice must be lower.
+/// Fraction by which the error of a later choice must be lower.
 const MARGIN: f64 = 0.02;
 
 impl Case {
-    /// What a discrete model learns, and its shape.
+    /// Learns a discrete model; returns its shape and its weights.
     ///
     /// # Errors
-    /// As [`Case::train`] and [`Case::learn_over_windows`].
+    /// See [`Case::train`] and [`Case::learn_over_windows`].
     pub(super) fn learn(
         &self,
         recipe: Recipe,
@@ -44,11 +44,11 @@ impl Case {
         Ok((recipe.architecture, weights))
     }
 
-    /// Learns from all trajectories, first over short windows, then over their whole length; where there are several shapes and penalties,
-    /// with those that have the lowest error on trajectories held back, each of which is once.
+    /// Learns from all trajectories, first over short windows, then over their whole length. If there are several shapes and penalties,
+    /// uses those with the lowest error on held-back trajectories; each trajectory is held back once.
     ///
     /// # Errors
-    /// Where the shape does not fit in itself, or trajectories are shorter than a window.
+    /// An error if the shape is inconsistent, or trajectories are shorter than a window.
     fn learn_over_windows(
         &self,
         recipe: &Recipe,
@@ -68,7 +68,7 @@ impl Case {
         Ok((best.1.architecture, weights))
     }
 
-    /// What is chosen from: the bodies of the mechanism, or networks.
+    /// Shapes to choose from: the bodies of the mechanism, or networks.
     fn candidates(&self, recipe: &Recipe) -> Result<Vec<Recipe>, ModelError> {
         if self.model != Method::Bodies {
             return Ok(networks(recipe));
@@ -77,7 +77,7 @@ impl Case {
         Ok(vec![Recipe { architecture, ..recipe.clone() }])
     }
 
-    /// The geometric mean over folds of the mean square error over windows of the fold, learned from the others.
+    /// Geometric mean over folds of the mean squared error over windows of the fold, learned from the other folds.
     fn held_back_error(
         &self,
         recipe: &Recipe,
@@ -94,7 +94,7 @@ impl Case {
         Ok((logarithms / folds.len() as f64).exp())
     }
 
-    /// The weights that are best over windows of some of the trajectories.
+    /// Returns the weights that are best over windows of some of the trajectories.
     fn over_windows(
         &self,
         recipe: &Recipe,
@@ -118,7 +118,7 @@ impl Case {
     }
 }
 
-/// Every width with every penalty; without a hidden layer there is nothing to keep small.
+/// Returns every width with every penalty; without a hidden layer, no penalty is needed.
 fn networks(recipe: &Recipe) -> Vec<Recipe> {
     let Some(inertia_network) = recipe.architecture.family.inertia_network() else { return Vec::new() };
     let of = |widths: &[u16]| -> Vec<Recipe> {
@@ -134,12 +134,12 @@ fn networks(recipe: &Recipe) -> Vec<Recipe> {
     WIDTHS.into_iter().flat_map(of).collect()
 }
 
-/// Steps of the shortest trajectory.
+/// Number of steps of the shortest trajectory.
 fn whole(data: &Dataset) -> usize {
     data.trajectories.iter().map(Trajectory::samples).min().unwrap_or(0).saturating_sub(1).max(1)
 }
 
-/// The loss over windows of so many steps that overlap by half, of some trajectories.
+/// Loss over windows of `steps` steps that overlap by half, of some trajectories.
 fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> Result<WindowLoss, CaseError> {
     let settings = WindowSettings {
         steps,
@@ -163,7 +163,7 @@ mod tests {
         Case { mechanism, model, order: 4, trajectories: 16, seed: 1, noise, most_iterations: 30 }
     }
 
-    /// Where gravity or an axis pointed elsewhere, no masses would move alike.
+    /// If gravity or an axis had another direction, no masses would give the same motion.
     #[test]
     fn bodies_are_the_mechanisms() {
         // The acrobot is chaotic.
@@ -190,7 +190,7 @@ mod tests {
         let recipe = Recipe { iterations: 30, ..networks(&case.recipe()).remove(0) };
         let weights = case.over_windows(&recipe, &set.train, 0..16, &mut |_, _| ()).unwrap();
         let outcome = case.outcome(&Model::new(recipe.architecture.clone(), weights), &set, 0.0).unwrap();
-        // The position one step ahead of two noisy ones is off by √6 of their noise.
+        // The position one step ahead of two noisy ones has an error of √6 times their noise.
         assert!(outcome.test_mse < 1.1 * 6.0 * 0.05 * 0.05, "{outcome:?}");
         assert!(outcome.inertia_mse.unwrap() < 1e-4, "{outcome:?}");
         assert!(outcome.integration_mse_100 < 0.2, "{outcome:?}");

@@ -1,7 +1,7 @@
 use super::{Finished, Record};
 use std::fmt::Write;
 
-/// Every measure of every row and seed on a line of its own, with a header; empty where something is not known.
+/// Returns every measure of every row and seed on a separate line, with a header; unknown values are empty.
 pub fn csv(results: &[Finished]) -> String {
     let mut text = String::from(
         "table,subject,model,ours,parameters,seed,measure,value,paper,floor,train_seconds,note,command\n",
@@ -40,7 +40,7 @@ fn lines(text: &mut String, task: &Finished, record: &Record) {
     }
 }
 
-/// As comma-separated values have text.
+/// Text as a field of comma-separated values.
 fn quoted(text: &str) -> String {
     if text.contains(['"', ',', '\n']) {
         format!("\"{}\"", text.replace('"', "\"\""))

@@ -3,8 +3,8 @@ use super::{Finished, Row, Table, exceptions, number, tables};
 use leastaction_learning::report::page::{escaped, page as framed};
 use std::path::Path;
 
-/// A page that needs nothing else: the tables with the paper's numbers, ours, their ratio and the spread over the seeds, the
-/// command and the data of every row, and the pictures of `folder`; on top what is better than ours.
+/// Returns a self-contained page: the tables with the paper's numbers, ours, their ratio and the spread over the seeds, the command and the
+/// data of every row, and the pictures of `folder`; at the top, a list of everything that is better than our models.
 pub fn page(paper: &Paper, results: &[Finished], folder: &Path, overviews: &[Overview]) -> String {
     let tables = tables(results);
     let body: String = tables.iter().map(|table| section(table, folder, overviews)).collect();
@@ -59,7 +59,7 @@ fn line(row: &Row) -> String {
     )
 }
 
-/// Ours, the spread, the paper's with the ratio, the floor.
+/// Cell with our value, the spread, the paper's value with the ratio, and the floor.
 fn cell(row: &Row, k: usize) -> String {
     let (cell, Some(measure)) = (row.cell(k), row.first.measures.get(k)) else {
         return "<td></td>".to_owned();
@@ -84,7 +84,7 @@ fn cell(row: &Row, k: usize) -> String {
     format!("<td{}>{text}</td>", if is_worse { " class=\"worse\"" } else { "" })
 }
 
-/// What has no column.
+/// Notes with the results that have no column.
 fn notes(table: &Table) -> String {
     let note = |row: &Row| {
         let (record, note) = (row.first, row.first.note.as_ref()?);
@@ -95,7 +95,7 @@ fn notes(table: &Table) -> String {
     if notes.is_empty() { notes } else { format!("<ul class=\"notes\">\n{notes}</ul>\n") }
 }
 
-/// Every task of the table once: what it took, from what, by which command.
+/// List of all tasks of the table: time, data and command.
 fn commands(table: &Table) -> String {
     let mut tasks: Vec<&Finished> = Vec::new();
     for row in &table.rows {
@@ -111,7 +111,7 @@ fn commands(table: &Table) -> String {
     format!("<details><summary>commands and data</summary>\n<ul>\n{items}</ul>\n</details>\n")
 }
 
-/// Those of the whole table, then those of its rows.
+/// Pictures of the whole table, followed by those of its rows.
 fn pictures(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
     let of_table = overviews.iter().filter(|overview| overview.table == table.title);
     let of_table = of_table.map(|overview| overview.file.as_str());
@@ -120,7 +120,7 @@ fn pictures(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
     names.into_iter().enumerate().filter_map(|(k, name)| picture(name, folder, k == 0)).collect()
 }
 
-/// The picture itself, to be unfolded or shown at once; nothing where its file is gone.
+/// Embeds a picture, to be unfolded or shown at once; `None` if its file is gone.
 fn picture(name: &str, folder: &Path, is_shown: bool) -> Option<String> {
     let svg = std::fs::read_to_string(folder.join(name)).ok()?;
     let svg = &svg[svg.find("<svg")?..];

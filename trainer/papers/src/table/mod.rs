@@ -1,4 +1,4 @@
-//! The rows of a paper as tables: the seeds of a row side by side, and what is better than ours.
+//! Rows of a paper as tables: the seeds of a row side by side, and everything that is better than our models.
 
 mod csv;
 mod html;
@@ -14,34 +14,34 @@ use leastaction_learning::evaluate::median;
 /// A table of a paper.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table<'r> {
-    /// Its title.
+    /// Title of the table.
     pub title: &'r str,
-    /// Its rows; every row has the columns of the first.
+    /// Rows of the table; all have the columns of the first.
     pub rows: Vec<Row<'r>>,
 }
 
-/// A row: all seeds of it.
+/// A row with all its seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row<'r> {
-    /// The first seed's.
+    /// Record of the first seed.
     pub first: &'r Record,
-    /// What gave it.
+    /// Task that gave the row.
     pub task: &'r Finished,
-    /// All seeds.
+    /// Records of all seeds.
     pub seeds: Vec<&'r Record>,
 }
 
 /// A number over all seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
-    /// The median; `None` where most seeds have no finite number.
+    /// Median; `None` if most seeds have no finite number.
     pub median: Option<f64>,
-    /// The least and the largest.
+    /// Smallest and largest value.
     pub range: [f64; 2],
 }
 
 impl Row<'_> {
-    /// Measure `k` over the seeds.
+    /// Summarises measure `k` over the seeds.
     pub fn cell(&self, k: usize) -> Cell {
         let of = |record: &&Record| record.measures.get(k).and_then(|measure| measure.ours);
         let mut values: Vec<f64> = self.seeds.iter().filter_map(of).collect();
@@ -51,13 +51,13 @@ impl Row<'_> {
         Cell { median, range: [end(values.first()), end(values.last())] }
     }
 
-    /// Training time of all seeds, s.
+    /// Total training time of all seeds, s.
     pub fn train_seconds(&self) -> f64 {
         self.seeds.iter().map(|record| record.train_seconds).sum()
     }
 }
 
-/// The tables of these results, in the order in which they come.
+/// Returns the tables of these results, in order of first occurrence.
 pub fn tables(results: &[Finished]) -> Vec<Table<'_>> {
     let mut tables: Vec<Table> = Vec::new();
     for (task, record) in
@@ -76,17 +76,17 @@ pub fn tables(results: &[Finished]) -> Vec<Table<'_>> {
     tables
 }
 
-/// The rows where another model, or the paper's, is better than ours and ours is not at the floor of exact physics, in words: the
-/// measures, each with ours and with what is better.
+/// Describes in words the rows in which another model, or the paper's, is better than ours and ours is not at the floor of exact physics:
+/// the measures, each with our value and the better ones.
 pub fn exceptions(tables: &[Table]) -> Vec<String> {
     let rows = tables.iter().flat_map(|table| table.rows.iter().map(move |row| (table, row)));
     rows.filter(|(_, row)| row.first.is_ours).filter_map(|(table, row)| exception(table, row)).collect()
 }
 
-/// Times the floor that ours may be at.
+/// Largest ratio of our value to the floor that counts as being at the floor.
 const AT_FLOOR: f64 = 2.0;
 
-/// A row of ours in words, if anything is better.
+/// Describes a row of ours in words, if anything is better.
 fn exception(table: &Table, ours: &Row) -> Option<String> {
     let is_rival = |row: &&Row| !row.first.is_ours && row.first.subject == ours.first.subject;
     let rivals: Vec<&Row> = table.rows.iter().filter(is_rival).collect();
@@ -106,7 +106,7 @@ fn exception(table: &Table, ours: &Row) -> Option<String> {
     (!measures.is_empty()).then(|| format!("{}, {subject}, {model}: {}", table.title, measures.join("; ")))
 }
 
-/// Whether ours is not worse, or at the floor.
+/// Whether our value is not worse, or at the floor.
 fn is_best(measure: &Measure, ours: f64, theirs: f64) -> bool {
     match measure.better {
         Better::Less => ours <= theirs || measure.floor.is_some_and(|floor| ours <= AT_FLOOR * floor),
@@ -114,12 +114,12 @@ fn is_best(measure: &Measure, ours: f64, theirs: f64) -> bool {
     }
 }
 
-/// The subject of a row in words.
+/// Subject of a row in words.
 pub fn subject(record: &Record) -> String {
     record.subject.iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Three digits, or a dash.
+/// A number with three digits, or a dash.
 pub fn number(x: Option<f64>) -> String {
     match x {
         None => "–".to_owned(),

@@ -1,6 +1,6 @@
 use super::{Cell, Finished, Row, Table, exceptions, number, tables};
 
-/// The tables as text, what is better than ours, and what failed.
+/// Returns the tables as text, with a list of everything that is better than our models, and of failures.
 pub fn text(results: &[Finished]) -> String {
     let tables = tables(results);
     let mut text: String =
@@ -17,7 +17,7 @@ pub fn text(results: &[Finished]) -> String {
     text
 }
 
-/// Head and rows, columns aligned.
+/// Head and rows, with aligned columns.
 fn lines(table: &Table) -> String {
     let Some(first) = table.rows.first() else { return String::new() };
     let names = first.first.measures.iter().map(|measure| measure.name.clone());
@@ -37,7 +37,7 @@ fn lines(table: &Table) -> String {
     text
 }
 
-/// Ours, the extremes over the seeds if there are several, the paper's and the floor if they are known.
+/// Cells with our values, the extremes over the seeds if there are several, and the paper's values and the floor if known.
 fn row_cells(row: &Row) -> Vec<Vec<String>> {
     let (record, count) = (row.first, row.first.measures.len());
     let subject = || record.subject.iter();
@@ -69,7 +69,7 @@ fn row_cells(row: &Row) -> Vec<Vec<String>> {
     lines
 }
 
-/// Columns as wide as they must be, the first `left` of them flush left.
+/// Aligns columns to their necessary width, the first `left` of them flush left.
 fn aligned(cells: &[Vec<String>], left: usize) -> String {
     let columns = cells.first().map_or(0, Vec::len);
     let width = |k: usize| cells.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);

@@ -40,7 +40,7 @@ fn a_row_out_of_time_says_so() {
     bench.run("modlanet --minutes 0").bad(2, &["--minutes", "above 0"]);
 }
 
-/// In `lgnn`: an epoch of a baseline; systems with the numbers of nodes that it is run on.
+/// An epoch of a baseline in `lgnn`; systems with the numbers of nodes that it is run on.
 fn lgnn(task: &str, (model, parameters): (&str, u64), counts: &[u64]) {
     let bench = Bench::new();
     let run = format!("lgnn --quick --starts 1 --iterations 1 --epochs 1 --only {task} --json");

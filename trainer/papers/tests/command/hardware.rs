@@ -1,7 +1,7 @@
 use super::robot;
 use super::support::Bench;
 
-/// The keys of every row.
+/// Keys of every row.
 const KEYS: [&str; 12] = [
     "machine",
     "model",
@@ -17,7 +17,7 @@ const KEYS: [&str; 12] = [
     "seed",
 ];
 
-/// Of a machine what needs no training.
+/// Options that choose a machine's models without training.
 const KNOWN: &str = "--only constant --only identified";
 
 fn bench(logs: usize) -> Bench {
@@ -54,7 +54,7 @@ fn rows_have_their_keys_and_stand_on_a_page() {
         assert!(page.contains(words), "{words}");
     }
     assert_eq!(bench.text("out/hardware.csv").lines().count(), 1 + 3 * 6);
-    // The command of a row makes it again.
+    // The command of a row reproduces it.
     let again = bench.run(
         "hardware --data . --machine double-pendulum --test 1,2 --only constant-velocity-0 --seed 0 --json",
     );
@@ -123,7 +123,7 @@ fn hostile_logs_are_refused_with_their_place() {
     }
     std::fs::remove_file(bench.at("double-pendulum/01.csv")).unwrap();
     run().bad(2, &["double-pendulum", "only one log"]);
-    // Logs too short for a window that counts leave numbers that are none.
+    // Logs too short for a window that counts give NaN.
     let short = good.lines().take(30).collect::<Vec<_>>().join("\n");
     write(&bench, "double-pendulum/01.csv", &short);
     let found =

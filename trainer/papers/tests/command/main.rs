@@ -8,5 +8,5 @@ mod robot;
 #[path = "../../../tests/cli_commands/support.rs"]
 mod support;
 
-/// What is run.
+/// The program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_leastaction-papers");

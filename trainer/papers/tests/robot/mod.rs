@@ -1,5 +1,5 @@
-//! A simulated double pendulum that writes logs as the real one does: jittered stamps, an encoder grid, friction, zero offsets, torques
-//! that change all the time.
+//! A simulated double pendulum that writes logs like the real one: jittered stamps, an encoder grid, friction, zero offsets, torques that
+//! change all the time.
 
 use leastaction_papers::hardware::{Identified, Predictor};
 use leastaction_programs::Row;
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Its parameters in the form of the published ones.
+/// Parameters in the form of the published ones.
 pub const PARAMETERS: &str = "\
 I1: 0.03
 I2: 0.05
@@ -26,15 +26,15 @@ r2: 0.25
 tl1: 10.0
 ";
 
-/// Steps of the simulation, s.
+/// Step of the simulation, s.
 const STEP: f64 = 5e-4;
-/// Steps from one sample to the next, by turns: 4 ms with jitter.
+/// Numbers of steps from one sample to the next, in turn: 4 ms with jitter.
 const INTERVALS: [usize; 5] = [8, 7, 8, 9, 8];
-/// Of an encoder, rad.
+/// Resolution of an encoder, rad.
 const GRID: f64 = 3.8e-4;
 
-/// Writes `double-pendulum/model_parameters.yml` and so many logs, 00.csv, 01.csv, …, of so many seconds; the zeros of the
-/// encoders of log k are k times 0.01 and −0.02 rad.
+/// Writes `double-pendulum/model_parameters.yml` and `logs` logs, 00.csv, 01.csv, …, of `seconds` s; the zeros of the encoders of log k are
+/// k times 0.01 and −0.02 rad.
 pub fn write(folder: &Path, logs: usize, seconds: f64) {
     let folder = folder.join("double-pendulum");
     std::fs::create_dir_all(&folder).unwrap();
@@ -67,7 +67,7 @@ fn text(robot: &Identified, log: usize, seconds: f64) -> String {
             motion(rows.each_ref().map(|rows| &rows[..]), &mut a);
             [v, a.map(|a| a.0[0])]
         };
-        // The midpoint rule: 0.5 ms are short.
+        // The midpoint rule: 0.5 ms is short enough.
         let first = rate(state);
         state = moved(state, STEP, rate(moved(state, STEP / 2.0, first)));
     }

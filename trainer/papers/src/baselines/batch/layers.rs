@@ -1,4 +1,4 @@
-//! Networks whose units are matrices with a row a sample, and layers products of matrices.
+//! Networks on matrices with one row per sample, whose layers are matrix products.
 
 use crate::baselines::layers_of;
 use leastaction_core::network::Dense;
@@ -12,46 +12,46 @@ use std::ops::Range;
 pub struct Layers(Vec<Layer>);
 
 struct Layer {
-    /// Wᵀ: \[inputs\]\[outputs\].
+    /// Transposed weights Wᵀ: \[inputs\]\[outputs\].
     weights: DMatrix<f64>,
     bias: Vec<f64>,
-    /// Where it begins in the weight block.
+    /// Position of the first number in the weight block.
     start: usize,
 }
 
-/// A matrix for every layer, first to last, each with a row a sample.
+/// One matrix per layer, first to last, each with one row per sample.
 type Each = Vec<DMatrix<f64>>;
 
-/// What a forward pass leaves for the adjoint.
+/// Results of a forward pass that the adjoint needs.
 pub struct Pass {
-    /// What every layer is given.
+    /// Inputs of every layer.
     inputs: Each,
     pub outputs: DMatrix<f64>,
 }
 
-/// Adjoints of outputs.
+/// Adjoints of a pass, for given adjoints of the outputs.
 pub struct Adjoint {
-    /// z̄, of what every layer gives before tanh.
+    /// Adjoints z̄ of every layer's sums, before tanh.
     sums: Each,
-    /// ā, of what every layer is given.
+    /// Adjoints ā of every layer's inputs.
     inputs: Each,
 }
 
 impl Adjoint {
-    /// x̄, of the inputs of the network.
+    /// Adjoint x̄ of the inputs of the network.
     pub fn of_inputs(&self) -> &DMatrix<f64> {
         &self.inputs[0]
     }
 }
 
-/// Derivatives in the weights of every sample: of a layer's weights Σ z̄ᵢ aⱼ over pairs of an adjoint and inputs, of its biases z̄.
+/// Derivatives in the weights for every sample: for a layer's weights Σ z̄ᵢ aⱼ over pairs of an adjoint and inputs, for its biases z̄.
 pub struct Derivatives<'p> {
     pairs: Vec<[&'p [DMatrix<f64>]; 2]>,
     biases: &'p [DMatrix<f64>],
 }
 
 impl Layers {
-    /// Takes a network of these numbers of units, inputs and outputs included; `None` where the block is too short.
+    /// Takes a network with these numbers of units, inputs and outputs included; `None` if the block is too short.
     pub fn take(block: &[f64], units: &[usize]) -> Option<Self> {
         let (mut layers, mut start) = (Vec::new(), 0);
         for (inputs, outputs) in layers_of(units) {
@@ -61,7 +61,7 @@ impl Layers {
         Some(Self(layers))
     }
 
-    /// y(x).
+    /// Computes y(x).
     pub fn forward(&self, x: DMatrix<f64>) -> Pass {
         let mut inputs = vec![x];
         for (k, layer) in self.0.iter().enumerate() {
@@ -76,7 +76,7 @@ impl Layers {
         Pass { inputs, outputs }
     }
 
-    /// The tangents along ẋ of what every layer is given.
+    /// Returns the tangents along ẋ of every layer's inputs.
     pub fn tangent(&self, pass: &Pass, x: DMatrix<f64>) -> Each {
         let mut inputs = vec![x];
         for (k, layer) in self.0.iter().enumerate().take(self.0.len() - 1) {
@@ -87,12 +87,12 @@ impl Layers {
         inputs
     }
 
-    /// z̄ and ā from ȳ.
+    /// Returns z̄ and ā from ȳ.
     pub fn adjoint(&self, pass: &Pass, y_bar: DMatrix<f64>) -> Adjoint {
         self.backward(y_bar, |k, units| each_column(units, |i, a| pass.times_slope(k, i, a)))
     }
 
-    /// Tangents of z̄ and ā along ẋ, `rates` those of the inputs of every layer, where ȳ is constant.
+    /// Returns the tangents of z̄ and ā along ẋ for constant ȳ; `rates` are the tangents of every layer's inputs.
     pub fn adjoint_tangent(&self, pass: &Pass, rates: &[DMatrix<f64>], adjoint: &Adjoint) -> Adjoint {
         let still = DMatrix::zeros(pass.outputs.nrows(), pass.outputs.ncols());
         self.backward(still, |k, units| {
@@ -107,7 +107,7 @@ impl Layers {
         })
     }
 
-    /// From ȳ down to the inputs; `slope` makes z̄ of hidden layer k of ā.
+    /// Goes from ȳ back to the inputs; `slope` converts ā of hidden layer k to z̄.
     fn backward(&self, y_bar: DMatrix<f64>, slope: impl Fn(usize, &mut DMatrix<f64>)) -> Adjoint {
         let (mut sums, mut inputs) = (vec![y_bar], Vec::new());
         for (k, layer) in self.0.iter().enumerate().rev() {
@@ -154,12 +154,12 @@ impl Layers {
 }
 
 impl Pass {
-    /// ȳ·∂y/∂θ.
+    /// Derivatives ȳ·∂y/∂θ.
     pub fn derivatives<'p>(&'p self, adjoint: &'p Adjoint) -> Derivatives<'p> {
         Derivatives { pairs: vec![[&adjoint.sums, &self.inputs]], biases: &adjoint.sums }
     }
 
-    /// ȳ·∂ẏ/∂θ.
+    /// Derivatives ȳ·∂ẏ/∂θ.
     pub fn tangent_derivatives<'p>(
         &'p self,
         rates: &'p [DMatrix<f64>],
@@ -169,14 +169,14 @@ impl Pass {
         Derivatives { pairs, biases: &tangent.sums }
     }
 
-    /// Multiplies by 1 − a², the slopes of unit i of hidden layer k.
+    /// Multiplies by 1 − a², the slope of unit i of hidden layer k.
     fn times_slope(&self, k: usize, i: usize, x: &mut [f64]) {
         x.iter_mut().zip(column(&self.inputs[k + 1], i)).for_each(|(x, a)| *x *= 1.0 - a * a);
     }
 }
 
 impl Derivatives<'_> {
-    /// Those in the weight from input j to output i of layer k.
+    /// Writes the derivatives in the weight from input j to output i of layer k.
     fn weight(&self, k: usize, [i, j]: [usize; 2], out: &mut [f64]) {
         out.fill(0.0);
         for [bars, units] in &self.pairs {

@@ -1,7 +1,7 @@
 //! Tanh networks over many samples at once.
 //!
-//! Eight samples side by side read every weight for eight products, and their derivatives in hundreds of units a layer do not fit
-//! a cache; in a chunk of hundreds of samples, layers are products of matrices, as fast as the processor multiplies.
+//! With eight samples side by side, every weight that is read serves eight products, and the derivatives of layers with hundreds of units
+//! do not fit a cache. In a chunk of hundreds of samples, layers are matrix products, as fast as the processor multiplies.
 
 mod layers;
 
@@ -13,19 +13,19 @@ use leastaction_learning::training::{ChunkRows, Failed, NormalEquations, Residua
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Residuals r of samples that are found together, all by one network.
+/// Residuals r of samples that are computed together, all by one network.
 pub(super) trait Batched: Sync {
-    /// What is left of finding residuals for their derivatives.
+    /// Intermediate results of the residuals, for their derivatives.
     type Trace;
-    /// Inputs, units of the hidden layers, and outputs.
+    /// Numbers of inputs, of units of the hidden layers, and of outputs.
     fn units(&self) -> [usize; 4];
-    /// Samples.
+    /// Number of samples.
     fn samples(&self) -> usize;
-    /// Residual components of a sample.
+    /// Number of residual components of a sample.
     fn components(&self) -> usize;
-    /// r: \[samples\]\[components\].
+    /// Residuals r: \[samples\]\[components\].
     fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Self::Trace, DMatrix<f64>);
-    /// Gives Σᵢ yᵢ ∂rᵢ/∂θ of every sample on to `then`, y \[samples\]\[components\].
+    /// Passes Σᵢ yᵢ ∂rᵢ/∂θ of every sample to `then`, with y \[samples\]\[components\].
     fn derive(
         &self,
         layers: &Layers,
@@ -35,7 +35,7 @@ pub(super) trait Batched: Sync {
     );
 }
 
-/// Rows of so many numbers.
+/// Arranges numbers in rows of `width`.
 pub(super) fn matrix(values: &[f64], width: usize) -> DMatrix<f64> {
     DMatrix::from_fn(values.len() / width, width, |k, i| values[k * width + i])
 }
@@ -44,7 +44,7 @@ fn layers(batched: &impl Batched, weights: &[f64]) -> Result<Layers, Failed> {
     Layers::take(weights, &batched.units()).ok_or(Failed)
 }
 
-/// Residuals that are found together, as the optimisers see them.
+/// Residuals that are computed together, as the optimisers see them.
 pub(super) struct InBatches<B>(pub B);
 
 impl<B: Batched> Residuals for InBatches<B> {
@@ -78,7 +78,7 @@ impl<B: Batched> Residuals for InBatches<B> {
         Ok(())
     }
 
-    /// Without the Jacobian.
+    /// Adds the gradient without the Jacobian.
     fn add_gradient(
         &self,
         weights: &[f64],

@@ -1,5 +1,5 @@
-//! The Lagrangian network in Cartesian coordinates with explicit constraints (Finzi et al., 2020), as LGNN's authors compare
-//! with it.
+//! The Lagrangian network in Cartesian coordinates with explicit constraints (Finzi et al., 2020), in the version that LGNN's authors
+//! compare with.
 
 use super::lagrangian::{acceleration_error, motion};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of};
@@ -13,14 +13,14 @@ use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, Network};
 use leastaction_programs::{Builder, Node};
 
-/// k at the start, kg: that of 1 kg.
+/// Initial k, kg: that of 1 kg.
 const HALF: f64 = 0.5;
 
-/// M v̇ = −V_q + Aᵀλ, A v̇ = −Ȧv: L = Σ k_i |v_i|² − V(q) of nodes in the plane, with two hidden squareplus layers between all
-/// positions and V, and known rods.
+/// M v̇ = −V_q + Aᵀλ, A v̇ = −Ȧv: L = Σ k_i |v_i|² − V(q) of nodes in the plane, with two hidden squareplus layers between all positions
+/// and V, and known rods.
 ///
-/// LGNN's program has 256 units a layer. Every k_i is learned, from ½ kg on, so that L is known but for its scale; other weights
-/// start uniform with Glorot's variance. V is of one number of nodes: nothing carries over to another.
+/// LGNN's program has 256 units per layer. Every k_i is learned, starting at ½ kg, so that L is known up to its scale; all other weights
+/// start uniform with Glorot's variance. V fits only one number of nodes: nothing carries over to other graphs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CartesianLnn {
     graph: NamedGraph,
@@ -28,20 +28,20 @@ pub struct CartesianLnn {
 }
 
 impl CartesianLnn {
-    /// On the nodes and rods of a graph, with so many units in each hidden layer; its edges are not seen.
+    /// Creates the model on the nodes and rods of a graph, with `width` units in each hidden layer; the edges are ignored.
     pub fn new(graph: NamedGraph, width: usize) -> Self {
         Self { graph, width }
     }
 
-    /// v̇(q, v) of these weights, m/s², as a function.
+    /// Returns v̇(q, v) for these weights, m/s², as a function.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where the weights are too few.
+    /// [`ModelError::Shape`] if there are too few weights.
     pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
         motion(self, self.graph.constraints::<2>(), weights)
     }
 
-    /// V, after every k.
+    /// Network of V, after every k.
     fn potential(&self) -> Network {
         let start = self.graph.nodes.len();
         Network::of_widths(self.n(), &[self.width; 2], (1, Activation::Squareplus), start)

@@ -1,4 +1,4 @@
-//! Against the equations of motion in plain loops.
+//! Comparison with the equations of motion in plain loops.
 
 use super::*;
 use crate::baselines::oracle::{
@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 const NODES: usize = 2;
 const N: usize = 2 * NODES;
 const WIDTH: usize = 5;
-/// Which no number of lanes divides.
+/// Number of samples, not divisible by the number of lanes.
 const SAMPLES: usize = 11;
 
 fn lnn() -> CartesianLnn {
@@ -39,12 +39,12 @@ fn weights() -> Vec<f64> {
     weights
 }
 
-/// From the upper to the lower end of rod `i`.
+/// Vector from the upper to the lower end of rod `i`.
 fn along(x: &[f64], i: usize) -> [f64; 2] {
     std::array::from_fn(|c| x[2 * i + c] - if i == 0 { 0.0 } else { x[2 * (i - 1) + c] })
 }
 
-/// V_q by num-dual.
+/// Gradient V_q by num-dual.
 fn slope(weights: &[f64], q: &[f64]) -> Vec<f64> {
     let weights: Vec<Dual> = weights[NODES..].iter().map(|w| moving(*w, [0.0; 3])).collect();
     let along = |k: usize| {
@@ -54,7 +54,7 @@ fn slope(weights: &[f64], q: &[f64]) -> Vec<f64> {
     (0..q.len()).map(along).collect()
 }
 
-/// v̇ with the multipliers as unknowns beside it.
+/// Acceleration v̇, solved together with the multipliers.
 fn naive(weights: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
     let mut matrix = DMatrix::zeros(N + NODES, N + NODES);
     let mut right = DVector::zeros(N + NODES);

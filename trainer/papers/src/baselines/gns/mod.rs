@@ -1,4 +1,4 @@
-//! The graph network simulator (Sanchez-Gonzalez et al., 2020) as LGNN's authors compare with it: accelerations of nodes by
+//! The graph network simulator (Sanchez-Gonzalez et al., 2020), in the version that LGNN's authors compare with: accelerations of nodes by
 //! one round of messages.
 
 use super::direct::Direct;
@@ -10,12 +10,12 @@ use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::accelerations::Accelerations;
 use leastaction_models::{NamedGraph, random_layers};
 
-/// v̇_i = N_a(h′_i): nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i − x_j|) are embedded
-/// linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u and N_a have two hidden
-/// squareplus layers.
+/// Accelerations v̇_i = N_a(h′_i): nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i − x_j|) are embedded
+/// linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u and N_a have two hidden squareplus
+/// layers.
 ///
-/// Sizes and inputs are those of LGNN's program. Positions are inputs as they are, so that nothing makes the accelerations the
-/// same elsewhere; and nothing keeps energy. The weights serve any graph. They start uniform with Glorot's variance.
+/// Sizes and inputs are those of LGNN's program. Positions themselves are inputs, so the accelerations are not translation-invariant, and
+/// energy is not conserved. The weights fit any graph. They start uniform with Glorot's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gns {
     sizes: GraphSizes,
@@ -23,24 +23,24 @@ pub struct Gns {
 }
 
 impl Gns {
-    /// On the nodes and edges of a graph; its rods are not seen.
+    /// Creates the model on the nodes and edges of a graph; its rods are ignored.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where an edge ends at no node.
+    /// [`ModelError::Shape`] if an edge ends at no node.
     pub fn new(sizes: GraphSizes, graph: &NamedGraph) -> Result<Self, ModelError> {
         let ends = graph.edges.iter().map(|edge| edge.ends);
         Ok(Self { sizes, network: GraphNetwork::new((sizes, sizes.dimension), graph, ends)? })
     }
 
-    /// Numbers in the weight block, whatever the graph.
+    /// Length of the weight block in numbers, the same for any graph.
     pub fn parameters(&self) -> usize {
         self.network.parameters()
     }
 
-    /// v̇(q, v) of these weights, m/s², \[nodes\]\[D\], as a function.
+    /// Returns v̇(q, v) for these weights, m/s², \[nodes\]\[D\], as a function.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where the weights are too few.
+    /// [`ModelError::Shape`] if there are too few weights.
     pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
         let forced = self.function().motion(self.network.coordinates(), (weights, self.parameters()))?;
         Ok(Box::new(move |q, v, out| forced(q, v, &[], out)))

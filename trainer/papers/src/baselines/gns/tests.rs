@@ -1,4 +1,4 @@
-//! Against messages in plain loops, and on permuted and other graphs.
+//! Comparison with messages in plain loops, and on permuted and other graphs.
 
 use super::*;
 use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
@@ -14,7 +14,7 @@ const SIZES: GraphSizes = GraphSizes { dimension: 3, node: 2, edge: 6, hidden: 7
 const NODES: usize = 5;
 const N: usize = 3 * NODES;
 const ENDS: [[u16; 2]; 4] = [[0, 1], [3, 1], [1, 2], [4, 0]];
-/// Which no number of lanes divides.
+/// Number of samples, not divisible by the number of lanes.
 const SAMPLES: usize = 11;
 
 fn named(nodes: &[u8], ends: &[[u16; 2]]) -> NamedGraph {
@@ -31,7 +31,7 @@ fn samples() -> Samples {
     Samples { n: N, h: 0.0, controls: from_fn(|_| Vec::new()), states, ..Samples::default() }
 }
 
-/// As the equations have it.
+/// The model as its equations are printed.
 fn naive(mut weights: &[f64], kinds: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
     let nodes = messages(&mut weights, SIZES, (kinds, &ENDS), [q, v]);
     let GraphSizes { dimension, hidden, .. } = SIZES;
@@ -91,7 +91,7 @@ fn weights_of_five_springs_serve_a_ring_of_any_size() {
     let on = |nodes| Gns::new(GraphSizes::LGNN, &lgnn_graph(LgnnSystem::Spring(nodes))).unwrap();
     let five = on(5);
     assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_130, 2_130));
-    // Where all nodes are alike their number makes no difference.
+    // If all nodes are alike, their number makes no difference.
     let weights = five.initial_weights(1);
     let alike = |nodes: usize| {
         let (q, v) = ([0.3, 0.4].repeat(nodes), [0.1, -0.2].repeat(nodes));

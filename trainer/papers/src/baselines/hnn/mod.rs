@@ -1,4 +1,4 @@
-//! The Hamiltonian neural network (Greydanus et al., 2019): one network gives H(q, p).
+//! The Hamiltonian neural network (Greydanus et al., 2019): a single network gives H(q, p).
 
 mod momenta;
 mod slopes;
@@ -16,18 +16,18 @@ use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::random_layers;
 use slopes::Slopes;
 
-/// Units of a hidden layer at most.
+/// Maximum number of units in a hidden layer.
 pub const MAX_WIDTH: usize = 256;
-/// Hidden layers, as Greydanus et al. have them.
+/// Number of hidden layers, that of Greydanus et al.
 const DEPTH: usize = 2;
 
-/// q̇ = H_p, ṗ = −H_q with H(q, p) = N(s(q), p): two hidden tanh layers of one width.
+/// Flow q̇ = H_p, ṗ = −H_q with H(q, p) = N(s(q), p): two hidden tanh layers of equal width.
 ///
-/// As ModLaNet's authors do, it is trained on q̇ and ṗ alike, at canonical momenta p = M(q)v of the true mass matrix, which no
-/// other model is told; but on the motions of the others, where the authors draw motions with p in ±10. Its accelerations are
-/// those of ṗ at the true velocity, v̇ = M⁻¹(−H_q − Ṁv): for bodies of mass 1 (p = v) the error of v̇ is that of ṗ, which
-/// their program prints. Predictions follow the learned flow in (q, p), so that it keeps H. The output's bias, one of the weights,
-/// is a constant of H that no motion shows; their second output, which nothing uses, is left out.
+/// Like ModLaNet's authors, we train it on q̇ and ṗ alike, at canonical momenta p = M(q)v of the true mass matrix, which no other model is
+/// given; but on the motions used for the other models, while the authors draw motions with p in ±10. Its accelerations are those of ṗ at
+/// the true velocity, v̇ = M⁻¹(−H_q − Ṁv): for bodies of mass 1 (p = v) the error of v̇ is that of ṗ, which their program prints.
+/// Predictions follow the learned flow in (q, p), which conserves H. The output's bias, one of the weights, is a constant of H that no
+/// motion shows; the authors' second output, which nothing uses, is left out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hnn {
     coordinates: String,
@@ -38,27 +38,28 @@ pub struct Hnn {
 type Network<'w> = Mlp<'w, f64, MAX_WIDTH, DEPTH>;
 
 impl Hnn {
-    /// With so many units in each hidden layer; `coordinates` has a letter each, `a` for angles, any other for translations.
+    /// Creates the network with `width` units in each hidden layer; `coordinates` has one letter each, `a` for angles, any other letter for
+    /// translations.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where that is more than [`MAX_WIDTH`].
+    /// [`ModelError::Shape`] if the width is more than [`MAX_WIDTH`].
     pub fn new(coordinates: &str, width: usize, momenta: Momenta) -> Result<Self, ModelError> {
         let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
         let hnn = Self { coordinates: coordinates.to_owned(), width, momenta };
         if width <= MAX_WIDTH { Ok(hnn) } else { Err(error) }
     }
 
-    /// Numbers in the weight block.
+    /// Length of the weight block, in numbers.
     pub fn parameters(&self) -> usize {
         parameters_of(&self.units())
     }
 
-    /// Inputs, units of the hidden layers, and the output.
+    /// Numbers of inputs, of units of the hidden layers, and of outputs.
     fn units(&self) -> [usize; DEPTH + 2] {
         [count(&self.coordinates), self.width, self.width, 1]
     }
 
-    /// Coordinates.
+    /// Number of coordinates.
     fn n(&self) -> usize {
         self.coordinates.len()
     }
@@ -68,7 +69,7 @@ impl Hnn {
         Mlp::take(&mut weights, inputs, &[self.width; DEPTH], 1, Activation::Tanh)
     }
 
-    /// (H_q, H_p) at (q, p).
+    /// Gradient (H_q, H_p) at (q, p).
     fn gradient(&self, network: &Network, state: &[f64]) -> Vec<f64> {
         let x = inputs(&self.coordinates, &fixed(state));
         let mut tape = Tape::<f64, 0, MAX_WIDTH, DEPTH>::default();
@@ -78,7 +79,7 @@ impl Hnn {
         adjoint(&self.coordinates, &x, &x_bar).into_iter().map(|bar| bar.value).collect()
     }
 
-    /// The learned motion in (q, p) from a start, given on as (q, v).
+    /// Follows the learned motion in (q, p) from a start, and passes it on as (q, v).
     fn path(
         &self,
         network: &Network,

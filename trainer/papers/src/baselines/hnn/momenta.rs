@@ -1,19 +1,19 @@
-//! Momenta p = M(q) v of ModLaNet's systems, which a Hamiltonian network has to be told.
+//! Momenta p = M(q) v of ModLaNet's systems, which a Hamiltonian network must be given.
 
 use leastaction_ground_truth::ManyBody;
 use nalgebra::{DMatrix, DVector};
 
-/// Which momenta belong to velocities: the true mass matrix.
+/// Relation of momenta and velocities: the true mass matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Momenta {
-    /// p = v: bodies of 1 kg.
+    /// Bodies of 1 kg: p = v.
     Bodies,
     /// A chain of points of 1 kg on rods of 1 m: M_ij = (n − max(i, j)) cos(q_i − q_j), i and j from 0.
     Chain,
 }
 
 impl Momenta {
-    /// Those of a system.
+    /// Returns the relation for a system.
     pub fn of(system: ManyBody) -> Self {
         match system {
             ManyBody::Pendulum(_) => Self::Chain,
@@ -21,7 +21,7 @@ impl Momenta {
         }
     }
 
-    /// M(q).
+    /// Mass matrix M(q).
     fn mass_matrix(self, q: &[f64]) -> DMatrix<f64> {
         match self {
             Self::Bodies => DMatrix::identity(q.len(), q.len()),
@@ -29,23 +29,23 @@ impl Momenta {
         }
     }
 
-    /// p.
+    /// Momenta p.
     pub fn momenta(self, q: &[f64], v: &[f64]) -> Vec<f64> {
         (self.mass_matrix(q) * DVector::from_column_slice(v)).data.into()
     }
 
-    /// v of momenta p; `None` where M is singular.
+    /// Velocities v for momenta p; `None` if M is singular.
     pub fn velocities(self, q: &[f64], p: &[f64]) -> Option<Vec<f64>> {
         let v = self.mass_matrix(q).cholesky()?.solve(&DVector::from_column_slice(p));
         Some(v.data.into())
     }
 
-    /// M⁻¹, row by row; `None` where M is singular.
+    /// Inverse M⁻¹, row by row; `None` if M is singular.
     pub(super) fn mobility(self, q: &[f64]) -> Option<DMatrix<f64>> {
         Some(self.mass_matrix(q).cholesky()?.inverse())
     }
 
-    /// Ṁv, the part of ṗ = M v̇ + Ṁv that no acceleration has.
+    /// Term Ṁv, the part of ṗ = M v̇ + Ṁv that is not in any acceleration.
     pub(super) fn convection(self, q: &[f64], v: &[f64]) -> Vec<f64> {
         match self {
             Self::Bodies => vec![0.0; v.len()],
@@ -57,7 +57,7 @@ impl Momenta {
     }
 }
 
-/// (n − max(i, j)) x_ij: the mass below both, times a number of the pair.
+/// Matrix of (n − max(i, j)) x_ij: the mass below both points times a number of the pair.
 fn by_pairs(q: &[f64], x: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
     DMatrix::from_fn(q.len(), q.len(), |i, j| (q.len() - i.max(j)) as f64 * x(i, j))
 }

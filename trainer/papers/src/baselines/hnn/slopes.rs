@@ -1,4 +1,4 @@
-//! Squared errors of what is linear in the gradient of a learned Hamiltonian: of its rates, and of its accelerations.
+//! Squared errors of quantities linear in the gradient of a learned Hamiltonian: its rates, and its accelerations.
 
 use super::Hnn;
 use crate::baselines::batch::{Adjoint, Batched, Derivatives, Layers, Pass, matrix};
@@ -7,14 +7,14 @@ use leastaction_learning::training::Samples;
 use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 use std::ops::Range;
 
-/// Residuals r_k = d_k·H_x − t_k at given inputs x of the network, directions d_k and targets t_k.
+/// Residuals r_k = d_k·H_x − t_k at given inputs x of the network, with directions d_k and targets t_k.
 pub(super) struct Slopes {
     units: [usize; 4],
-    /// x: \[samples\]\[inputs\].
+    /// Inputs x: \[samples\]\[inputs\].
     inputs: DMatrix<f64>,
-    /// Of every residual component d: \[samples\]\[inputs\].
+    /// Directions d of every residual component: \[samples\]\[inputs\].
     directions: Vec<DMatrix<f64>>,
-    /// t: \[samples\]\[components\].
+    /// Targets t: \[samples\]\[components\].
     targets: DMatrix<f64>,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Slopes {
 type Row<'s> = [&'s [f64]; 3];
 
 impl Slopes {
-    /// H_p − q̇ and −H_q − ṗ.
+    /// Creates the residuals H_p − q̇ and −H_q − ṗ.
     pub fn rates(hnn: &Hnn, samples: &Samples) -> Self {
         let (n, momenta) = (hnn.n(), hnn.momenta);
         let directions: Vec<f64> = (0..2 * n).flat_map(|k| rate_direction(k, n)).collect();
@@ -32,7 +32,7 @@ impl Slopes {
         })
     }
 
-    /// M⁻¹(−H_q − Ṁv) − v̇; not a number where M is singular.
+    /// Creates the residuals M⁻¹(−H_q − Ṁv) − v̇; NaN if M is singular.
     pub fn accelerations(hnn: &Hnn, samples: &Samples) -> Self {
         let (n, momenta) = (hnn.n(), hnn.momenta);
         Self::new(hnn, n, samples, |[q, v, a]| {
@@ -47,7 +47,7 @@ impl Slopes {
         })
     }
 
-    /// `terms` gives the directions of a sample in (q, p), one a component, and its targets.
+    /// Creates residuals; `terms` gives the directions of a sample in (q, p), one per component, and its targets.
     fn new(
         hnn: &Hnn,
         components: usize,
@@ -75,13 +75,13 @@ impl Slopes {
         }
     }
 
-    /// d of some samples, component by component.
+    /// Directions d of some samples, component by component.
     fn directions(&self, samples: &Range<usize>) -> impl Iterator<Item = DMatrixView<'_, f64, U1, Dyn>> {
         self.directions.iter().map(|directions| directions.rows_range(samples.clone()))
     }
 }
 
-/// Rates are (H_p, −H_q).
+/// Direction of the k-th rate; the rates are (H_p, −H_q).
 fn rate_direction(k: usize, n: usize) -> Vec<f64> {
     let mut direction = vec![0.0; 2 * n];
     let (entry, sign) = if k < n { (n + k, 1.0) } else { (k - n, -1.0) };
@@ -118,7 +118,7 @@ impl Batched for Slopes {
         ((pass, adjoint), residuals)
     }
 
-    /// Residuals are linear in their directions, so that these are added first.
+    /// Residuals are linear in their directions, so the directions are added first.
     fn derive(
         &self,
         layers: &Layers,

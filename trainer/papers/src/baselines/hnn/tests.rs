@@ -1,4 +1,4 @@
-//! Against a Hamiltonian in plain loops, differentiated by num-dual.
+//! Comparison with a Hamiltonian in plain loops, differentiated by num-dual.
 
 use super::*;
 use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
@@ -7,7 +7,7 @@ use leastaction_learning::training::{Adam, AdamSettings, Levenberg};
 use num_dual::DualNum;
 
 const N: usize = 3;
-/// Which no number of lanes divides.
+/// Number of samples, not divisible by the number of lanes.
 const SAMPLES: usize = 11;
 const WIDTH: usize = 5;
 
@@ -32,7 +32,7 @@ fn naive_gradient(hnn: &Hnn, weights: &[f64], state: &[f64]) -> Vec<f64> {
     (0..state.len()).map(along).collect()
 }
 
-/// Of every sample what `errors(q, v, a, H_q, H_p)` says.
+/// Errors of every sample, given by `errors(q, v, a, H_q, H_p)`.
 fn each(hnn: &Hnn, weights: &[f64], errors: impl Fn([&[f64]; 3], &[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
     let samples = samples();
     let one = |k: usize| {
@@ -116,7 +116,7 @@ fn predictions_keep_the_learned_hamiltonian() {
 
 #[test]
 fn sizes_are_those_of_the_authors_and_others_are_refused() {
-    // Theirs has 41,600: two inputs less, and a second output that nothing uses in place of our bias.
+    // The authors' network has 41,600 weights: two inputs fewer, and a second output that nothing uses in place of our bias.
     let hnn = Hnn::new("aa", 200, Momenta::Chain).unwrap();
     assert_eq!((hnn.parameters(), hnn.initial_weights(0).len()), (41_400 + 400 + 1, 41_801));
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });

@@ -1,4 +1,4 @@
-//! The Lagrangian graph network (LGNN's authors' LGN): a graph network that gives the whole Lagrangian as one number.
+//! The Lagrangian graph network (LGN of LGNN's authors): a graph network that gives the whole Lagrangian as one number.
 
 use super::graph_network::{GraphNetwork, GraphSizes};
 use super::lagrangian::{acceleration_error, motion};
@@ -12,12 +12,12 @@ use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::Energies;
 use leastaction_programs::{Builder, Node};
 
-/// L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv, with L = N_L(Σ_i h′_i): what stands for the nodes of a [`Gns`](super::Gns) after the
-/// messages, added up and read out to one number.
+/// L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv, with L = N_L(Σ_i h′_i): the sum of the node embeddings of a [`Gns`](super::Gns) after the
+/// messages, read out to one number.
 ///
-/// Sizes and inputs are those of LGNN's program; messages go along edges and along rods between two nodes. Nothing makes L_vv
-/// positive definite, or regular: where it has no inverse there is no acceleration. The weights serve any graph, in the plane.
-/// They start uniform with Glorot's variance.
+/// Sizes and inputs are those of LGNN's program; messages go along edges and along rods between two nodes. L_vv need not be positive
+/// definite or regular: if it has no inverse, there is no acceleration. The weights fit any graph in the plane. They start uniform with
+/// Glorot's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lgn {
     sizes: GraphSizes,
@@ -26,10 +26,10 @@ pub struct Lgn {
 }
 
 impl Lgn {
-    /// On the nodes, edges and rods of a graph.
+    /// Creates the model on the nodes, edges and rods of a graph.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] for other dimensions than 2, or where an edge ends at no node.
+    /// [`ModelError::Shape`] for dimensions other than 2, or if an edge ends at no node.
     pub fn new(sizes: GraphSizes, graph: NamedGraph) -> Result<Self, ModelError> {
         if sizes.dimension != 2 {
             return Err(ModelError::Shape { what: "dimensions", found: sizes.dimension, compiled: 2 });
@@ -39,10 +39,10 @@ impl Lgn {
         Ok(Self { sizes, network: GraphNetwork::new((sizes, 1), &graph, ends)?, graph })
     }
 
-    /// v̇(q, v) of these weights, m/s², as a function.
+    /// Returns v̇(q, v) for these weights, m/s², as a function.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where the weights are too few.
+    /// [`ModelError::Shape`] if there are too few weights.
     pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
         motion(self, self.graph.constraints::<2>(), weights)
     }
@@ -53,12 +53,12 @@ impl Energies for Lgn {
         self.network.coordinates()
     }
 
-    /// Whatever the graph.
+    /// The number does not depend on the graph.
     fn parameters(&self) -> usize {
         self.network.parameters()
     }
 
-    /// L and 0: what of L is kinetic is not known.
+    /// Returns L and 0: the kinetic part of L is not known.
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
         let (nodes, size) = (self.network.messages(builder, q, v), self.sizes.node);
         let entries: Vec<usize> = (0..builder.length(nodes)).map(|entry| entry % size).collect();

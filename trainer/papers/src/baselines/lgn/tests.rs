@@ -1,4 +1,4 @@
-//! Against the equations of motion of a Lagrangian in plain loops.
+//! Comparison with the equations of motion of a Lagrangian in plain loops.
 
 use super::*;
 use crate::baselines::oracle::{
@@ -14,18 +14,18 @@ use leastaction_programs::{Row, System, WIDTH};
 use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;
 
-/// Nodes and sizes are pairwise distinct; a node of fewer numbers than velocities would leave L_vv singular.
+/// Nodes and sizes are pairwise distinct; a node embedding with fewer numbers than velocities would leave L_vv singular.
 const SIZES: GraphSizes = GraphSizes { dimension: 2, node: 4, edge: 1, hidden: 5 };
 const NODES: usize = 3;
 const N: usize = 2 * NODES;
 const KINDS: [u8; NODES] = [0, 2, 1];
 const EDGE: [u16; 2] = [0, 2];
-/// From the origin or a node to another.
+/// Rods from the origin or a node to another node.
 const RODS: [(Option<u16>, u16); 2] = [(None, 0), (Some(2), 1)];
-/// Which no number of lanes divides.
+/// Number of samples, not divisible by the number of lanes.
 const SAMPLES: usize = 9;
 
-/// Nodes in an order: the old number of each.
+/// Creates a model with its nodes in the given order, by the old number of each.
 fn lgn(order: [usize; NODES], rods: &[(Option<u16>, u16)]) -> Lgn {
     let place = |node: u16| order.iter().position(|old| *old == usize::from(node)).unwrap() as u16;
     let rod = |(from, to): &(Option<u16>, u16)| Rod { from: from.map(place), to: place(*to), length: 1.0 };
@@ -46,7 +46,7 @@ fn samples() -> Samples {
     Samples { n: N, h: 0.0, controls, states, ..Samples::default() }
 }
 
-/// Of a mass matrix that is far from singular at the samples.
+/// Weights that give a mass matrix far from singular at the samples.
 fn weights() -> Vec<f64> {
     lgn(AS_IS, &[]).initial_weights(34)
 }
@@ -61,7 +61,7 @@ fn lagrangian(weights: &[Dual], rods: &[(Option<u16>, u16)], state: &[Dual]) -> 
     take(&mut weights, sum.collect(), &[SIZES.hidden, SIZES.hidden, 1], squareplus)[0]
 }
 
-/// v̇ with the multipliers as unknowns beside it, from second derivatives by num-dual.
+/// Acceleration v̇, solved together with the multipliers, from second derivatives by num-dual.
 fn naive(weights: &[f64], rods: &[(Option<u16>, u16)], q: &[f64], v: &[f64]) -> Vec<f64> {
     let (weights, state): (Vec<Dual>, _) =
         (weights.iter().map(|w| moving(*w, [0.0; 3])).collect(), [q, v].concat());
@@ -184,7 +184,7 @@ fn what_does_not_fit_is_refused() {
     assert!(five.motion(&weights).unwrap()(&[0.0; 9], &[0.0; 10], &mut [0.0; 10]).is_none());
 }
 
-/// A graph of more coordinates than directions go side by side, in which several blocks make up the mass matrix.
+/// A graph with more coordinates than there are lanes, so that several blocks make up the mass matrix.
 #[test]
 fn accelerations_of_many_nodes_are_those_that_are_learned_from() {
     let lgn = Lgn::new(SIZES, lgnn_graph(LgnnSystem::Spring(10))).unwrap();

@@ -6,7 +6,7 @@ use leastaction_programs::{DerivativeOutputs, Program, Row, System, WIDTH};
 use num_dual::DualNum;
 use std::array::from_fn;
 
-/// 3 coordinates, 8 inputs, 7 units: no two sizes are alike.
+/// Sizes are pairwise distinct: 3 coordinates, 8 inputs, 7 units.
 const N: usize = 3;
 const COORDINATES: &str = "ata";
 const UNITS: usize = 7;
@@ -14,7 +14,7 @@ const WEIGHTS: usize = 9 * UNITS + 8 * UNITS + 8;
 const EXACT: f64 = 1e-12;
 
 type Vector = [f64; N];
-/// Which of (q, v) moves along a direction, and how fast.
+/// Rates of (q, v) along a direction.
 type Direction = [Vector; 2];
 const STILL: Direction = [[0.0; N]; 2];
 

@@ -1,4 +1,4 @@
-//! The Lagrangian neural network (Cranmer et al., 2020): one network gives L(q, v), whatever its form.
+//! The Lagrangian neural network (Cranmer et al., 2020): a single network gives L(q, v), of any form.
 
 use super::features::{count, seen};
 use super::lagrangian::{acceleration_error, motion};
@@ -15,10 +15,10 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// v̇ = M⁻¹(L_q − L_vq v) with L(q, v) = N(s(q), v), M = L_vv: two hidden softplus layers of one width.
+/// Acceleration v̇ = M⁻¹(L_q − L_vq v) with L(q, v) = N(s(q), v), M = L_vv: two hidden softplus layers of equal width.
 ///
-/// Nothing makes M positive definite, or regular: where it has no inverse there is no acceleration. The output's bias, one of
-/// the weights, is a constant of L that no motion shows; ModLaNet's authors leave it out.
+/// M need not be positive definite or regular: if it has no inverse, there is no acceleration. The output's bias, one of the weights, is a
+/// constant of L that no motion shows; ModLaNet's authors leave it out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lnn {
     coordinates: String,
@@ -26,7 +26,8 @@ pub struct Lnn {
 }
 
 impl Lnn {
-    /// With so many units in each hidden layer; `coordinates` has a letter each, `a` for angles, any other for translations.
+    /// Creates the network with `width` units in each hidden layer; `coordinates` has one letter each, `a` for angles, any other letter for
+    /// translations.
     pub fn new(coordinates: &str, width: usize) -> Self {
         Self { coordinates: coordinates.to_owned(), width }
     }
@@ -46,7 +47,7 @@ impl Energies for Lnn {
         self.network().end()
     }
 
-    /// L and 0: what of L is kinetic is not known.
+    /// Returns L and 0: the kinetic part of L is not known.
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
         let kind = |letter| if letter == 'a' { Coordinate::Angle } else { Coordinate::Translation };
         let features = seen(builder, &self.coordinates.chars().map(kind).collect::<Vec<_>>(), q);
@@ -56,8 +57,8 @@ impl Energies for Lnn {
 }
 
 impl AccelerationModel for Lnn {
-    /// Normal deviates: 2.2/√n₀ from n₀ inputs, 1.16/√n between layers of n units, 1 to the output; biases 0. These are the
-    /// variances of ModLaNet's program after Cranmer et al., appendix C (where the output has √n).
+    /// Normal deviates with standard deviation 2.2/√n₀ from n₀ inputs, 1.16/√n between layers of n units, 1 to the output; biases 0. These
+    /// are the variances of ModLaNet's program after Cranmer et al., appendix C (which has √n for the output).
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let (mut weights, mut stream) = (Vec::new(), Pcg64::seed_from_u64(seed));
         let (inputs, width) = (count(&self.coordinates), self.width);

@@ -1,4 +1,4 @@
-//! As a model that is trained, whatever its derivatives.
+//! The model under training, whatever its derivatives.
 
 use super::*;
 use crate::baselines::oracle::{
@@ -12,7 +12,7 @@ use std::array::from_fn;
 
 const N: usize = 3;
 const COORDINATES: &str = "ata";
-/// Which no number of lanes divides.
+/// Number of samples, not divisible by the number of lanes.
 const SAMPLES: usize = 11;
 
 fn lnn() -> Lnn {
@@ -83,7 +83,8 @@ fn a_mass_matrix_without_inverse_has_no_loss() {
 
 #[test]
 fn sizes_are_those_of_the_authors_and_their_weights_have_the_variances_said() {
-    // Theirs have 364,200: two inputs less, for angles are not cosine and sine, and no bias at the output.
+    // The authors' network has 364,200 weights: two inputs fewer, since angles are not replaced by cosine and sine, and no bias at the
+    // output.
     let lnn = Lnn::new("aa", 600);
     assert_eq!(lnn.parameters(), 364_200 + 2 * 600 + 1);
     let weights = lnn.initial_weights(0);
@@ -115,7 +116,7 @@ fn both_optimisers_train_it() {
     assert!(objective.loss(&adam.weights) < 0.9 * before, "{} {before}", adam.loss);
 }
 
-/// What passes through the widest network of the largest size has room on a thread's stack.
+/// The values that a pass through the widest network of the largest size hands on fit on a thread's stack.
 #[test]
 fn the_largest_has_a_gradient() {
     let lnn = Lnn::new("tttttt", 600);

@@ -1,10 +1,10 @@
-//! Torques of an arm along a logged motion: learned from the beginning and the end of a log, judged on the motion between.
+//! Torques of an arm along a logged motion: learned from the beginning and the end of a log, judged on the motion in between.
 //!
-//! **Protocol.** Positions, velocities and torques are brought onto 1 ms along straight lines and filtered by a Butterworth filter of order 4
-//! at 20 Hz, forward and backward; accelerations are differences of the filtered velocities. Samples stand every 20 ms from 0.2 s to 0.2 s
-//! before the end. The motion of the Panda's log repeats after 13.32 s, so a split in time would test what was learned from: it is learned
-//! from t < 7.56 s and t > 13.44 s, and tested on 7.76 … 13.24 s, motion that is seen nowhere else. The error is the mean over joints
-//! of the mean squared error over the variance of the torque on the tested part.
+//! **Protocol.** Positions, velocities and torques are interpolated linearly to 1 ms and filtered by a Butterworth filter of order 4 at 20
+//! Hz, forward and backward; accelerations are differences of the filtered velocities. Samples are taken every 20 ms from 0.2 s to 0.2 s
+//! before the end. The motion of the Panda's log repeats after 13.32 s, so a simple split in time would test on motion that was learned
+//! from: the models learn from t < 7.56 s and t > 13.44 s, and are tested on 7.76 … 13.24 s, motion that occurs nowhere else. The error is
+//! the mean over joints of the mean squared error over the variance of the torque on the tested part.
 
 mod models;
 mod network;
@@ -26,27 +26,27 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Of the tested part, s.
+/// First and last time of the tested part, s.
 const TESTED: [f64; 2] = [7.76, 13.24];
-/// Before and after it, s: what lies between is near both parts.
+/// End of the first learned part and beginning of the second, s; the gaps separate them from the tested part.
 const LEARNED: [f64; 2] = [7.56, 13.44];
-/// After so long the motion repeats, s.
+/// Period after which the motion repeats, s.
 const PERIOD: f64 = 13.32;
-/// Parts of the learned motion that are held back in turn, in blocks of time.
+/// Number of parts of the learned motion that are held back in turn, in blocks of time.
 const FOLDS: usize = 5;
-/// Of a block, s.
+/// Length of a block, s.
 const BLOCK: f64 = 0.76;
-/// The log.
+/// File of the log.
 const FILE: &str = "excitation.csv";
 
 /// Samples of the arm's log.
 #[derive(Clone, Debug)]
 pub struct ArmData {
-    /// Its file.
+    /// File of the log.
     pub file: PathBuf,
-    /// To learn from.
+    /// Samples to learn from.
     pub train: Samples,
-    /// To judge by.
+    /// Samples to judge by.
     pub test: Samples,
 }
 
@@ -57,19 +57,20 @@ pub struct ArmOutcome {
     pub machine: &'static str,
     /// Name of the model.
     pub model: &'static str,
-    /// Whether it is what a fit gives where nothing is chosen.
+    /// Whether it is the default of a fit.
     pub default: bool,
     /// Mean over joints of the mean squared error over the variance of the torque.
     pub mean_nmse: f64,
     /// Root mean squared error of every joint's torque, N m.
     pub rmse: Vec<f64>,
-    /// The mean over joints on what was learned from.
+    /// Mean over joints of the normalised error on the samples that were learned from.
     pub train_nmse: f64,
-    /// Numbers that were learned.
+    /// Count of the learned numbers.
     pub parameters: usize,
-    /// Of them what the samples alone determine, to 10⁻⁶ of the best determined; not of networks.
+    /// Number of them that the samples alone determine, to 10⁻⁶ of the best determined; not for networks.
     pub rank: Option<usize>,
-    /// The least eigenvalue of a body's pseudo-inertia whose diagonal is scaled to 1: above 0 where all bodies can be. Only of bodies that are found.
+    /// Smallest eigenvalue of a body's pseudo-inertia, scaled to a unit diagonal: positive if all bodies are physically consistent. Only
+    /// for bodies that are identified.
     pub consistency: Option<f64>,
     /// Training time, s.
     pub train_seconds: f64,
@@ -95,13 +96,13 @@ impl ArmData {
         Ok(Self { file, train, test })
     }
 
-    /// Which fold each learned sample belongs to: both passes through a piece of motion to the same one.
+    /// Fold of each learned sample; both passes through the same piece of motion have the same fold.
     pub fn folds(&self) -> Vec<usize> {
         self.train.t.iter().map(|t| (t % PERIOD / BLOCK) as usize % FOLDS).collect()
     }
 }
 
-/// The tasks of all models.
+/// Creates the tasks of all models.
 pub fn arm_tasks(data: &Arc<ArmData>, arguments: &str) -> Vec<Box<dyn Task>> {
     let task = |model: &Identification| -> Box<dyn Task> {
         Box::new(ArmTask { model: *model, data: Arc::clone(data), arguments: arguments.to_owned() })

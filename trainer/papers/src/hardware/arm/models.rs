@@ -1,4 +1,4 @@
-//! The models of the table of an arm.
+//! Models in the table of an arm.
 
 use super::ArmData;
 use super::network::{from_bodies, from_nothing};
@@ -14,13 +14,13 @@ use leastaction_models::tree::Tree;
 /// A row of the table.
 #[derive(Clone, Copy)]
 pub struct Identification {
-    /// As in the table and, in small letters, in the names of tasks.
+    /// Name in the table and, in small letters, in the names of tasks.
     pub name: &'static str,
-    /// Whether it is what a fit gives where nothing is chosen.
+    /// Whether it is the default of a fit.
     pub is_default: bool,
-    /// Whether it is ours.
+    /// Whether it is our model.
     pub is_ours: bool,
-    /// Roughly.
+    /// Rough learning time, s.
     pub expected_seconds: f64,
     /// Learns from the training samples.
     pub learn: fn(&ArmData) -> Result<Learned, TaskError>,
@@ -29,33 +29,33 @@ pub struct Identification {
 /// Torques of all samples, row by row.
 pub type Predict = dyn Fn(&Samples) -> Vec<f64>;
 
-/// What a model has become.
+/// A learned model.
 pub struct Learned {
     /// Torques of all samples, row by row.
     pub predict: Box<Predict>,
-    /// Numbers that were learned.
+    /// Count of the learned numbers.
     pub parameters: usize,
-    /// Of them what the samples alone determine; not of networks.
+    /// Number of them that the samples alone determine; not for networks.
     pub rank: Option<usize>,
-    /// Of the bodies, where they are found one by one.
+    /// Consistency of the bodies, if they are identified one by one.
     pub consistency: Option<f64>,
 }
 
 impl Identification {
-    /// In the names of tasks.
+    /// Label in the names of tasks.
     pub fn label(&self) -> String {
         let words = self.name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
         words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
     }
 }
 
-/// ε of the rows where it is not learned, rad/s.
+/// Width ε in the rows where it is not learned, rad/s.
 const WIDTH: f64 = 0.05;
-/// Nothing but the bodies.
+/// Rigid bodies and nothing else.
 const RIGID: Terms = Terms { rotors: false, viscous: false, coulomb: None, offsets: false };
 const VISCOUS: Terms = Terms { viscous: true, ..RIGID };
 const COULOMB: Terms = Terms { rotors: true, viscous: true, coulomb: Some(WIDTH), offsets: true };
-/// Friction of constant size.
+/// Numbers to learn with friction of constant size.
 pub(super) const WITHOUT_LOAD: Numbers = Numbers {
     bodies: Bodies::Consistent,
     known: Vec::new(),
@@ -68,12 +68,13 @@ pub(super) const WITHOUT_LOAD: Numbers = Numbers {
     smoothing: [SOFTNESS; 2],
     held: Vec::new(),
 };
-/// Of the whole arm (kg), from its data sheet, and of its links about their lines (m): the guess that is the prior where no inertia is known.
+/// Mass of the whole arm (kg), from its data sheet, and radius of its links about their lines (m): the guess that is the prior if no
+/// inertia is known.
 const MASS: f64 = 18.0;
 const RADIUS: f64 = 0.1;
-/// λ of a prior that only keeps the equations solvable.
+/// Strength λ of a prior that only keeps the equations solvable.
 const WEAKEST: f64 = 1e-6;
-/// Strengths of the prior that are tried.
+/// Strengths of the prior to be tried.
 const STRENGTHS: [f64; 9] = [1000.0, 300.0, 100.0, 30.0, 10.0, 3.0, 1.0, 0.1, 0.01];
 
 const LINEAR: Identification = Identification {
@@ -84,7 +85,7 @@ const LINEAR: Identification = Identification {
     learn: |data| linear(data, RIGID),
 };
 
-/// The rows of the table, in order.
+/// Rows of the table, in order.
 pub const MODELS: [Identification; 8] = [
     LINEAR,
     Identification { name: "least squares, viscous", learn: |data| linear(data, VISCOUS), ..LINEAR },
@@ -134,7 +135,7 @@ fn guess() -> Result<Tree, TaskError> {
     Ok(panda()?.with_guessed_inertias(MASS, RADIUS))
 }
 
-/// Least squares with every torque over its standard deviation, so that what is minimised is what is judged.
+/// Least squares with every torque divided by its standard deviation, so that the minimised quantity is the measure of the table.
 fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
     let tree = panda()?;
     let deviations: Vec<f64> = variances(&data.train).iter().map(|variance| variance.sqrt()).collect();
@@ -145,14 +146,14 @@ fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
     Ok(Learned { predict: Box::new(predict), parameters, rank, consistency: None })
 }
 
-/// Bodies that can be, the strength of whose prior parts of the samples choose.
+/// Fits physically consistent bodies; the strength of their prior is chosen by parts of the samples.
 pub(super) fn consistent(data: &ArmData, learned: &Numbers) -> Result<Fitted, TaskError> {
     Ok(fit_by_folds(&guess()?, &data.train, learned, (&STRENGTHS, &data.folds()))?.0)
 }
 
 fn of_fit(fitted: Fitted) -> Learned {
     let consistency = fitted.arm.tree.bodies().iter().map(|body| body.inertia.consistency());
-    // NaN where a diagonal is not positive.
+    // NaN if a diagonal is not positive.
     let least = consistency.fold(f64::INFINITY, |least, x| if x < least || x.is_nan() { x } else { least });
     let (parameters, rank, arm) = (fitted.parameters, Some(fitted.rank), fitted.arm);
     let predict = move |samples: &Samples| arm.torques(samples);

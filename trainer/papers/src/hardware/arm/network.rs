@@ -1,5 +1,5 @@
-//! Inertia matrix and potential of the arm from one network, with the friction and the offsets that the bodies have, by the loss of torques:
-//! the learned alternative to bodies (DeLaN: Lutter, Ritter and Peters 2019).
+//! Inertia matrix and potential of the arm from a single network, with the friction and the offsets of the body models, learned by the
+//! torque loss: the learned alternative to bodies (DeLaN: Lutter, Ritter and Peters 2019).
 
 use super::ArmData;
 use super::models::{Learned, WITHOUT_LOAD, consistent};
@@ -18,19 +18,19 @@ use leastaction_models::{
 use leastaction_programs::System;
 use leastaction_programs::energies::WithOffsets;
 
-/// Units of both hidden layers.
+/// Number of units of both hidden layers.
 const WIDTH: u16 = 16;
-/// Of the unit matrix that keeps H positive definite, kg m².
+/// Factor of the unit matrix that keeps H positive definite, kg m².
 const EPSILON: f32 = 1e-4;
-/// Iterations of Levenberg–Marquardt at most.
+/// Maximum number of Levenberg–Marquardt iterations.
 const ITERATIONS: usize = 25;
-/// λ of the penalty λ|θ|² on what is minimised, tried in turn; held-back motion chooses, and how many iterations.
+/// Strengths λ of the penalty λ|θ|² to be tried in turn; held-back motion chooses one, and the number of iterations.
 const DECAYS: [f64; 4] = [1e-4, 1e-3, 3e-3, 1e-2];
-/// The part of the motion that chooses.
+/// Fold of the motion that chooses.
 const HELD_BACK: usize = 0;
-/// Step of the samples, s; no loss of torques reads it.
+/// Step of the samples, s; the torque loss does not use it.
 const STEP: f64 = 1e-3;
-/// Where friction begins that is not that of bodies.
+/// Initial friction that does not come from bodies.
 const FIRST: JointNumbers = JointNumbers {
     rotor: 0.0,
     viscous: 0.1,
@@ -41,10 +41,10 @@ const FIRST: JointNumbers = JointNumbers {
     smoothing: SOFTNESS,
 };
 
-/// A network, and numbers to begin with: its weights, then the offsets of the drives.
+/// A network and its initial numbers: its weights, then the offsets of the drives.
 type Beginning = (Architecture, Vec<f64>);
 
-/// From random weights.
+/// Learns from random weights.
 pub(super) fn from_nothing(data: &ArmData) -> Result<Learned, TaskError> {
     learn(data, |data| {
         let joints = vec![FIRST; data.train.q.width()];
@@ -54,8 +54,8 @@ pub(super) fn from_nothing(data: &ArmData) -> Result<Learned, TaskError> {
     })
 }
 
-/// From weights whose inertia and potential are those of bodies fitted to the same samples, and from the friction and the offsets found with
-/// them.
+/// Learns from weights whose inertia and potential are those of bodies fitted to the same samples, and from the friction and the offsets
+/// found with these bodies.
 pub(super) fn from_bodies(data: &ArmData) -> Result<Learned, TaskError> {
     learn(data, |data| {
         let Arm { tree, joints } = consistent(data, &WITHOUT_LOAD)?.arm;
@@ -76,7 +76,7 @@ fn root_mean_squares(rows: &leastaction_learning::data::Rows) -> Vec<f64> {
     (0..rows.width()).map(|i| square(i).sqrt()).collect()
 }
 
-/// Its shape, with this friction to begin with.
+/// Returns the shape of the network, with this initial friction.
 fn network(joints: &[JointNumbers]) -> Architecture {
     let mut inertia_network = InertiaNetworkArchitecture::new(&vec![Coordinate::Angle; joints.len()], WIDTH);
     inertia_network.inertia = Inertia::Cholesky { epsilon: EPSILON };
@@ -89,13 +89,13 @@ fn network(joints: &[JointNumbers]) -> Architecture {
     Architecture { friction, ..Architecture::from(inertia_network) }
 }
 
-/// The weights, then what the drives add: a log that has τ + o is of τ = u − o.
+/// Appends the negative offsets of the drives to the weights: a log with τ + o has the torque τ = u − o.
 fn with_offsets(mut weights: Vec<f64>, joints: &[JointNumbers]) -> Vec<f64> {
     weights.extend(joints.iter().map(|joint| -joint.offset));
     weights
 }
 
-/// The penalty and the iterations that held-back motion asks for, then as many on all samples.
+/// Chooses the penalty and the number of iterations by held-back motion, then trains on all samples with them.
 fn learn(
     data: &ArmData,
     begin: impl Fn(&ArmData) -> Result<Beginning, TaskError>,
@@ -122,7 +122,7 @@ fn learn(
     })
 }
 
-/// What held-back motion asks for.
+/// Choice by held-back motion.
 struct Choice {
     loss: f64,
     decay: f64,

@@ -1,11 +1,11 @@
-//! The kinematics of the Franka Panda.
+//! Kinematics of the Franka Panda.
 
 use leastaction_models::tree::Tree;
 use leastaction_models::urdf::{Inertias, UrdfError, parse};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-/// Modified Denavit–Hartenberg numbers α (rad), a and d (m) of the joints.
+/// Modified Denavit–Hartenberg parameters α (rad), a and d (m) of the joints.
 const NUMBERS: [[f64; 3]; 7] = [
     [0.0, 0.0, 0.333],
     [-FRAC_PI_2, 0.0, 0.0],
@@ -16,7 +16,7 @@ const NUMBERS: [[f64; 3]; 7] = [
     [FRAC_PI_2, 0.088, 0.0],
 ];
 
-/// A description of its kinematics alone: seven joints about z.
+/// Returns a robot description with the kinematics alone: seven joints about z.
 pub fn panda_urdf() -> String {
     let mut text = "<robot name=\"panda\">\n<link name=\"link0\"/>\n".to_owned();
     for (k, [alpha, a, d]) in NUMBERS.into_iter().enumerate() {
@@ -31,10 +31,10 @@ pub fn panda_urdf() -> String {
     text + "</robot>\n"
 }
 
-/// The same as a tree, without inertias.
+/// Returns the kinematics as a tree, without inertias.
 ///
 /// # Errors
-/// None, unless the description above is damaged.
+/// Never, unless the description above is damaged.
 pub fn panda() -> Result<Tree, UrdfError> {
     parse(&panda_urdf(), Inertias::Optional)
 }
