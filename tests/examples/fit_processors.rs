@@ -1,4 +1,5 @@
-//! Fits what `leastaction inspect --target` predicts from to the measurements of `firmware-sim/chip/shapes.jsonl`, and prints the fits.
+//! Fits the coefficients from which `leastaction inspect --target` predicts to the measurements of `firmware-sim/chip/shapes.jsonl`, and
+//! prints the fits.
 
 #[path = "../shapes/mod.rs"]
 mod shapes;
@@ -8,7 +9,7 @@ use leastaction_models::file::decode;
 use std::collections::BTreeMap;
 use std::error::Error;
 
-/// A measured number, and what it is a sum over.
+/// The terms whose sum was measured, and the measured number.
 type Equation = (Coefficients, f64);
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -30,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// All that was measured of a family on a processor.
+/// All measurements of a family on a processor.
 #[derive(Default)]
 struct Equations {
     instructions: Vec<Equation>,
@@ -60,8 +61,8 @@ impl Equations {
     }
 }
 
-/// About what instructions an operation takes on a processor with a floating-point unit, as `src/bin/kernels.rs` of the chip counts them
-/// and a trace of the emulator shows them: where shapes do not tell two operations apart, numbers stay near these.
+/// Approximate number of instructions of an operation on a processor with a floating-point unit, as counted by `src/bin/kernels.rs` of the
+/// chip and shown by a trace of the emulator: where shapes do not distinguish two operations, their numbers stay near these.
 const INSTRUCTIONS: &[(&str, f64)] = &[
     ("tangents", 100.0),
     ("exponentials", 70.0),
@@ -84,14 +85,14 @@ const INSTRUCTIONS: &[(&str, f64)] = &[
     ("step_4", 1500.0),
 ];
 
-/// A pull that only decides what the measurements leave open.
+/// Weight of a pull that only decides what the measurements leave open.
 const WEAK: f64 = 1e-6;
 
-/// Sweeps over the numbers, each set to its best with the others held.
+/// Number of sweeps over the numbers, each of which is set to its optimum with the rest held.
 const SWEEPS: usize = 200_000;
 
-/// The numbers, none negative, whose sums are relatively nearest to what was measured, each pulled to what is `known` of it with the
-/// weight of one more measurement of relative error 1/`pull`; to 1, hardly, where nothing is.
+/// Returns the nonnegative numbers whose sums have the smallest relative errors against the measurements. Each number is pulled to its
+/// `known` value with the weight of one more measurement of relative error 1/`pull`; unknown numbers are pulled very weakly to 1.
 fn solved(equations: &[Equation], known: &[(&str, f64)], pull: f64) -> Coefficients {
     let mut names: Vec<&String> = equations.iter().flat_map(|(terms, _)| terms.keys()).collect();
     names.sort();
@@ -119,7 +120,7 @@ fn solved(equations: &[Equation], known: &[(&str, f64)], pull: f64) -> Coefficie
             x[i] = ((target[i] - others) / matrix[i][i]).max(0.0);
         }
     }
-    // Three digits: what is fitted has no more.
+    // Three digits: the fit has no more.
     let rounded = |x: f64| format!("{x:.2e}").parse().unwrap_or(x);
     names.into_iter().cloned().zip(x.into_iter().map(rounded)).collect()
 }

@@ -1,4 +1,4 @@
-//! The models of `firmware-sim/chip/shapes.toml`.
+//! Models of `firmware-sim/chip/shapes.toml`.
 
 use leastaction_learning::config::Config;
 use leastaction_models::file::{EncodeError, encode};
@@ -6,18 +6,18 @@ use std::error::Error;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// A model of random weights.
+/// A model with random weights.
 pub struct RandomModel {
-    /// What it is called.
+    /// Name of the model.
     pub name: String,
     /// Whether predictions are fitted to it.
     #[allow(dead_code, reason = "not every user asks")]
     pub fitted: bool,
-    /// Its file.
+    /// Model file.
     pub file: Vec<u8>,
 }
 
-/// All of them.
+/// Returns all of these models.
 pub fn all() -> Result<Vec<RandomModel>, Box<dyn Error>> {
     let text = include_str!("../../firmware-sim/chip/shapes.toml");
     let mut shapes = Vec::new();
@@ -42,33 +42,33 @@ fn file(model: &Value) -> Result<Vec<u8>, Box<dyn Error>> {
 #[derive(serde::Deserialize)]
 #[allow(dead_code, reason = "not every user asks for all")]
 pub struct Measured {
-    /// The processor.
+    /// Name of the processor.
     pub board: String,
-    /// The name of the shape.
+    /// Name of the shape.
     pub model: String,
-    /// Of the steps.
+    /// Order of the steps.
     pub order: u8,
-    /// Of the whole image.
+    /// Size of the code of the whole image, in bytes.
     pub text_bytes: f64,
-    /// Of an acceleration.
+    /// Stack use of an acceleration, in bytes.
     pub acceleration_stack_bytes: f64,
-    /// Of a step.
+    /// Stack use of a step, in bytes.
     pub stack_bytes: f64,
-    /// Of an acceleration.
+    /// Number of instructions of an acceleration.
     pub acceleration_instructions: f64,
-    /// Of a step, the median.
+    /// Median number of instructions of a step.
     pub step_instructions: f64,
 }
 
 #[allow(dead_code, reason = "not every user asks")]
 impl Measured {
-    /// Whether it is of that processor and shape.
+    /// Whether the measurement belongs to this processor and shape.
     pub fn is(&self, processor: &str, shape: &str) -> bool {
         self.board == processor && self.model == shape
     }
 }
 
-/// All that was measured.
+/// Returns all measurements.
 #[allow(dead_code, reason = "not every user asks")]
 pub fn measured() -> Result<Vec<Measured>, Box<dyn Error>> {
     let text = include_str!("../../firmware-sim/chip/shapes.jsonl");

@@ -3,11 +3,11 @@
 use leastaction_core::energy::arm::ARM_PARAMETERS;
 use leastaction_core::model::{ArmHeader, Family, Header, Laws, WriteError, write};
 
-/// Of it.
+/// Number of joints.
 pub const JOINTS: usize = 7;
-/// Each body on the one before, by a revolute joint.
+/// Tree of the bodies: each on the one before, by a revolute joint.
 pub const TREE: [u8; 2 * JOINTS] = [0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6];
-/// Quarter turns about x from the frame before to that of the joint, and a and d of Craig's convention, m.
+/// Quarter turns about x from the previous frame to that of the joint, and a and d of Craig's convention, m.
 pub const FRAMES: [(i8, f32, f32); JOINTS] = [
     (0, 0.0, 0.333),
     (-1, 0.0, 0.0),
@@ -19,19 +19,19 @@ pub const FRAMES: [(i8, f32, f32); JOINTS] = [
 ];
 /// Masses, kg.
 const MASSES: [f32; JOINTS] = [4.0, 3.5, 3.0, 3.0, 2.5, 1.5, 0.75];
-/// Of every body from its joint, m.
+/// Centre of mass of every body relative to its joint, m.
 const CENTRE: [f32; 3] = [0.03125, -0.0625, 0.03125];
-/// Of a body of 1 kg about its centre of mass, kg m².
+/// Moments of inertia of a body of 1 kg about its centre of mass, kg m².
 const INERTIA: [f32; 3] = [0.015625, 0.0078125, 0.015625];
-/// Of the drives' rotors, kg m².
+/// Inertia of the drives' rotors, kg m².
 const ROTOR: f32 = 0.125;
-/// b of every joint, N m s/rad.
+/// Damping b of every joint, N m s/rad.
 const DAMPING: f32 = 0.5;
 
-/// The model file.
+/// Returns the model file.
 ///
 /// # Errors
-/// Where it is longer than 2 KB, which it is not.
+/// If it is longer than 2 KB, which it is not.
 pub fn model_file() -> Result<Vec<u8>, WriteError> {
     let header = Header {
         laws: Laws::VISCOUS,
@@ -46,7 +46,7 @@ pub fn model_file() -> Result<Vec<u8>, WriteError> {
     write(&header, &bytes, &mut memory).map(<[u8]>::to_vec)
 }
 
-/// Mass, its first moments and its inertia about the joint, of a body of round numbers.
+/// Mass, first moments and inertia about the joint, for a body of round numbers.
 fn round(m: f32) -> [f32; 10] {
     let [x, y, z] = CENTRE;
     let [xx, yy, zz] = INERTIA;
@@ -64,11 +64,11 @@ fn round(m: f32) -> [f32; 10] {
     ]
 }
 
-/// A body of a model file: R, p, axis, inertia about the joint and rotor.
+/// Numbers of a body in a model file: R, p, axis, inertia about the joint and rotor.
 pub fn body((turn, a, d): (i8, f32, f32), inertia: [f32; 10], rotor: f32) -> [f32; ARM_PARAMETERS] {
     let s = f32::from(turn);
     let c = 1.0 - s.abs();
-    // Rx of the quarter turn, where the joint is, and the axis: z.
+    // Rotation Rx of the quarter turn, position of the joint, and the axis z.
     let frame = [1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c, a, -s * d, c * d, 0.0, 0.0, 1.0];
     let numbers = frame.into_iter().chain(inertia).chain([rotor]);
     let mut body = [0.0; ARM_PARAMETERS];

@@ -1,11 +1,11 @@
-//! What the cross-crate tests and the peer programs share.
+//! Common parts of the cross-crate tests and the peer programs.
 
 pub mod arm;
 #[path = "../../firmware-sim/examples/cartpole.rs"]
 pub mod cartpole;
 pub mod panda;
 
-/// The programs that the book shows, as tests.
+/// Programs shown in the book, as tests.
 #[cfg(doctest)]
 mod book {
     #[doc = include_str!("../../docs/book/src/board.md")]
@@ -35,14 +35,14 @@ use leastaction_firmware_sim::trajectory::reference::{
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
 use std::fmt::{self, Write};
 
-/// Why a run has no fingerprint, which for the models of this repository it always has.
+/// Reason why a run has no fingerprint; this does not happen for the models of this repository.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refused {
-    /// The model file.
+    /// The model file was refused.
     Model(ModelError),
-    /// A step.
+    /// A step failed.
     Step(StepError<f32>),
-    /// A step of particles.
+    /// A step of particles failed.
     Particles(ConstraintError<f32>),
 }
 
@@ -54,7 +54,7 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// The model files that the chip's images carry.
+/// Model files that the chip's images contain.
 const CARTPOLE: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole.postcard"));
 const HALF_CARTPOLE: &Aligned<[u8]> =
@@ -70,17 +70,17 @@ const DRY_CARTPOLE: &Aligned<[u8]> =
 #[repr(align(4))]
 struct Aligned<T: ?Sized>(T);
 
-/// A run whose fingerprint every target must give.
+/// A run whose fingerprint must be equal on every target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry or arm.
+    /// Family of the model: inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry or arm.
     pub family: &'static str,
-    /// 2 or 4.
+    /// Order of the integrator, 2 or 4.
     pub order: u8,
 }
 
 impl Reference {
-    /// All of them.
+    /// Returns all reference runs.
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = |family| [2, 4].map(|order| Self { family, order });
         let others = ["inertia-network-f16", "inertia-network-dry"].map(|family| Self { family, order: 2 });
@@ -88,10 +88,10 @@ impl Reference {
         families.chain(others).chain(["bodies-dry", "arm"].into_iter().flat_map(orders))
     }
 
-    /// The fingerprint of so many steps.
+    /// Fingerprint of the given number of steps.
     ///
     /// # Errors
-    /// Where the model or a step is refused.
+    /// An error if the model or a step is refused.
     pub fn hash(&self, steps: u32) -> Result<u64, Refused> {
         match (self.family, self.order) {
             ("inertia-network", order) => {
@@ -163,10 +163,10 @@ fn bobs(order: Order, steps: u32) -> Result<u64, Refused> {
     Ok(fingerprint(&mut motion, steps).map_err(Refused::Particles)?.value())
 }
 
-/// A table of refusals: a model, a damage, and what came of it.
+/// A table of refusals: a model, a damage, and the results.
 pub type Refusal = (&'static str, Damage, Refusals);
 
-/// What the loader makes of every damage to the two small models.
+/// Results of the loader for every damage to the two small models.
 pub fn all_refusals() -> Vec<Refusal> {
     let double = |file: &[u8]| Double::load(file, TREE).map(drop);
     let pendulums = |file: &[u8]| Bobs::load(file, GRAPH, &mut [], &mut chain()).map(drop);
@@ -181,7 +181,7 @@ pub fn all_refusals() -> Vec<Refusal> {
     [of_double, of_pendulums].concat()
 }
 
-/// The same as the chip's image prints it.
+/// Prints the results in the form of the chip's image.
 pub fn refusals() -> String {
     let mut text = String::new();
     for (model, damage, refusals) in all_refusals() {
@@ -195,7 +195,7 @@ pub fn refusals() -> String {
     text
 }
 
-/// Why a file is refused as a cart-pole; `None` where it is not.
+/// Reason for refusing a file as a cart-pole; `None` if it is accepted.
 pub fn refused_cartpole(file: &[u8]) -> Option<&'static Entry> {
     let mut words = vec![0_u32; file.len().div_ceil(4)];
     let workspace = bytemuck::cast_slice_mut::<u32, u8>(&mut words);

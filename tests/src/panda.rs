@@ -1,10 +1,10 @@
-//! A Franka Panda for simulations: its frames and limits, bodies as they were identified, drives and friction of their size.
+//! A Franka Panda for simulations: its frames and limits, bodies as identified, and drives and friction of realistic size.
 
 use crate::arm::{FRAMES, JOINTS, TREE, body};
 use leastaction_core::model::{ArmHeader, Family, Header, Laws, WriteError, write};
 use std::fmt::Write;
 
-/// Mass (kg), its centre (m), and the inertia xx, xy, xz, yy, yz, zz about the centre (kg m²).
+/// Mass (kg), centre of mass (m), and inertia xx, xy, xz, yy, yz, zz about the centre (kg m²).
 ///
 /// Source: Gaz et al., "Dynamic identification of the Franka Emika Panda robot with retrieval of feasible parameters", 2019.
 pub const BODIES: [[f64; 10]; JOINTS] = [
@@ -28,8 +28,8 @@ pub const BODIES: [[f64; 10]; JOINTS] = [
         4.815e-3,
     ],
 ];
-/// Inertia of the rotor (kg m²), viscous friction (N m s/rad), Coulomb friction (N m) and its width (rad/s), of the size that fits of
-/// the real arm's log have.
+/// Inertia of the rotor (kg m²), viscous friction (N m s/rad), Coulomb friction (N m) and its width (rad/s), of the size found in fits of
+/// the real arm's log.
 const DRIVES: [[f32; 4]; JOINTS] = [
     [0.2, 0.25, 0.45, 0.05],
     [0.2, 0.30, 0.50, 0.06],
@@ -39,7 +39,7 @@ const DRIVES: [[f32; 4]; JOINTS] = [
     [0.05, 0.10, 0.25, 0.07],
     [0.05, 0.08, 0.20, 0.08],
 ];
-/// Positions from and to (rad), velocity (rad/s) and effort (N m), by the maker's description.
+/// Lowest and highest position (rad), velocity (rad/s) and effort (N m), from the maker's description.
 pub const LIMITS: [[f64; 4]; JOINTS] = [
     [-2.8973, 2.8973, 2.175, 87.0],
     [-1.7628, 1.7628, 2.175, 87.0],
@@ -50,10 +50,10 @@ pub const LIMITS: [[f64; 4]; JOINTS] = [
     [-2.8973, 2.8973, 2.61, 12.0],
 ];
 
-/// A model file of the arm as it is.
+/// Returns a model file of the true arm.
 ///
 /// # Errors
-/// Where it is longer than 2 KB, which it is not.
+/// If it is longer than 2 KB, which it is not.
 pub fn model_file() -> Result<Vec<u8>, WriteError> {
     let header = Header {
         laws: Laws::FRICTION,
@@ -65,14 +65,14 @@ pub fn model_file() -> Result<Vec<u8>, WriteError> {
         weights.extend(body(FRAMES[k], about_joint(BODIES[k]).map(|x| x as f32), rotor));
     }
     weights.extend(DRIVES.map(|[_, viscous, ..]| viscous));
-    // Without a part that grows with the load.
+    // Friction without a part that grows with the load.
     weights.extend(DRIVES.iter().flat_map(|[.., coulomb, width]| [*coulomb, 0.0, 1.0, *width]));
     let bytes: Vec<u8> = weights.iter().flat_map(|x| x.to_le_bytes()).collect();
     let mut memory = [0; 2048];
     write(&header, &bytes, &mut memory).map(<[u8]>::to_vec)
 }
 
-/// m, m c and the inertia about the joint.
+/// Mass m, first moment m c, and inertia about the joint.
 fn about_joint([m, x, y, z, xx, xy, xz, yy, yz, zz]: [f64; 10]) -> [f64; 10] {
     [
         m,
@@ -88,7 +88,7 @@ fn about_joint([m, x, y, z, xx, xy, xz, yy, yz, zz]: [f64; 10]) -> [f64; 10] {
     ]
 }
 
-/// What its maker says of it (URDF): frames and limits, no masses.
+/// Returns the maker's robot description (URDF): frames and limits, no masses.
 #[must_use]
 pub fn description() -> String {
     let mut text = "<robot name=\"panda\">\n<link name=\"link0\"/>\n".to_owned();

@@ -1,4 +1,4 @@
-//! From a log of positions and forces to a pole held upright, without the mechanism's equations on the way.
+//! A log of positions and forces leads to a pole held upright, without the mechanism's equations on the way.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Every path that steps a model along commands gives what a plain stepper gives that knows the actuator.
+//! Every path that steps a model along commands gives the result of a plain stepper that knows the actuator.
 
 #[path = "../../trainer/replica/tests/common/mod.rs"]
 mod samples;
@@ -20,7 +20,7 @@ use leastaction_models::file::decode;
 use leastaction_models::{Beginning, DEPTH, HostTypes, MAX_ELEMENT_UNITS, Model};
 use samples::{BodiesSample, GraphSample, InertiaNetworkSample, NETWORK, TREES, TreeSample, bytes};
 
-/// Exact in single precision, as the file has it.
+/// Step size, exact in single precision, like in the file.
 const H: f64 = 1.0 / 128.0;
 const STEPS: usize = 40;
 const TOLERANCE: f64 = 1e-9;
@@ -31,7 +31,7 @@ type Dry<const N: usize> = (Damped<N>, Coulomb<f64, N>);
 type Networks<'w, const N: usize> = (Dissipation<'w, f64, N, 8, 2>, PotentialCorrection<'w, f64, N, 8, 2>);
 type All<'w, const N: usize> = (Dry<N>, Networks<'w, N>);
 
-/// Gains and offsets of coordinates (taken in turn), and delays of nothing, a part of a step, and whole steps with a part.
+/// Gains and offsets of coordinates (taken in turn), and delays of zero, a fraction of a step, and whole steps with a fraction.
 const ACTUATORS: [(&[(f32, f32)], f32); 3] = [
     (&[(1.0, 0.25), (0.75, -0.5)], 0.0),
     (&[(1.5, 0.0), (-0.5, 0.125), (1.0, 0.5)], 0.003),
@@ -53,14 +53,14 @@ fn model(header: &Header, weights: &[f32], (index, n): (usize, usize), step: (Or
     decode(&bytes(&header, &block)).unwrap()
 }
 
-/// Commands that change smoothly, of sample k and coordinate i.
+/// Smoothly changing commands, of sample k and coordinate i.
 fn command(k: usize, i: usize) -> f64 {
     let t = H * k as f64;
     0.5 * (9.0 * t + i as f64).sin() + 0.25 * (23.0 * t - 2.0 * i as f64).cos()
 }
 
-/// τ at both ends of the step from sample k on, by the definition of the actuator: of the impulse and the moment of g u(t − d) + o, each
-/// smooth part of it integrated by Gauss's rule.
+/// Control τ at both ends of the step from sample k on, by the definition of the actuator: it has the impulse and the moment of g u(t − d)
+/// + o, whose smooth parts are integrated by Gauss's rule.
 fn naive_control<const N: usize>(index: usize, kind: ControlKind, k: usize) -> Control<f64, N> {
     let (pairs, delay) = ACTUATORS[index];
     let late = f64::from(delay) / H;
@@ -69,7 +69,7 @@ fn naive_control<const N: usize>(index: usize, kind: ControlKind, k: usize) -> C
     let mut control = Control { start: [0.0; N], end: [0.0; N] };
     for i in 0..N {
         let (gain, offset) = pairs[i % pairs.len()];
-        // Samples k, k + 1, k + 2 of `at` are those before the first, between both and after the second part.
+        // Samples k, k + 1, k + 2 of `at` are those before the first part, between the parts, and after the second.
         let force = |piece: usize, s: f64| {
             let u = match kind {
                 ControlKind::Held => at(k + piece, i),
@@ -122,7 +122,7 @@ fn assert_close<const N: usize>(what: &str, found: &[f64], expected: &[[f64; N]]
     }
 }
 
-/// Compares all that a model says of a motion with the plain stepper.
+/// Compares everything that a model says about a motion with the plain stepper.
 fn compare<P: Path, L, F, const N: usize>(
     name: &str,
     model: &Model,
@@ -196,7 +196,7 @@ fn over_all<L, F, const N: usize>(
     }
 }
 
-/// Calls a check with every set of laws that coordinates take, and the type of its forces.
+/// Calls a check with every set of laws that coordinates allow, and the type of its forces.
 macro_rules! with_laws {
     ($check:ident) => {{
         let networks = Laws::FRICTION.with_dissipation(NETWORK).with_potential(NETWORK);

@@ -1,4 +1,4 @@
-//! What `leastaction inspect --target` predicts, beside what was measured on the emulated chips (`firmware-sim/chip/shapes.sh`).
+//! Predictions of `leastaction inspect --target`, compared with measurements on the emulated chips (`firmware-sim/chip/shapes.sh`).
 
 #[path = "../shapes/mod.rs"]
 mod shapes;
@@ -7,10 +7,10 @@ use leastaction_cost::processor::{Prediction, Processor};
 use leastaction_models::file::decode;
 use shapes::{Measured, RandomModel};
 
-/// How far a prediction may be off, of models that nothing was fitted to.
+/// Allowed relative error of a prediction, for models that nothing was fitted to.
 const TOLERANCE: f64 = 0.1;
 
-/// What is predicted and measured: names, the two numbers.
+/// Predicted and measured numbers, with their names.
 fn compared(prediction: &Prediction, line: &Measured) -> Vec<(&'static str, f64, f64)> {
     let (step, code) = if line.order == 2 {
         (prediction.step_order_2, prediction.code_bytes[0])

@@ -16,7 +16,7 @@ use leastaction_models::{DEPTH, GraphArchitecture, HostTypes, MAX_ELEMENT_UNITS}
 use reference::{Arrays, EXACT, assert_close, assert_within, data, scale};
 use std::fs;
 
-/// Coordinates of three nodes in the plane.
+/// Number of coordinates of three nodes in the plane.
 const N: usize = 6;
 const BOBS: usize = N / 2;
 
@@ -39,7 +39,7 @@ fn arrays(name: &str) -> Arrays {
     Arrays::open(&data("lgnn").join(format!("{name}_reference.npz")))
 }
 
-/// Energies, their derivatives and the drag.
+/// Checks energies, their derivatives and the drag.
 fn check_energies(name: &str, drag: bool) {
     let imported = network(name, drag);
     let layout = graph(&imported).graph().expect("a chain");
@@ -77,7 +77,7 @@ fn energies_derivatives_and_drag_agree() {
     check_energies("3_pendulum_drag", true);
 }
 
-/// The constraints' rows of A, one after the other, and Ȧv.
+/// Rows of A, one constraint after the other, and Ȧv.
 fn rows(rods: &[Holonomic<f64, 2>], q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let (x, rates) = (Positions::new(q.as_chunks().0), v.as_chunks().0);
     let mut rows = vec![0.0; rods.len() * N];
@@ -89,8 +89,8 @@ fn rows(rods: &[Holonomic<f64, 2>], q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     [rows, (0..rods.len()).map(|k| rods.curvature(k, x, rates)).collect()]
 }
 
-/// The constraints, their multipliers and the accelerations: φ is |d|² − ℓ² in their program, (|d|² − ℓ²)/2ℓ in ours, and their
-/// rods have 1 m; their λ acts the other way. The second half of the states lies off the rods.
+/// Checks the constraints, their multipliers and the accelerations: φ is |d|² − ℓ² in their program, (|d|² − ℓ²)/2ℓ in ours, and their rods
+/// have 1 m; their λ has the other sign. The second half of the states lies off the rods.
 fn check_motion(name: &str, drag: bool) {
     let imported = network(name, drag);
     let layout = graph(&imported).graph().expect("a chain");
@@ -123,7 +123,8 @@ fn rods_and_accelerations_agree() {
     check_motion("3_pendulum_drag", true);
 }
 
-/// Their gradient in the order of our weight block; an embedding is the sum of a weight and a bias, and so would be its gradient.
+/// Gradient of their program in the order of our weight block; an embedding is the sum of a weight and a bias, so its gradient would be
+/// that sum too.
 fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     let imported = lgnn(&arrays.as_weights(prefix), BOBS, false).expect("gradient as weights");
     let embeddings: usize =
@@ -134,7 +135,7 @@ fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     gradient
 }
 
-/// The mass matrices' diagonals at states.
+/// Diagonals of the mass matrices at states.
 fn masses(imported: &Imported, q: &[f64], v: &[f64]) -> Vec<f64> {
     let layout = graph(imported).graph().expect("a chain");
     let particles = Graph::new(types(imported), &layout.nodes, &layout.edges).expect("a graph");

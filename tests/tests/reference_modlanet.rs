@@ -19,13 +19,13 @@ use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, sca
 use std::fs;
 use std::path::PathBuf;
 
-/// Coordinates.
+/// Number of coordinates.
 const N: usize = 2;
-/// Units of a hidden layer at most.
+/// Maximum number of units in a hidden layer.
 const WIDTH: usize = 50;
-/// Agreement of single precision: tens of units in the last place, for velocities and angles are rounded to it too.
+/// Agreement in single precision: tens of units in the last place, since velocities and angles are rounded to it too.
 const SINGLE: f64 = 3e-6;
-/// The numbers after the networks: those of the one type, then c₁ and c₂, then the damping of the type.
+/// Count of the numbers after the networks: those of the only type, then c₁ and c₂, then the damping of the type.
 const TAIL: usize = ELEMENT_PARAMETERS + 2 + 1;
 
 fn path(name: &str) -> PathBuf {
@@ -37,7 +37,7 @@ fn network(name: &str) -> Imported {
     modlanet(&weights, ManyBody::Pendulum(N), None).expect("import")
 }
 
-/// The gradient under this prefix in the order of our weight block, with their derivatives in co2 and in the mass.
+/// Gradient under this prefix in the order of our weight block, with their derivatives in co2 and in the mass.
 fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     let imported = modlanet(&arrays.as_weights(prefix), ManyBody::Pendulum(N), Some(1.0));
     let mut gradient = imported.expect("gradient as weights").weights;
@@ -47,7 +47,7 @@ fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     gradient
 }
 
-/// Everything a model gives at the states.
+/// Results of a model at the states.
 #[derive(Default)]
 struct Values {
     kinetic: Vec<f64>,
@@ -126,8 +126,8 @@ fn energies_and_derivatives_agree() {
     }
 }
 
-/// Their gradient of the mean square from ours: their pair potential has co2 where ours has m c₂, and no network has a
-/// bias in its last layer.
+/// Converts our gradient of the mean square to theirs: their pair potential has co2 where ours has m c₂, and no network has a bias in its
+/// last layer.
 fn in_their_terms(modular: &ModularArchitecture, weights: &[f64], ours: &[f64]) -> Vec<f64> {
     let mut gradient = ours.to_vec();
     for (end, outputs) in blocks(modular) {
@@ -139,7 +139,7 @@ fn in_their_terms(modular: &ModularArchitecture, weights: &[f64], ours: &[f64]) 
     gradient
 }
 
-/// Where each network ends in the weight block, and how many outputs it has.
+/// End of each network in the weight block, and its number of outputs.
 fn blocks(modular: &ModularArchitecture) -> Vec<(usize, usize)> {
     let networks =
         modular.shape.networks.iter().map(|n| (n.parameters().expect("size"), usize::from(n.outputs)));

@@ -21,8 +21,8 @@ const CASES: [(&str, &[Coordinate], f64); 2] = [
     ("cartpole", &[Coordinate::Translation, Coordinate::Angle], 0.05),
 ];
 
-/// Agreement of single precision, relative to the largest entry: tens of units in the last place, for the sums run over
-/// 256 terms and the acceleration divides by an inertia of 1/30.
+/// Agreement in single precision, relative to the largest entry: tens of units in the last place, since the sums have 256 terms and the
+/// acceleration divides by an inertia of 1/30.
 const SINGLE: f64 = 3e-6;
 
 struct Reference {
@@ -52,13 +52,13 @@ impl Reference {
         Samples { n, h: self.h, states, controls, control, ..Samples::default() }
     }
 
-    /// The gradient that the file has under this prefix, in the order of our weight block.
+    /// Gradient that the file has under this prefix, in the order of our weight block.
     fn gradient(&mut self, prefix: &str, coordinates: &[Coordinate]) -> Vec<f64> {
         symo(&self.arrays.as_weights(prefix), coordinates).expect("gradient as weights").weights
     }
 }
 
-/// Everything a discrete model gives at the samples, in f64 and in f32.
+/// Results of a discrete model at the samples, in f64 and in f32.
 #[derive(Default)]
 struct Values {
     inertia: Vec<f64>,
@@ -92,7 +92,7 @@ where
         let ahead = Interval::<R, Midpoint, N>::new(q1, w, h, after).linearise(system);
         let p = state.p();
         out.residual.extend((0..N).map(|i| (p[i] + ahead.balance.d1_ld[i]).to_f64()));
-        // Ours is the derivative in w = (q₊ − q)/h.
+        // Our derivative is with respect to w = (q₊ − q)/h.
         out.jacobian.extend(ahead.momentum_w.as_flattened().iter().map(|x| (*x / h).to_f64()));
         del.step(system, &mut state, &after).expect("step");
         out.next.extend(state.q().iter().map(|x| x.to_f64()));

@@ -1,4 +1,4 @@
-//! What a model depends on: positions, controls and the seed; not threads, not logged velocities.
+//! Inputs that a model depends on: positions, controls and the seed; not threads, not logged velocities.
 
 mod common;
 
@@ -19,7 +19,7 @@ fn with_threads(threads: usize) -> Config {
     config
 }
 
-/// The same positions and controls with other velocities and accelerations, or none.
+/// Returns the same positions and controls with other velocities and accelerations, or none.
 fn with_velocities(log: &Dataset, value: Option<f64>) -> Dataset {
     let mut log = log.clone();
     for trajectory in &mut log.trajectories {
@@ -75,7 +75,7 @@ fn logged_velocities_do_not_enter_the_prediction() {
     }
 }
 
-/// A column of velocities that are no numbers is a damaged log, whether or not the loss reads it.
+/// A column of NaN velocities is a damaged log, whether or not the loss reads it.
 #[test]
 fn velocities_that_are_no_numbers_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,10 +1,10 @@
-//! One trajectory, one fingerprint: the f32 arithmetic is the same at every optimisation level and vector width, and on every
-//! target (`firmware-sim/chip/run.sh`).
+//! One trajectory, one fingerprint: the f32 arithmetic is the same at every optimisation level and vector width, and on every target
+//! (`firmware-sim/chip/run.sh`).
 
 use leastaction_firmware_sim::trajectory::Fingerprint;
 use leastaction_tests::Reference;
 
-/// After 100,000 steps; by `cargo run --release -p leastaction-tests --bin trajectory_hash`.
+/// Fingerprints after 100,000 steps, from `cargo run --release -p leastaction-tests --bin trajectory_hash`.
 const EXPECTED: [(&str, u8, u64); 14] = [
     ("inertia-network", 2, 0xb71d_c8e9_d362_0964),
     ("inertia-network", 4, 0x4c97_2f12_2ed9_ed3f),
@@ -37,7 +37,7 @@ fn elementary_functions_have_their_fingerprint() {
     assert_eq!(Fingerprint::of_elementary_functions().value(), 0x2e88_9d71_6010_1587);
 }
 
-/// `arm_model firmware-sim/chip/models/arm.postcard` wrote it.
+/// The command `arm_model firmware-sim/chip/models/arm.postcard` wrote the file.
 #[test]
 fn the_arm_of_the_chip_is_as_its_program_writes_it() {
     let file = include_bytes!("../../firmware-sim/chip/models/arm.postcard");

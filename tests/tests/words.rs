@@ -1,4 +1,4 @@
-//! Comments start with what they name: none begins with a word that hides the noun, and no doc comment says "so many" for a number.
+//! Comments start with what they name: none begins with a word that hides the noun, and no doc comment writes "so" and "many" for a number.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ const SKIPPED: [&str; 6] =
 const UNCHECKED: [&str; 5] =
     ["trainer/models", "trainer/programs", "trainer/replica", "trainer/papers", "tests"];
 
-/// The mark and the text of a line that is a comment.
+/// Mark and text of a line that is a comment.
 fn comment(line: &str) -> Option<(&str, &str)> {
     let line = line.trim_start();
     ["///", "//!", "//"].into_iter().find_map(|mark| Some((mark, line.strip_prefix(mark)?)))

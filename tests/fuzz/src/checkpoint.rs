@@ -7,7 +7,7 @@ use leastaction_models::file::{Precision, encode_in};
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 
-/// A checkpoint with this content, whose model is exported where it is one.
+/// Reads a checkpoint with this content, and exports its model if it has one.
 pub fn checkpoint(content: &[u8]) {
     let mut bytes = [CHECKPOINT, content].concat();
     bytes.extend(CRC.checksum(&bytes).to_le_bytes());

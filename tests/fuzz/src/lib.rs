@@ -1,7 +1,7 @@
-//! What is fuzzed: for each target a function of any bytes, which returns where all is well and panics where it is not.
+//! Fuzz targets: for each one a function of any bytes, which returns if all is well and panics if it is not.
 //!
-//! A target gives its reader what the fuzzer would not find by chance — magic letters, checksums, lengths — and leaves the rest to
-//! it. What a reader accepts must hold together: see each function.
+//! A target adds to its input whatever the fuzzer would not find by chance — magic letters, checksums, lengths — and passes the result to
+//! its reader. Accepted input must be consistent: see each function.
 
 #[cfg(feature = "learning")]
 pub mod checkpoint;
@@ -18,23 +18,23 @@ pub mod texts;
 #[cfg(feature = "learning")]
 pub mod weights;
 
-/// Bytes of the target `steps` before the sections.
+/// Number of bytes of the target `steps` before the sections.
 pub const HEAD: usize = 3;
-/// The first bytes of a checkpoint.
+/// First bytes of a checkpoint.
 pub const CHECKPOINT: &[u8] = b"LARUN\x08";
 
-/// A stream of numbers that is the same for the same seed (Knuth's multiplier).
+/// A reproducible stream of numbers (Knuth's multiplier).
 #[derive(Clone, Copy, Debug)]
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next number below `end`, which is not 0.
+    /// Returns the next number below `end`, which must not be 0.
     pub fn below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % end
     }
 
-    /// A number in ±1.
+    /// Returns a number in ±1.
     pub fn signed(&mut self) -> f32 {
         self.below(1 << 24) as f32 / (1 << 23) as f32 - 1.0
     }

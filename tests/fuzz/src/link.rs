@@ -1,4 +1,4 @@
-//! The processor's end of the link.
+//! Processor's end of the link.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use leastaction_firmware_sim::link::{Answer, Port, Receiver, parse_answer, serve, serve_arm};
@@ -19,7 +19,7 @@ model!(CARTPOLE, "cartpole.postcard");
 model!(DRY, "cartpole-dry.postcard");
 model!(ARM, "arm.postcard");
 
-/// A line of which the world's words are known before.
+/// A line on which the world's words are known in advance.
 struct Line<'a> {
     heard: std::slice::Iter<'a, u8>,
     said: Vec<u8>,
@@ -38,9 +38,9 @@ impl Port for Line<'_> {
     }
 }
 
-/// What the world says, byte by byte or as documents whose frames are right, to a processor with one of three models or none.
+/// Sends the world's words, byte by byte or as documents in valid frames, to a processor with one of three models or none.
 ///
-/// Every answer is a whole frame, and no command is without a number.
+/// Every answer must be a whole frame, and every command a finite number.
 pub fn link(input: &[u8]) {
     let Some(([mode], rest)) = input.split_first_chunk::<1>() else { return };
     let heard = if mode & 4 == 0 { framed(rest) } else { rest.to_vec() };
@@ -59,14 +59,14 @@ fn answers<const N: usize>(said: &[u8]) {
     let mut receiver = Receiver::default();
     for frame in said.iter().filter_map(|byte| receiver.push(*byte)) {
         let frame = frame.expect("an answer is a whole frame");
-        // Of a program of one coordinate the answers have another length.
+        // Answers of a program for one coordinate have another length.
         if let Ok(Answer::Done(done)) = parse_answer::<N>(&frame) {
             assert!(done.outcome.command.u.iter().all(|u| u.is_finite()), "{:?}", done.outcome.command);
         }
     }
 }
 
-/// Documents, each behind its length, in frames: with a checksum, and stuffed so that a 0 ends each.
+/// Returns the documents, each preceded by its length, in frames: with a checksum, and stuffed so that each ends with a 0.
 fn framed(mut input: &[u8]) -> Vec<u8> {
     let mut all = Vec::new();
     while let Some((length, rest)) = input.split_first() {

@@ -1,4 +1,4 @@
-//! Logged motion, as a robot writes it.
+//! Logged motion, as written by a robot.
 
 use leastaction_core::forces::ControlKind;
 use leastaction_data::survey::{Guess, RawLog};
@@ -8,12 +8,12 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-/// A text of columns: under our names, under names of its own, and at a look.
+/// Reads a text of columns: under our names, under its own names, and by `look`.
 pub fn csv(bytes: &[u8]) {
     log("log.csv", bytes, ["time", "enc", "tau"]);
 }
 
-/// An archive: as it is, or around the arrays of the input, so that its own checksums are right.
+/// Reads an archive: unchanged, or built around the arrays of the input, so that its own checksums are right.
 pub fn npz(input: &[u8]) {
     match input.split_first() {
         Some((0, bytes)) => log("log.npz", bytes, ["t", "q[0]", "u[0]"]),
@@ -22,12 +22,12 @@ pub fn npz(input: &[u8]) {
     }
 }
 
-/// A bag of ROS 2.
+/// Reads a ROS 2 bag.
 pub fn mcap(bytes: &[u8]) {
     log("log.mcap", bytes, ["t", "/joints/a/position", "/joints/a/effort"]);
 }
 
-/// The arrays of an archive, each behind the number of its name and two bytes of its length.
+/// Returns an archive of the arrays, each preceded by the number of its name and two bytes of its length.
 fn archive(mut arrays: &[u8]) -> Vec<u8> {
     const NAMES: [&str; 8] = ["q", "t", "u", "v", "a", "h", "trajectory", "control"];
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
@@ -35,7 +35,7 @@ fn archive(mut arrays: &[u8]) -> Vec<u8> {
     while let Some(([name, a, b], rest)) = arrays.split_first_chunk::<3>() {
         let length = usize::from(u16::from_le_bytes([*a, *b])).min(rest.len());
         let name = format!("{}.npy", NAMES[usize::from(*name) % NAMES.len()]);
-        // The same name again is refused.
+        // A repeated name is refused.
         if writer.start_file(name, options).is_ok() {
             let _of_memory = writer.write_all(&rest[..length]);
         }
@@ -68,7 +68,7 @@ fn log(name: &str, bytes: &[u8], [t, q, u]: [&str; 3]) {
     }
 }
 
-/// A data set that may be learned from: finite numbers, as many of everything as of positions.
+/// Checks that a data set is fit for learning: finite numbers, and as many rows of everything as of positions.
 fn holds_together(data: &Dataset) {
     assert!(data.n > 0 && data.h.is_finite() && data.h > 0.0 && !data.trajectories.is_empty());
     for motion in &data.trajectories {

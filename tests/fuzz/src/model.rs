@@ -11,14 +11,14 @@ use leastaction_core::scalar::{FileWeightFormat, Weights, f16};
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
-/// A whole model file where a linker would put it.
+/// A whole model file, placed as a linker would place it.
 pub struct File {
     words: Vec<u32>,
     length: usize,
 }
 
 impl File {
-    /// Around these sections: the prefix, and the right checksum.
+    /// Creates a file around these sections, with the prefix and the right checksum.
     #[must_use]
     pub fn of(sections: &[u8]) -> Self {
         let length = MAGIC.len() + 1 + sections.len() + 4;
@@ -32,7 +32,7 @@ impl File {
         Self { words, length }
     }
 
-    /// Its bytes.
+    /// Bytes of the file.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &bytemuck::cast_slice(&self.words)[..self.length]
@@ -43,8 +43,8 @@ impl File {
 type Laws<'a, W, const N: usize> =
     ((Viscous<f32, N>, Coulomb<f32, N>), (Dissipation<'a, W, N, 8, 2>, PotentialCorrection<'a, W, N, 8, 2>));
 
-/// Loads the file as any family, and then as the programs of a chip load it: what is sound must be refused by these for its size, its
-/// precision or its laws alone, and what they take must be sound.
+/// Loads the file as any family, and then like the programs of a chip. The latter may refuse a valid file only for its size, its precision
+/// or its laws, and must accept nothing but valid files.
 pub fn load(sections: &[u8]) {
     let file = File::of(sections);
     let parsed = parse(file.bytes());
@@ -61,7 +61,7 @@ pub fn load(sections: &[u8]) {
                 assert!(is_of_size(&error), "{error:?}");
             }
         }
-        // Nothing is known of it: as a controller meets it.
+        // Nothing is known of the file: a controller meets it in the same way.
         Err(_) => drop(InertiaNetworkModel::<2, 8, 2, f32, Laws<f32, 2>>::load(bytes)),
     }
 }

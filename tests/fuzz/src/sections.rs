@@ -1,4 +1,4 @@
-//! Sections of a model file, taken apart and put together, for changes that leave lengths, padding and the number of weights right.
+//! Sections of a model file, taken apart and joined again, for changes that keep lengths, padding and the number of weights right.
 
 use crate::Random;
 use crate::model::File;
@@ -7,12 +7,12 @@ use leastaction_core::model::{ModelError, Section, parse};
 /// Number and content of every section.
 type Parts = Vec<(u8, Vec<u8>)>;
 
-/// What stands before the content: the number and the length.
+/// Length of the head of a section: its number and the length of its content.
 const HEAD: usize = 5;
-/// Magic letters and the version.
+/// Length of the magic letters and the version.
 const PREFIX: usize = 5;
 
-/// The sections, as far as their lengths go.
+/// Splits off the sections, as far as their lengths go.
 fn split(mut bytes: &[u8]) -> Parts {
     let mut parts = Vec::new();
     while let Some(([number, length @ ..], rest)) = bytes.split_first_chunk::<HEAD>() {
@@ -23,7 +23,7 @@ fn split(mut bytes: &[u8]) -> Parts {
     parts
 }
 
-/// The sections with right lengths, the weights where they can be borrowed.
+/// Joins the sections with right lengths, and with the weights at a position where they can be borrowed.
 fn join(parts: &Parts) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (number, content) in parts {
@@ -39,20 +39,20 @@ fn join(parts: &Parts) -> Vec<u8> {
     bytes
 }
 
-/// The weights behind as many zeros as it takes, where the section's content begins at `start`.
+/// Returns the weights after as many zeros as necessary, for a section whose content begins at `start`.
 fn placed(content: &[u8], start: usize) -> Vec<u8> {
     let zeros = (start + 1).next_multiple_of(4) - (start + 1);
     [&[zeros as u8][..], &vec![0; zeros], numbers(content)].concat()
 }
 
-/// The weights without what stands before them.
+/// Returns the weights without the zeros before them.
 fn numbers(content: &[u8]) -> &[u8] {
     let zeros = content.first().map_or(0, |n| usize::from(*n));
     content.get(1 + zeros..).unwrap_or(&[])
 }
 
-/// Changes the content of one section by `change`, and then mostly the number of weights to what the shape asks for; in one of eight
-/// all bytes alike. Returns the new length; what does not fit is left as it was.
+/// Changes the content of one section by `change`, and then in most cases the number of weights to what the shape needs; in one of eight
+/// cases changes all bytes alike. Returns the new length; if the result is too long, leaves the data unchanged.
 pub fn mutate(
     data: &mut [u8],
     size: usize,
@@ -83,7 +83,7 @@ pub fn mutate(
     bytes.len()
 }
 
-/// Gives the file as many weights as it needs: the first ones again where there are too few.
+/// Gives the file as many weights as it needs, by repeating the first ones if there are too few.
 fn fit(parts: &mut Parts) {
     let Err(ModelError::WeightCount { needed, .. }) = parse(File::of(&join(parts)).bytes()) else { return };
     let Some((_, content)) = parts.iter_mut().find(|(number, _)| *number == Section::Weights as u8) else {

@@ -1,19 +1,19 @@
-//! Ten steps of either order and an acceleration of whatever model a file holds, in the chip's arithmetic.
+//! Ten steps of either order and an acceleration of any model in a file, in the chip's arithmetic.
 
 use crate::model::File;
 use crate::{HEAD, Random};
 use leastaction_core::discrete::Order;
 use leastaction_replica::{Control, ModelFile, Replica, Step};
 
-/// Steps of a motion.
+/// Number of steps of a motion.
 const STEPS: usize = 10;
-/// Coordinates at most: a step of more takes long.
+/// Maximum number of coordinates: a step with more takes long.
 const MOST: usize = 16;
 
-/// A model in motion: the first bytes say how large numbers are and how they are drawn, sections follow.
+/// Moves a model: the first bytes determine the size of the numbers and how they are drawn, sections follow.
 ///
-/// A step that is said to be solved has finite positions and momenta and a finite residual; one that is refused leaves the motion where
-/// it was; the same steps again have the same bits.
+/// A solved step must have finite positions and momenta and a finite residual; a refused step must leave the motion unchanged; repeated
+/// steps must have equal bits.
 pub fn steps(input: &[u8]) {
     let Some(([seed, size, h], sections)) = input.split_first_chunk::<HEAD>() else { return };
     let Ok(file) = ModelFile::new(File::of(sections).bytes()) else { return };
@@ -34,7 +34,7 @@ pub fn steps(input: &[u8]) {
     }
 }
 
-/// From 10⁻³ to 10³, and one of no size at all.
+/// Size from 10⁻³ to 10³, or infinity.
 fn sized(byte: u8) -> f32 {
     if byte == 255 { f32::INFINITY } else { 10_f32.powf(f32::from(byte) / 42.0 - 3.0) }
 }
@@ -51,7 +51,7 @@ fn accelerate(chip: &Replica, [q, v, u]: &[Vec<f32>; 3]) {
     }
 }
 
-/// The bits of a motion, as far as it goes.
+/// Returns the bits of a motion, as far as it goes.
 fn moved(chip: &Replica, step: Step, [q, v, u]: &[Vec<f32>; 3]) -> Vec<u32> {
     let Ok(mut motion) = chip.motion_at(step, q, v) else { return Vec::new() };
     let bits = |x: &[f32]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();

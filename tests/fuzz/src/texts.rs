@@ -1,4 +1,4 @@
-//! Texts that people write.
+//! Texts written by people.
 
 #[cfg(feature = "learning")]
 use leastaction_learning::config::Config;
@@ -7,7 +7,7 @@ use leastaction_models::urdf::{self, Inertias};
 #[cfg(feature = "learning")]
 use std::path::Path;
 
-/// A configuration: what is read begins a model, and its text is read as the same.
+/// Reads a configuration: a valid one must give the beginning of a model, and its text must read back as an equal configuration.
 #[cfg(feature = "learning")]
 pub fn toml(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
@@ -16,13 +16,13 @@ pub fn toml(bytes: &[u8]) {
     let again = Config::parse(&config.to_toml(), file)
         .expect("a configuration that was read can be written and read");
     assert_eq!(config, again);
-    // Nothing is read from other files here.
+    // No other files are read here.
     if !["from", "urdf"].iter().any(|key| text.contains(key)) {
         drop(config.beginning());
     }
 }
 
-/// A robot's description: of what is read torques can be asked.
+/// Reads a robot description: a valid one must give torques.
 #[cfg(feature = "arms")]
 pub fn urdf(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };

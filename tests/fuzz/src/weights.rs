@@ -5,7 +5,7 @@ use leastaction_ground_truth::ManyBody;
 use leastaction_learning::import::{Imported, lgnn, modlanet, symo};
 use leastaction_models::file::encode;
 
-/// A file of tensors, as each program may have written it: what is imported has as many weights as its shape says, and becomes a
+/// Reads a file of tensors in the layout of each program: an imported model must have as many weights as its shape needs, and become a
 /// model file.
 pub fn safetensors(input: &[u8]) {
     let Some((program, bytes)) = input.split_first() else { return };

@@ -1,14 +1,14 @@
-//! Compares what the chip's images take with the budgets: `firmware-sim/chip/run.sh --budgets`.
+//! Compares the resources of the chip's images with their budgets: `firmware-sim/chip/run.sh --budgets`.
 //!
-//! Reads lines of JSON, one an image, and compares every number with the line of the same board, family and order in the
-//! file named on the command line. What changed is printed; more than 2% either way fails.
+//! Reads lines of JSON, one per image, and compares every number with the line of the same board, family and order in the file named on the
+//! command line. Changes are printed; more than 2% either way fails.
 
 use serde_json::{Map, Value};
 use std::error::Error;
 use std::io::{Read, stdin};
 use std::process::ExitCode;
 
-/// The largest change that is let pass, either way.
+/// Largest allowed change, either way.
 const TOLERANCE: f64 = 0.02;
 /// Names of the numbers that have a budget.
 const BUDGETED: [&str; 20] = [
@@ -68,13 +68,13 @@ fn lines(text: &str) -> Result<Vec<Line>, serde_json::Error> {
     text.lines().filter(|line| line.starts_with('{')).map(serde_json::from_str).collect()
 }
 
-/// Board, family, and the order or the one thing that the image does.
+/// Name of an image: board, family, and the order or the only thing that the image does.
 fn image(line: &Line) -> String {
     let words = ["board", "family", "order", "only"].into_iter().filter_map(|name| line.get(name));
     words.map(|value| value.to_string().replace('"', "")).collect::<Vec<_>>().join(" ")
 }
 
-/// Prints what changed, and says whether it may.
+/// Prints changes, and returns whether they are allowed.
 fn compare(line: &Line, budget: Option<&Line>) -> bool {
     let Some(budget) = budget else {
         println!("{}: has no budget", image(line));

@@ -1,4 +1,4 @@
-//! Writes the Panda of `tests/track.py`, its description and a model file of it as it is: `panda FILE.urdf FILE.postcard`.
+//! Writes the Panda of `tests/track.py`: its description, and a model file of the true arm: `panda FILE.urdf FILE.postcard`.
 
 use leastaction_tests::panda;
 use std::error::Error;

@@ -1,5 +1,5 @@
-//! Our side of `tests/peers/arm_pinocchio.py`: dynamics of trees of rigid bodies in space, in f64, evaluated and timed one state a call.
-//! Input and output: `tests/peers/README.md`.
+//! The Rust side of `tests/peers/arm_pinocchio.py`: dynamics of trees of rigid bodies in space, in f64, evaluated and timed with one state
+//! per call. Input and output are described in `tests/peers/README.md`.
 
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, BodyTree, Joint, TreeBody};
@@ -12,12 +12,12 @@ use std::process::ExitCode;
 use std::str::{FromStr, SplitAsciiWhitespace};
 use std::time::Instant;
 
-/// Passes over all states that are timed; the fastest counts.
+/// Number of timed passes over all states; the fastest counts.
 const REPETITIONS: usize = 40;
 
 type Failure = Box<dyn Error>;
 
-/// q, v, and accelerations or forces.
+/// Position q, velocity v, and accelerations or forces.
 type State<const N: usize> = [[f64; N]; 3];
 
 fn main() -> ExitCode {
@@ -86,7 +86,7 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     time("mass_matrix", &|[q, ..]| {
         black_box(arm.mass_matrix(q));
     });
-    // With M, which are those in the accelerations.
+    // Derivatives together with M, which the accelerations contain.
     time("derivatives", &|[q, v, x]| {
         black_box((arm.inverse_dynamics_derivatives(q, v, x), arm.mass_matrix(q)));
     });
@@ -96,7 +96,7 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     Ok(())
 }
 
-/// Of a call, the fastest pass.
+/// Time of a call in the fastest pass.
 fn nanoseconds<const N: usize>(states: &[State<N>], of: &dyn Fn(&State<N>)) -> f64 {
     let pass = || {
         let started = Instant::now();

@@ -1,5 +1,5 @@
-//! Our side of `tests/peers/casadi_cartpole.py`: evaluates and times the acceleration and the residual with Jacobian of a
-//! 2 × 32 tanh cart-pole network in f32. Files and output: `tests/peers/README.md`.
+//! The Rust side of `tests/peers/casadi_cartpole.py`: evaluates and times the acceleration and the residual with Jacobian of a 2 × 32 tanh
+//! cart-pole network in f32. Files and output are described in `tests/peers/README.md`.
 
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Interval, Linearised, Midpoint};
@@ -13,9 +13,9 @@ use std::time::Instant;
 
 /// Features, hidden widths and outputs.
 const SIZES: [usize; 4] = [3, 32, 32, 4];
-/// h, s; as in the script.
+/// Step size h, s, equal to that in the script.
 const STEP: f32 = 0.05;
-/// A repetition calls the function this often on every state; the fastest of `REPETITIONS` counts.
+/// Number of calls on every state in a repetition; the fastest of `REPETITIONS` counts.
 const PASSES: u32 = 4;
 const REPETITIONS: u32 = 5;
 
@@ -63,7 +63,7 @@ fn floats(path: &str) -> Result<Vec<f32>, Box<dyn Error>> {
     Ok(bytes.as_chunks().0.iter().map(|word| f32::from_le_bytes(*word)).collect())
 }
 
-/// Row-major matrices and biases to the layout of [`Dense`]; `None` where the count is wrong.
+/// Converts row-major matrices and biases to the layout of [`Dense`]; `None` if the count is wrong.
 fn panels(mut numbers: &[f32]) -> Option<Vec<f32>> {
     let mut block = Vec::new();
     for shape in SIZES.windows(2) {
@@ -89,13 +89,13 @@ fn system(mut block: &[f32]) -> Option<CartPole<'_>> {
     InertiaNetwork::take(&mut block, &shape).map(System::conservative)
 }
 
-/// v̇ at (q₀, w); not a number where the mass matrix is singular.
+/// Acceleration v̇ at (q₀, w); NaN if the mass matrix is singular.
 #[inline(never)]
 fn peer_acceleration(system: &CartPole, state: &State) -> Pair {
     acceleration(system, &state.q0, &state.w, &state.u).unwrap_or([f32::NAN; 2])
 }
 
-/// R(w) = p₀ + D₁L_d + f⁻ and ∂R/∂w.
+/// Residual R(w) = p₀ + D₁L_d + f⁻ and its Jacobian ∂R/∂w.
 #[inline(never)]
 fn peer_residual_jacobian(system: &CartPole, state: &State) -> (Pair, [Pair; 2]) {
     let interval = Interval::<f32, Midpoint, 2>::new(state.q0, state.w, STEP, Control::held(state.u));
@@ -103,7 +103,7 @@ fn peer_residual_jacobian(system: &CartPole, state: &State) -> (Pair, [Pair; 2])
     ([0, 1].map(|i| state.p0[i] + balance.d1_ld[i]), momentum_w)
 }
 
-/// Nanoseconds per call.
+/// Time of a call, ns.
 fn fastest<O>(states: &[State], call: impl Fn(&State) -> O) -> f64 {
     let pass = || states.iter().for_each(|state| drop(black_box(call(black_box(state)))));
     let repetition = || {

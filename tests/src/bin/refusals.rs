@@ -1,5 +1,5 @@
-//! What the loader makes of damaged model files on this machine, as `firmware-sim/chip/src/bin/refusals.rs` prints it: of
-//! every damage to the two small ones, or of the cart-poles in the files named.
+//! Prints the loader's results for damaged model files on this machine, in the form of `firmware-sim/chip/src/bin/refusals.rs`: for every
+//! damage to the two small models, or for the cart-poles in the files named.
 
 use leastaction_tests::{refusals, refused_cartpole};
 use std::error::Error;

@@ -1,5 +1,5 @@
-//! Prints the fingerprints of the elementary functions, and of the reference models' f32 trajectories, one line a family and order: `.ci/trajectory_hash`
-//! compares them between optimisation levels, and `firmware-sim/chip/run.sh` with those of the chips.
+//! Prints the fingerprints of the elementary functions, and of the reference models' f32 trajectories, one line per family and order:
+//! `.ci/trajectory_hash` compares them between optimisation levels, and `firmware-sim/chip/run.sh` with those of the chips.
 
 use leastaction_firmware_sim::trajectory::Fingerprint;
 use leastaction_tests::Reference;

@@ -1,4 +1,4 @@
-//! Training by the library, as `leastaction train` and `leastaction export` do it.
+//! Training by the library, in the same way as `leastaction train` and `leastaction export`.
 
 use leastaction_ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::checkpoint::Trained;
@@ -9,7 +9,7 @@ use leastaction_models::config::{Coordinates, InertiaNetworkConfig};
 use leastaction_models::file::encode;
 use std::sync::atomic::AtomicBool;
 
-/// Takes warnings for failures.
+/// A monitor that treats warnings as failures.
 struct Strict;
 
 impl Monitor for Strict {
@@ -20,7 +20,7 @@ impl Monitor for Strict {
     }
 }
 
-/// So many short motions of the cart-pole under random forces.
+/// Returns short motions of the cart-pole under random forces.
 pub fn log(trajectories: usize) -> Dataset {
     generate(&Settings::symo(Mechanism::Cartpole, trajectories, 0)).unwrap()
 }
@@ -34,7 +34,7 @@ pub fn config(width: u16, iterations: u64) -> Config {
     config
 }
 
-/// The model file that a configuration makes of a log.
+/// Returns the model file for a configuration and a log.
 pub fn model_file(config: Config, log: &Dataset) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Run::begin(Plan::new(config, log).unwrap(), folder.path(), false).unwrap();

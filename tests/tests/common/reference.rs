@@ -1,4 +1,4 @@
-//! Arrays that the papers' programs computed, and how near ours come.
+//! Arrays computed by the papers' programs, and their comparison with ours.
 
 use leastaction_learning::data::{ShapedArray, read_arrays};
 use safetensors::tensor::{Dtype, TensorView};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Agreement in double precision, relative to the largest entry.
 pub const EXACT: f64 = 1e-10;
 
-/// The folder of a paper's reference data.
+/// Folder of a paper's reference data.
 pub fn data(paper: &str) -> PathBuf {
     let folder =
         std::env::var("LEASTACTION_REFERENCE").expect("LEASTACTION_REFERENCE names the reference data");
@@ -16,7 +16,7 @@ pub fn data(paper: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join(paper)
 }
 
-/// The arrays of an `.npz` file.
+/// Arrays of an `.npz` file.
 pub struct Arrays(BTreeMap<String, ShapedArray>);
 
 impl Arrays {
@@ -28,8 +28,8 @@ impl Arrays {
         self.0.get(key).unwrap_or_else(|| panic!("{key}")).1.clone()
     }
 
-    /// The arrays under this prefix as a file of weights: importing a gradient as if it were weights puts it in the order of
-    /// our weight block.
+    /// Returns the arrays under this prefix as a file of weights: importing a gradient as if it were weights puts it in the order of our
+    /// weight block.
     pub fn as_weights(&self, prefix: &str) -> Vec<u8> {
         let arrays = self.0.iter().filter_map(|(name, array)| Some((name.strip_prefix(prefix)?, array)));
         let tensors: Vec<(&str, &Vec<usize>, Vec<u8>)> = arrays
@@ -63,7 +63,7 @@ pub fn assert_within(what: &str, ours: &[f64], theirs: &[f64], scale: f64, bound
     assert!(difference <= bound, "{what}: {difference:e} > {bound:e}");
 }
 
-/// The same, relative to their largest entry.
+/// Checks the largest difference, relative to the largest of their entries.
 pub fn assert_close(what: &str, ours: &[f64], theirs: &[f64], bound: f64) {
     assert_within(what, ours, theirs, scale(theirs), bound);
 }

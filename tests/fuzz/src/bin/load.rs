@@ -1,4 +1,4 @@
-//! Model files are loaded.
+//! Loads model files.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};

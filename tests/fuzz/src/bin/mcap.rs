@@ -1,4 +1,4 @@
-//! Logs as bags of ROS 2.
+//! Logs as ROS 2 bags.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Model files are loaded, evaluated and stepped.
+//! Loads, evaluates and steps model files.
 #![no_main]
 
 use leastaction_fuzz::{HEAD, sections, steps};

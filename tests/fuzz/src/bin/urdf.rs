@@ -1,4 +1,4 @@
-//! Descriptions of robots.
+//! Robot descriptions.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

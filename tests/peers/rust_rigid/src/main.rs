@@ -1,4 +1,5 @@
-//! phyz-rigid's side of `arm_pinocchio.py`: reads what `peer_arm` reads and prints inverse dynamics, gravity, mass matrix and forward dynamics.
+//! phyz-rigid's side of `arm_pinocchio.py`: reads the input of `peer_arm` and prints inverse dynamics, gravity, mass matrix and forward
+//! dynamics.
 
 use phyz_math::{DVec, Mat3, SpatialInertia, SpatialTransform, Vec3};
 use phyz_model::{Joint, Model, ModelBuilder, State};
@@ -27,7 +28,7 @@ fn main() {
     let zero = vec![0.0; n];
     for [q, v, x] in &states {
         let inverse = |v: &[f64], a: &[f64]| -> Vec<f64> {
-            // It leaves out what the rotors take.
+            // The function ignores the torques of the rotors.
             let tau = rnea(&model, &at(q, v, &zero), &DVec::from_slice(a));
             (0..n).map(|i| tau[i] + rotors[i] * a[i]).collect()
         };
@@ -55,7 +56,7 @@ fn model(tree: &[f64], gravity: &[f64], numbers: &[f64]) -> Model {
     let mut builder = ModelBuilder::new().gravity(three(gravity));
     for (k, body) in numbers.chunks(26).enumerate() {
         let [r, rest] = [&body[..9], &body[9..]];
-        // From the parent's coordinates to the joint's: the transpose of the frame's rotation.
+        // Rotation from the parent's coordinates to the joint's: the transpose of the frame's rotation.
         let rotation = Mat3::new(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
         let place = SpatialTransform::new(rotation, three(rest));
         let (axis, m) = (three(&rest[3..]), rest[6]);
@@ -74,7 +75,7 @@ fn model(tree: &[f64], gravity: &[f64], numbers: &[f64]) -> Model {
     builder.build()
 }
 
-/// Of a call, the fastest pass.
+/// Time of a call in the fastest pass.
 fn nanoseconds<S>(states: &[S], of: &dyn Fn(&S)) -> f64 {
     let pass = || {
         let started = Instant::now();

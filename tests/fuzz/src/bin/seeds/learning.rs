@@ -1,4 +1,4 @@
-//! Inputs of the targets that read what training reads and writes.
+//! Inputs of the targets that read training's inputs and outputs.
 
 use super::logs::motions;
 use super::{Done, Seeds};
@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// All of them.
+/// Writes all of them.
 pub fn seeds(corpus: &Path) -> Done {
     weights(&mut Seeds::of(corpus, "safetensors")?)?;
     checkpoints(&mut Seeds::of(corpus, "checkpoint")?)
@@ -88,7 +88,7 @@ fn tensors(shapes: &[(String, Vec<usize>)]) -> Done<Vec<u8>> {
     Ok(safetensors::serialize(views?, None)?)
 }
 
-/// Nobody listens.
+/// A monitor without output.
 struct Silent;
 
 impl Monitor for Silent {
@@ -96,7 +96,7 @@ impl Monitor for Silent {
     fn warning(&mut self, _: &str) {}
 }
 
-/// Checkpoints of short runs of several families, losses and optimisers, without what the target adds.
+/// Writes checkpoints of short runs of several families, losses and optimisers, without the parts that the target adds.
 fn checkpoints(seeds: &mut Seeds) -> Done {
     let motions = motions(9)?;
     for (model, training) in [

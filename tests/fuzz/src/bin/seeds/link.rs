@@ -7,7 +7,7 @@ use leastaction_firmware_sim::link::{LoggedSamples, Request, Samples, VERSION};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::{Program, Task};
 
-/// Sessions of a processor: documents behind their lengths.
+/// Writes sessions of a processor: documents, each preceded by its length.
 pub fn documents(seeds: &mut Seeds) -> Done {
     let measured = [Some(-0.25), None];
     let target = Target::of(&TrackConfig::<2>::cartpole().reference, 0.5, 0.0125);

@@ -9,7 +9,7 @@ use std::path::Path;
 #[path = "../../../../../trainer/data/tests/bag/mod.rs"]
 mod bag;
 
-/// A pendulum that is pushed, twice.
+/// Motions of a pendulum under two pushes.
 pub fn motions(samples: usize) -> Done<Dataset> {
     let rows = |f: &dyn Fn(f64) -> f64| {
         Rows::from_flat(1, (0..samples).map(|k| f(0.05 * k as f64)).collect()).ok_or("one column")
@@ -23,7 +23,7 @@ pub fn motions(samples: usize) -> Done<Dataset> {
     Ok(Dataset { n: 1, h: 0.05, control: None, trajectories })
 }
 
-/// Logs of a pendulum in every format.
+/// Writes logs of a pendulum in every format.
 pub fn logs(corpus: &Path) -> Done {
     let folder = tempfile::tempdir()?;
     let (mut csv, mut npz, mut mcap) =
@@ -62,7 +62,7 @@ pub fn logs(corpus: &Path) -> Done {
     Ok(())
 }
 
-/// The same bag with checksums 0, which says that there are none, so that what the fuzzer changes is read.
+/// Sets the checksums of a bag to 0, which means that there are none, so that a reader accepts the fuzzer's changes.
 fn without_checksums(mut bag: Vec<u8>) -> Vec<u8> {
     let mut at = 8;
     while let Some(head) = bag.get(at..at + 9) {
@@ -70,9 +70,9 @@ fn without_checksums(mut bag: Vec<u8>) -> Vec<u8> {
             (head[0], head[1..].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)));
         let body = at + 9;
         let zeroed = match opcode {
-            // Of a chunk, behind two times and a size.
+            // Checksum of a chunk, behind two times and a size.
             6 => Some(body + 24),
-            // Of the end of the data, and of the footer.
+            // Checksums of the end of the data, and of the footer.
             15 => Some(body),
             2 => Some(body + 16),
             _ => None,
@@ -85,7 +85,7 @@ fn without_checksums(mut bag: Vec<u8>) -> Vec<u8> {
     bag
 }
 
-/// Arrays behind number of name and length: positions, stamps, forces of several element types and orders.
+/// Arrays, each preceded by the number of its name and its length: positions, stamps, forces of several element types and orders.
 fn arrays() -> Vec<Vec<u8>> {
     let npy = |header: &str, content: &[u8]| {
         let padded = format!("{header:<117}\n");

@@ -1,4 +1,5 @@
-//! What fuzzing begins with: small inputs of every target, made by our own writers, in a folder a target: `seeds CORPUS`.
+//! Writes the seeds of the fuzzing corpus: small inputs for every target, made by our own writers, in one folder per target: `seeds
+//! CORPUS`.
 
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::inertia_network::Inertia;
@@ -13,12 +14,12 @@ use std::path::{Path, PathBuf};
 #[path = "../../../../../trainer/replica/tests/common/mod.rs"]
 mod samples;
 
-// What counts branches is in the fuzzer's library, which wants a target.
+// The counter of branches is in the fuzzer's library, which needs a target.
 libfuzzer_sys::fuzz_target!(|_data: &[u8]| {});
 
 type Done<T = ()> = Result<T, Box<dyn Error>>;
 
-/// A folder of seeds, which are numbered.
+/// A folder of numbered seeds.
 struct Seeds {
     folder: PathBuf,
     count: usize,
@@ -59,7 +60,7 @@ mod link;
 #[cfg(feature = "logs")]
 mod logs;
 
-/// Sections of model files: small ones of every family and every law, those of core's tests, and those of the images.
+/// Writes sections of model files: small ones of every family and every law, those of core's tests, and those of the images.
 fn models(corpus: &Path, repository: &Path) -> Done {
     let (mut load, mut steps) = (Seeds::of(corpus, "load")?, Seeds::of(corpus, "steps")?);
     let mut files = small();
@@ -118,7 +119,7 @@ fn small() -> Vec<Vec<u8>> {
     files
 }
 
-/// Configurations of the documentation and of the images, and descriptions of robots.
+/// Writes configurations of the documentation and of the images, and robot descriptions.
 fn texts(corpus: &Path, repository: &Path) -> Done {
     let mut toml = Seeds::of(corpus, "toml")?;
     toml.add(&fs::read(repository.join("trainer/learning/src/config/defaults.toml"))?)?;
