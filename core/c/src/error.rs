@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn words_are_those_of_the_error() {
         let error = Error::from(ModelError::OtherFamily { found: "graph" });
-        // SAFETY: so many bytes of a string that lives for ever.
+        // SAFETY: the string has `what_bytes` bytes and lives for ever.
         let words = unsafe { core::slice::from_raw_parts(error.what.cast::<u8>(), error.what_bytes) };
         assert_eq!(words, b"graph");
         assert!(Error::from(ModelError::Magic).what.is_null());

@@ -221,7 +221,7 @@ fn two_positions_start_as_del_does() {
     let [q0, q1] = positions;
     assert_eq!(stepper.state(), &del.start(&system, &q0, &q1, &Control::held(u)).unwrap());
 
-    // The command of that step is the last one from then on.
+    // The next step takes `u` for the last command.
     let bytes = late();
     let model = Cartpole::load(bytes.bytes()).unwrap();
     let (whole, actuator) = model.actuator().unwrap().unwrap().at_step(0.05).unwrap();

@@ -1,4 +1,4 @@
-//! A list of operations without those that no result needs, in an executable order.
+//! A list of the operations that results need, in an executable order.
 
 use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};

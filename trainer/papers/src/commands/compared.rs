@@ -15,10 +15,10 @@ pub struct Compared {
     /// Leave out the models that the paper compares with.
     #[arg(long)]
     ours_alone: bool,
-    /// Maximum number of epochs of those models; by default their authors' number.
+    /// Maximum number of epochs of the models compared with; by default their authors' number.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     epochs: Option<u64>,
-    /// Maximum training time of each of them, and again of its predictions, in minutes: 5, or 0.1 with --quick.
+    /// Maximum training time of each of these models, and again of its predictions, in minutes: 5, or 0.1 with --quick.
     #[arg(long, value_parser = positive)]
     minutes: Option<f64>,
 }

@@ -86,7 +86,7 @@ impl Selection {
     }
 }
 
-/// Writes the page of all results there that belong together, not only of those chosen now.
+/// Writes the page of all stored results that belong together, not only of the tasks chosen now.
 fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Box<dyn Task>], output: Output) -> Done {
     let (page, others) = results.page(tasks).map_err(unusable)?;
     for file in paper.write(path, results, &page).map_err(unwritten)? {

@@ -8,7 +8,7 @@ use crate::builder::{Builder, Node};
 #[derive(Clone, Debug)]
 pub struct WithOffsets<E> {
     energies: E,
-    /// Count of the numbers between those of the model and the offsets, and of those after the offsets.
+    /// Count of unused numbers between the model's numbers and the offsets, and after the offsets.
     beside: [usize; 2],
 }
 

@@ -10,7 +10,7 @@ pub(super) struct Stages {
     method: RungeKutta,
     /// Number of the stage that was entered last.
     present: usize,
-    /// State of that stage, and τ there.
+    /// State of the present stage, and τ there.
     at: State,
     tau: Vec<Row>,
     /// Rates (v, v̇) of every stage.

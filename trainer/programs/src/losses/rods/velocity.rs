@@ -36,7 +36,7 @@ struct Equations {
     drag_v: Vec<Row>,
 }
 
-/// Parts of the inverse of that matrix.
+/// Parts of the inverse of the matrix of [`Equations`].
 struct Inverse {
     /// Derivative ∂v/∂p.
     compliance: Vec<Row>,
