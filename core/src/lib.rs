@@ -4,7 +4,8 @@
 //! Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
 //!
 //! Data flows one way through the modules of this crate:
-//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`].
+//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] →
+//! [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`].
 //!
 //! # Notation
 //!

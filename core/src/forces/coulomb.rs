@@ -77,8 +77,8 @@ impl<R: Real> DryFriction<R> {
     /// Solves τ + Q(v, τ) = `total` for τ.
     ///
     /// With k = c_load tanh(v/ε), ρ = total + c tanh(v/ε) and σ = ρ − kτ_s, the equation is τ = σ + k√(τ² + τ_s²), squared
-    /// (1 − k²)τ² − 2στ + σ² − k²τ_s² = 0. Its roots are (σ ± kr)/(1 − k²) with r = √(σ² + (1 − k²)τ_s²); the root with + is the solution. If kσ < 0 it is
-    /// computed as ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots over the other root, so nothing cancels.
+    /// (1 − k²)τ² − 2στ + σ² − k²τ_s² = 0. Its roots are (σ ± kr)/(1 − k²) with r = √(σ² + (1 − k²)τ_s²); the root with + is the solution.
+    /// If kσ < 0 it is computed as ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots over the other root, so nothing cancels.
     fn control(&self, v: R, total: R) -> R {
         let direction = self.direction(v);
         let (k, rho, s) = (self.load * direction, total + self.constant * direction, self.smoothing);
