@@ -57,7 +57,7 @@ pub fn of(
         line(
             &mut text,
             format_args!(
-                "other_u = [{}] # forces as well: what predicts held-back logs best is taken",
+                "other_u = [{}] # other forces: those that predict held-back logs best are taken",
                 others.join(", ")
             ),
         );
@@ -75,7 +75,7 @@ fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>) {
     line(text, format_args!("friction = {{ viscous = \"learned\", coulomb = \"learned\"{load} }}"));
     text.push_str(&bodies);
     if driven {
-        line(text, format_args!("\n[calibration] # of sensors and actuators; a number where it is known"));
+        line(text, format_args!("\n[calibration] # sensors and actuators; a number if it is known"));
         line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
     }
     line(text, format_args!("\n[training]\nloss = \"windows\""));
