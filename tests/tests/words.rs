@@ -7,13 +7,9 @@ use std::path::{Path, PathBuf};
 const BEGINNINGS: [&str; 11] =
     ["What", "Of", "Where", "As", "Its", "The same", "Those", "That of", "So", "By", "In"];
 
-/// Folders without comments of ours: builds, the repository's own data, the compiled book, what `leastaction init` wrote.
+/// Folders without handwritten comments: builds, git's own data, the compiled book, inputs of the fuzzer, generated files, runs.
 const SKIPPED: [&str; 6] =
     ["target", ".git", "docs/book/html", "tests/fuzz/corpus", "trainer/tests/cli_golden", "runs"];
-
-/// Folders that are still being edited.
-const UNCHECKED: [&str; 5] =
-    ["trainer/models", "trainer/programs", "trainer/replica", "trainer/papers", "tests"];
 
 /// Mark and text of a line that is a comment.
 fn comment(line: &str) -> Option<(&str, &str)> {
@@ -51,7 +47,7 @@ fn sources(repository: &Path, folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(repository.join(folder)).unwrap() {
         let entry = entry.unwrap();
         let path = folder.join(entry.file_name());
-        let skipped = SKIPPED.iter().chain(&UNCHECKED).any(|skipped| path == Path::new(skipped));
+        let skipped = SKIPPED.iter().any(|skipped| path == Path::new(skipped));
         if entry.file_type().unwrap().is_dir() {
             if !skipped && !path.ends_with("target") {
                 sources(repository, &path, found);
