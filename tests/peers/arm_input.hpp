@@ -1,4 +1,4 @@
-// What peer_arm reads: an arm, and states at which to evaluate it; and a clock.
+// The input of peer_arm: an arm, and states at which to evaluate it; and a clock.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 using Numbers = std::vector<double>;
 
-// The frame of a joint, its axis, the ten inertial numbers in the order of Pinocchio, the rotor.
+// A body: the frame of its joint, the axis, the ten inertial numbers in the order of Pinocchio, the rotor.
 struct Body { int parent; bool slides; std::array<double, 26> numbers; };
 struct State { Numbers q, v, x; };
 struct Input { std::array<double, 3> gravity; std::vector<Body> bodies; std::vector<State> states; };
@@ -38,7 +38,7 @@ inline Input read_input() {
 
 inline void print(const double* x, std::size_t count) { for (std::size_t i = 0; i < count; ++i) std::printf("%.17g ", x[i]); }
 
-// Of a call, the fastest pass over all states.
+// Prints the time of a call: the fastest pass over all states.
 template <class States, class Of> void clocked(const char* name, const States& states, Of of) {
     double best = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < 40; ++pass) {

@@ -1,5 +1,5 @@
-// MuJoCo's side of arm_pinocchio.py: the argument is the arm as MJCF; reads what peer_arm reads and prints what it prints, but for the derivatives, which
-// MuJoCo takes by differences. Only the stages that a quantity needs are called: those of mj_inverse and mj_forward without constraints,
+// MuJoCo's side of arm_pinocchio.py: the argument is the arm as MJCF; reads peer_arm's input and prints the same quantities, except the derivatives,
+// which MuJoCo takes by differences. Only the stages that a quantity needs are called: those of mj_inverse and mj_forward without constraints,
 // contacts, sensors, passive and actuator forces.
 #include "arm_input.hpp"
 #include <mujoco/mujoco.h>
@@ -54,7 +54,7 @@ int main(int, char** arguments) {
     clocked("inverse_dynamics", input.states, [&](const State& s) { inverse(s.q, s.v, s.x); });
     clocked("mass_matrix", input.states, [&](const State& s) { inertia(s.q); });
     clocked("acceleration", input.states, forward);
-    // What a user calls.
+    // The call of a typical user.
     clocked("mj_inverse", input.states, [&](const State& s) {
         mju_copy(data->qpos, s.q.data(), n);
         mju_copy(data->qvel, s.v.data(), n);

@@ -1,4 +1,4 @@
-// Pinocchio's side of arm_pinocchio.py: reads what peer_arm reads and prints the same. All work space is allocated before.
+// Pinocchio's side of arm_pinocchio.py: reads peer_arm's input and prints the same quantities. All work space is allocated beforehand.
 #include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
@@ -54,7 +54,7 @@ int main() {
         const pin::SE3 pose(rotation, place);
         const auto parent = static_cast<pin::JointIndex>(parents[k] + 1);
         const std::string name = "joint" + std::to_string(k);
-        // Where an axis is one of the frame's, Pinocchio has a faster joint.
+        // Pinocchio has faster joints for axes of the frame.
         pin::JointModel joint;
         if (slides[k] == 1) joint = pin::JointModelPrismaticUnaligned(axis);
         else if (axis == Eigen::Vector3d::UnitZ()) joint = pin::JointModelRZ();

@@ -29,7 +29,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What the library was built for. */
+/* Family and sizes that the library was built for. */
 #define LEASTACTION_INERTIA_NETWORK 1
 #define LEASTACTION_ABI 2
 #define LEASTACTION_COORDINATES 2

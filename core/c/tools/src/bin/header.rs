@@ -70,7 +70,7 @@ fn family() -> &'static str {
 
 fn defines() -> String {
     let sizes = sizes().into_iter().map(|(name, size)| format!("#define {name} {size}\n"));
-    format!("\n/* What the library was built for. */\n#define LEASTACTION_{} 1\n", family())
+    format!("\n/* Family and sizes that the library was built for. */\n#define LEASTACTION_{} 1\n", family())
         + &sizes.collect::<String>()
 }
 
