@@ -126,16 +126,15 @@ impl Results {
     ///
     /// # Errors
     /// [`FolderError::File`], [`FolderError::Content`].
-    pub fn page(&self, tasks: &[Box<dyn Task>]) -> Result<(Vec<Finished>, usize), FolderError> {
-        let place: HashMap<String, usize> =
-            tasks.iter().enumerate().map(|(k, task)| (task.name(), k)).collect();
+    pub fn page(&self, tasks: &[Task]) -> Result<(Vec<Finished>, usize), FolderError> {
+        let place: HashMap<&str, usize> =
+            tasks.iter().enumerate().map(|(k, task)| (task.name.as_str(), k)).collect();
         let belongs = |finished: &Finished| {
-            let is_it =
-                |task: &dyn Task| task.name() == finished.task && task.settings() == finished.settings;
-            tasks.iter().any(|task| task.options() == finished.options || is_it(&**task))
+            let is_it = |task: &Task| task.name == finished.task && task.settings == finished.settings;
+            tasks.iter().any(|task| task.options == finished.options || is_it(task))
         };
         let (mut page, others): (Vec<_>, Vec<_>) = self.all()?.into_iter().partition(belongs);
-        page.sort_by_key(|finished| place.get(&finished.task).copied().unwrap_or(tasks.len()));
+        page.sort_by_key(|finished| place.get(finished.task.as_str()).copied().unwrap_or(tasks.len()));
         Ok((page, others.len()))
     }
 

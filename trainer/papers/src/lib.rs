@@ -5,13 +5,16 @@
 
 pub mod baselines;
 pub mod chnn;
+mod compared;
 pub mod folder;
 pub mod hardware;
 mod interrupted;
 pub mod lgnn;
 pub mod modlanet;
 mod papers;
+mod published;
 pub mod record;
+mod rollouts;
 pub mod symo;
 pub mod table;
 pub mod task;
@@ -19,6 +22,8 @@ mod training;
 
 pub use interrupted::Interrupted;
 pub use papers::{CHNN, HARDWARE, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
+pub use published::Published;
+pub use rollouts::RolledOut;
 pub use training::{Bounds, Ending, Limits, Recipe, TrainingError};
 
 /// Name of a system with its number of elements: 2-pendulum.

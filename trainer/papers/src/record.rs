@@ -49,7 +49,7 @@ impl Measure {
 }
 
 /// A row of a paper's table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Title of the table.
     pub table: String,
@@ -80,11 +80,28 @@ pub struct Record {
 }
 
 impl Record {
+    /// Creates a row of a table with these columns and all numbers of `row` as its details.
+    pub(crate) fn of<const N: usize>(
+        table: &str,
+        subject: [(&str, String); N],
+        row: &impl Serialize,
+    ) -> Result<Self, serde_json::Error> {
+        let subject = subject.map(|(name, value)| (name.to_owned(), value)).into();
+        let (table, details) = (table.to_owned(), serde_json::to_value(row)?);
+        Ok(Self { table, subject, details, ..Self::default() })
+    }
+
     /// Whether two rows differ only in their seeds.
     pub fn is_like(&self, other: &Self) -> bool {
         let key = |row: &Self| (row.table.clone(), row.subject.clone(), row.model.clone());
         key(self) == key(other)
     }
+}
+
+/// Joins the remarks that there are.
+pub(crate) fn note<const N: usize>(remarks: [Option<String>; N]) -> Option<String> {
+    let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+    Some(remarks.join("; ")).filter(|note| !note.is_empty())
 }
 
 /// Results of a task.

@@ -2,6 +2,7 @@
 
 use super::folder::{FolderError, Results};
 use super::record::{Finished, Record};
+use serde::Serialize;
 use std::error::Error;
 use std::path::Path;
 use std::str::FromStr;
@@ -13,47 +14,45 @@ use thiserror::Error;
 /// Reason why a task has no rows.
 pub type TaskError = Box<dyn Error + Send + Sync>;
 
+/// A function that takes lines of progress.
+pub type Tell<'t> = dyn Fn(&str) + Sync + 't;
+
+/// Work of a task. A given folder takes pictures, and the state of long training, so that interrupted training can continue.
+pub type Work = dyn Fn(Option<&Path>, &Tell) -> Result<Vec<Record>, TaskError> + Sync;
+
 /// A unit of work: models that are trained, and all rows that result.
-pub trait Task: Sync {
+pub struct Task {
     /// File name, unique among the tasks of a paper.
-    fn name(&self) -> String;
+    pub name: String,
     /// Command that runs this task alone.
-    fn command(&self) -> String;
+    pub command: String,
     /// Data that is learned from, in words.
-    fn data(&self) -> String;
+    pub data: String,
     /// Everything that the result depends on.
-    fn settings(&self) -> String;
+    pub settings: String,
     /// Options shared by all tasks of a run, as on the command line: results with other options belong on another page.
-    fn options(&self) -> String;
+    pub options: String,
     /// Rough duration, s.
-    fn expected_seconds(&self) -> f64;
+    pub expected_seconds: f64,
     /// Whether the task measures times, which nothing must disturb.
-    fn is_timed(&self) -> bool {
-        false
-    }
-    /// Runs the task. A given folder takes pictures, and the state of long training, so that interrupted training can continue.
-    ///
-    /// # Errors
-    /// An error if the task fails.
-    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError>;
+    pub is_timed: bool,
+    /// Work that gives the rows.
+    pub run: Box<Work>,
+}
+
+/// Writes settings as a line of JSON.
+pub(crate) fn json(settings: &impl Serialize) -> String {
+    serde_json::to_string(settings).unwrap_or_default()
 }
 
 /// Creates a task for each item with every one of `seeds` seeds from `first` on.
-pub(crate) fn with_seeds<T, X: Task + 'static>(
+pub(crate) fn with_seeds<T>(
     of: impl IntoIterator<Item = T>,
     (first, seeds): (u64, usize),
-    task: impl Fn(&T, u64) -> X,
-) -> Vec<Box<dyn Task>> {
-    let seeded = |of: T| (first..).take(seeds).map(|seed| Box::new(task(&of, seed)) as _).collect::<Vec<_>>();
+    task: impl Fn(&T, u64) -> Task,
+) -> Vec<Task> {
+    let seeded = |of: T| (first..).take(seeds).map(|seed| task(&of, seed)).collect::<Vec<_>>();
     of.into_iter().flat_map(seeded).collect()
-}
-
-/// Returns a case for our model, then for each model that it is compared with.
-pub(crate) fn compared<C: Copy, B>(
-    case: C,
-    baselines: impl IntoIterator<Item = B>,
-) -> impl Iterator<Item = (C, Option<B>)> {
-    std::iter::once(None).chain(baselines.into_iter().map(Some)).map(move |baseline| (case, baseline))
 }
 
 /// A share of the tasks: number `index`, from 1, of `of`.
@@ -94,20 +93,19 @@ impl FromStr for Shard {
 /// [`FolderError`]; failing tasks are no errors.
 pub fn run_all(
     paper: &str,
-    tasks: &[&dyn Task],
+    tasks: &[&Task],
     results: Option<&Results>,
     jobs: usize,
-    tell: &(dyn Fn(&str) + Sync),
+    tell: &Tell,
 ) -> Result<Vec<Finished>, FolderError> {
     let mut all: Vec<Option<Finished>> =
-        tasks.iter().map(|task| done_before(*task, results)).collect::<Result<_, _>>()?;
+        tasks.iter().map(|task| done_before(task, results)).collect::<Result<_, _>>()?;
     let open: Vec<usize> = (0..tasks.len()).filter(|k| all[*k].is_none()).collect();
     if open.len() < tasks.len() {
         tell(&format!("{} of {} tasks were done before", tasks.len() - open.len(), tasks.len()));
     }
-    let (timed, others): (Vec<usize>, Vec<usize>) = open.into_iter().partition(|k| tasks[*k].is_timed());
-    let progress =
-        Progress::new(timed.iter().chain(&others).map(|k| tasks[*k].expected_seconds()).sum(), jobs);
+    let (timed, others): (Vec<usize>, Vec<usize>) = open.into_iter().partition(|k| tasks[*k].is_timed);
+    let progress = Progress::new(timed.iter().chain(&others).map(|k| tasks[*k].expected_seconds).sum(), jobs);
     let done = Mutex::new(Vec::new());
     for (queue, jobs) in [(others, jobs), (timed, 1)] {
         let next = AtomicUsize::new(0);
@@ -136,35 +134,30 @@ pub fn run_all(
 }
 
 /// Results of the task in an earlier run, unless it failed.
-fn done_before(task: &dyn Task, results: Option<&Results>) -> Result<Option<Finished>, FolderError> {
+fn done_before(task: &Task, results: Option<&Results>) -> Result<Option<Finished>, FolderError> {
     let Some(results) = results else { return Ok(None) };
-    let done = results.read(&task.name())?.filter(|finished| finished.failure.is_none());
-    if done.as_ref().is_some_and(|finished| finished.settings != task.settings()) {
-        return Err(FolderError::Settings { file: results.file(&task.name()) });
+    let done = results.read(&task.name)?.filter(|finished| finished.failure.is_none());
+    if done.as_ref().is_some_and(|finished| finished.settings != task.settings) {
+        return Err(FolderError::Settings { file: results.file(&task.name) });
     }
     Ok(done)
 }
 
-fn finish(
-    paper: &str,
-    task: &dyn Task,
-    results: Option<&Results>,
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Finished, FolderError> {
-    let (clock, name) = (Instant::now(), task.name());
-    let outcome = task.run(results.map(Results::folder), &|line| tell(&format!("{name}: {line}")));
+fn finish(paper: &str, task: &Task, results: Option<&Results>, tell: &Tell) -> Result<Finished, FolderError> {
+    let (clock, name) = (Instant::now(), &task.name);
+    let outcome = (task.run)(results.map(Results::folder), &|line| tell(&format!("{name}: {line}")));
     let (records, failure) = match outcome {
         Ok(records) => (records, None),
         Err(error) => (Vec::new(), Some(error.to_string())),
     };
     let finished = Finished {
         paper: paper.to_owned(),
-        command: task.command(),
-        data: task.data(),
-        settings: task.settings(),
-        options: task.options(),
+        command: task.command.clone(),
+        data: task.data.clone(),
+        settings: task.settings.clone(),
+        options: task.options.clone(),
         seconds: clock.elapsed().as_secs_f64(),
-        task: name,
+        task: name.clone(),
         failure,
         records,
     };
@@ -186,9 +179,9 @@ impl Progress {
         Self { start: Instant::now(), expected, jobs, done: Mutex::new([0.0; 2]) }
     }
 
-    fn after(&self, task: &dyn Task, finished: &Finished) -> String {
+    fn after(&self, task: &Task, finished: &Finished) -> String {
         let mut done = self.done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        done[0] += task.expected_seconds();
+        done[0] += task.expected_seconds;
         done[1] += finished.seconds;
         let pace = done[1] / done[0].max(f64::MIN_POSITIVE) / self.jobs.max(1) as f64;
         let (elapsed, rest) = (self.start.elapsed().as_secs_f64(), (self.expected - done[0]).max(0.0) * pace);

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 /// Rows of the models with one of these texts in the names of their tasks.
 fn rows(data: &MachineData, split: Split, only: &[&str]) -> Vec<Record> {
     let all = tasks(data, &[split], &[0], (true, ""));
-    let chosen = all.iter().filter(|task| only.iter().any(|only| task.name().contains(only)));
-    chosen.flat_map(|task| task.run(None, &|_| ()).unwrap()).collect()
+    let chosen = all.iter().filter(|task| only.iter().any(|only| task.name.contains(only)));
+    chosen.flat_map(|task| (task.run)(None, &|_| ()).unwrap()).collect()
 }
 
 /// Medians of a row.

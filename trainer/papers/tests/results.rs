@@ -2,10 +2,9 @@
 
 use leastaction_papers::folder::{FolderError, Results};
 use leastaction_papers::record::{Finished, Measure, Record};
-use leastaction_papers::task::{Shard, Task, TaskError, run_all};
+use leastaction_papers::task::{Shard, Task, run_all};
 use leastaction_papers::{MODLANET, Overview, table};
 use proptest::prelude::*;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -32,60 +31,35 @@ fn record(model: &str, seed: u64, ours: f64) -> Record {
     }
 }
 
-/// A task that gives a record of its seed, or fails; it counts how often it is run.
-struct Counted {
-    seed: u64,
-    settings: &'static str,
-    fails: bool,
-    runs: Arc<AtomicUsize>,
-}
-
-impl Task for Counted {
-    fn name(&self) -> String {
-        format!("counted-{}", self.seed)
-    }
-    fn command(&self) -> String {
-        format!("leastaction count --seed {}", self.seed)
-    }
-    fn data(&self) -> String {
-        "none".to_owned()
-    }
-    fn settings(&self) -> String {
-        self.settings.to_owned()
-    }
-    fn options(&self) -> String {
-        format!(" --of {}", self.settings)
-    }
-    fn expected_seconds(&self) -> f64 {
-        1.0
-    }
-    fn is_timed(&self) -> bool {
-        self.seed == 1
-    }
-    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
-        self.runs.fetch_add(1, Ordering::Relaxed);
-        tell("counting");
-        if let Some(folder) = folder {
-            std::fs::write(folder.join("drawn.svg"), "<svg><text>drawn</text></svg>")?;
-        }
-        if self.fails {
-            Err("it cannot".into())
-        } else {
-            Ok(vec![record("ours", self.seed, self.seed as f64)])
-        }
+/// Creates a task that gives a record of its seed, or fails; it counts how often it is run.
+fn counted(seed: u64, settings: &'static str, fails: bool, runs: Arc<AtomicUsize>) -> Task {
+    Task {
+        name: format!("counted-{seed}"),
+        command: format!("leastaction count --seed {seed}"),
+        data: "none".to_owned(),
+        settings: settings.to_owned(),
+        options: format!(" --of {settings}"),
+        expected_seconds: 1.0,
+        is_timed: seed == 1,
+        run: Box::new(move |folder, tell| {
+            runs.fetch_add(1, Ordering::Relaxed);
+            tell("counting");
+            if let Some(folder) = folder {
+                std::fs::write(folder.join("drawn.svg"), "<svg><text>drawn</text></svg>")?;
+            }
+            if fails { Err("it cannot".into()) } else { Ok(vec![record("ours", seed, seed as f64)]) }
+        }),
     }
 }
 
-fn tasks(count: u64, settings: &'static str, failing: Option<u64>) -> (Vec<Box<dyn Task>>, Arc<AtomicUsize>) {
+fn tasks(count: u64, settings: &'static str, failing: Option<u64>) -> (Vec<Task>, Arc<AtomicUsize>) {
     let runs = Arc::new(AtomicUsize::new(0));
-    let one = |seed| -> Box<dyn Task> {
-        Box::new(Counted { seed, settings, fails: failing == Some(seed), runs: runs.clone() })
-    };
+    let one = |seed| counted(seed, settings, failing == Some(seed), runs.clone());
     ((0..count).map(one).collect(), runs)
 }
 
-fn run(tasks: &[Box<dyn Task>], results: &Results, jobs: usize) -> Result<Vec<Finished>, FolderError> {
-    let tasks: Vec<&dyn Task> = tasks.iter().map(|task| &**task).collect();
+fn run(tasks: &[Task], results: &Results, jobs: usize) -> Result<Vec<Finished>, FolderError> {
+    let tasks: Vec<&Task> = tasks.iter().collect();
     run_all(PAPER, &tasks, Some(results), jobs, &|_| ())
 }
 

@@ -9,7 +9,9 @@ pub use data::{LENGTHS, STEP, chain, starts, training_set};
 pub use recipe::architecture;
 pub use task::tasks;
 
-use super::lgnn::{ReproduceError, floor, train};
+use super::lgnn::train;
+use super::rollouts::{RolledOut, UNSEEN};
+use super::task::{TaskError, Tell};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::particles::Particles;
 use leastaction_ground_truth::{GenerationError, Horizon, Truss};
@@ -60,18 +62,9 @@ pub struct Outcome {
     pub validation_mse: f64,
     /// Largest relative error of a learned mass; the first mass is known.
     pub mass_error: f64,
-    /// Geometric mean over starts and times of the rollout error of (q, v).
-    pub rollout_error: f64,
-    /// Geometric mean of the rollout error at the end.
-    pub last_rollout_error: f64,
-    /// Geometric mean of the energy violation.
-    pub energy_violation: f64,
-    /// Rollout error of exact motion from starts that are off by 1e-8 m.
-    pub floor_rollout_error: f64,
-    /// Energy violation of exact motion from starts that are off by 1e-8 m.
-    pub floor_energy_violation: f64,
-    /// Number of rollouts that could not be followed to the end.
-    pub failed: usize,
+    /// Errors of the rollouts of (q, v).
+    #[serde(flatten)]
+    pub rolled_out: RolledOut,
     /// Training time, s.
     pub train_seconds: f64,
     /// Seed of the chain, the data and the weights.
@@ -84,14 +77,12 @@ pub const COUNTS: [usize; 3] = [2, 3, 5];
 const TOLERANCE: f64 = 1e-11;
 /// Number of steps of a rollout.
 const ROLLOUT: usize = 100;
-/// Mask that makes the random stream of rollout starts differ from that of the data.
-const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 
 /// Learns a chain of `count` pendulums, and rolls it out.
 ///
 /// # Errors
-/// [`ReproduceError`].
-pub fn run(count: usize, options: &Options, tell: &(dyn Fn(&str) + Sync)) -> Result<Outcome, ReproduceError> {
+/// [`TaskError`].
+pub fn run(count: usize, options: &Options, tell: &Tell) -> Result<Outcome, TaskError> {
     let Options { seed, iterations, trajectories, .. } = *options;
     let truss = chain(count, seed).map_err(GenerationError::from)?;
     let samples = Samples::interpolated(&training_set(&truss, trajectories, seed)?)?;
@@ -113,20 +104,13 @@ pub fn run(count: usize, options: &Options, tell: &(dyn Fn(&str) + Sync)) -> Res
     let driven = Driven::new(&particles, &rods)?;
     let accelerations = |q: &[f64], v: &[f64], a: &mut [f64]| driven.acceleration(q, v, &[], a);
     let rollouts = Rollouts::new(&truth, &truss, Compared::States, TOLERANCE, accelerations);
-    let [rollout_error, energy_violation] = rollouts.means();
-    let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, Compared::States, seed)?;
     Ok(Outcome {
         count,
         trajectories,
         parameters: model.weights.len() - model.architecture.fixed_positions().len(),
         validation_mse,
         mass_error: mass_error(&particles, &truss),
-        rollout_error,
-        last_rollout_error: rollouts.last(),
-        energy_violation,
-        floor_rollout_error,
-        floor_energy_violation,
-        failed: rollouts.failed,
+        rolled_out: RolledOut::new(&rollouts, (&truth, &truss, Compared::States), seed)?,
         train_seconds,
         seed,
     })

@@ -71,7 +71,7 @@ impl Hardware {
         Ok(machines)
     }
 
-    fn tasks(&self, machine: Machine) -> Result<Vec<Box<dyn Task>>, HardwareError> {
+    fn tasks(&self, machine: Machine) -> Result<Vec<Task>, HardwareError> {
         if machine == Machine::Panda {
             let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
             return Ok(arm_tasks(&Arc::new(ArmData::read(&self.data)?), &arguments));

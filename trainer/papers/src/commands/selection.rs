@@ -57,10 +57,10 @@ impl Selection {
     }
 
     /// Runs the chosen tasks, writes and prints.
-    pub fn run(&self, paper: &Paper, tasks: Vec<Box<dyn Task>>, output: Output) -> Done {
+    pub fn run(&self, paper: &Paper, tasks: Vec<Task>, output: Output) -> Done {
         let chosen = self.chosen(&tasks)?;
         if self.list {
-            return print(&chosen.iter().map(|task| format!("{}\n", task.name())).collect::<String>());
+            return print(&chosen.iter().map(|task| format!("{}\n", task.name)).collect::<String>());
         }
         let results = self.output.as_deref().map(|path| open(path, paper)).transpose()?;
         let _lock = results.as_ref().map(Results::lock).transpose().map_err(unusable)?;
@@ -74,10 +74,9 @@ impl Selection {
         failure(&finished)
     }
 
-    fn chosen<'t>(&self, tasks: &'t [Box<dyn Task>]) -> Result<Vec<&'t dyn Task>, Failure> {
+    fn chosen<'t>(&self, tasks: &'t [Task]) -> Result<Vec<&'t Task>, Failure> {
         let is_chosen = |name: &str| self.only.is_empty() || self.only.iter().any(|text| name.contains(text));
-        let chosen: Vec<_> =
-            tasks.iter().map(|task| &**task).filter(|task| is_chosen(&task.name())).collect();
+        let chosen: Vec<_> = tasks.iter().filter(|task| is_chosen(&task.name)).collect();
         if chosen.is_empty() {
             let texts = self.only.join(" or ");
             return Err(Failure::Input(format!("no task has {texts} in its name; --list prints the names")));
@@ -87,7 +86,7 @@ impl Selection {
 }
 
 /// Writes the page of all stored results that belong together, not only of the tasks chosen now.
-fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Box<dyn Task>], output: Output) -> Done {
+fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Task], output: Output) -> Done {
     let (page, others) = results.page(tasks).map_err(unusable)?;
     for file in paper.write(path, results, &page).map_err(unwritten)? {
         output.note(&format!("wrote {}", file.display()));

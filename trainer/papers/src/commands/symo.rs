@@ -89,7 +89,7 @@ impl Symo {
         self.system.map_or_else(|| all.to_vec(), |only| vec![only.into()])
     }
 
-    fn tasks(&self, mechanism: Mechanism) -> Result<Vec<Box<dyn Task>>, Failure> {
+    fn tasks(&self, mechanism: Mechanism) -> Result<Vec<Task>, Failure> {
         let Some(file) = &self.data else {
             let all = self
                 .selection

@@ -4,7 +4,7 @@ use super::entries::{Fitted, Training};
 use super::grid::STEP;
 use super::log::Log;
 use super::predictor::{Learned, Predict, Predictor};
-use crate::task::TaskError;
+use crate::task::{TaskError, Tell};
 use leastaction::look::Look;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
@@ -126,7 +126,7 @@ fn is_commanded(config: &Config, training: &Training) -> Result<bool, TaskError>
 }
 
 /// Reports progress every ten iterations.
-struct Told<'t>(&'t (dyn Fn(&str) + Sync));
+struct Told<'t>(&'t Tell<'t>);
 
 impl Monitor for Told<'_> {
     fn row(&mut self, row: &Row) {

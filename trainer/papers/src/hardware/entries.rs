@@ -6,7 +6,7 @@ use super::log::Log;
 use super::machine::Machine;
 use super::predictor::{ConstantVelocity, Predictor};
 use super::rivals::Rival;
-use crate::task::TaskError;
+use crate::task::{TaskError, Tell};
 
 /// Data that a model may learn from.
 pub struct Training<'t> {
@@ -21,7 +21,7 @@ pub struct Training<'t> {
     /// Whether to take fewer iterations, for a first look.
     pub quick: bool,
     /// Reports progress.
-    pub tell: &'t (dyn Fn(&str) + Sync),
+    pub tell: &'t Tell<'t>,
 }
 
 impl<'t> Training<'t> {
@@ -76,9 +76,14 @@ pub struct Entry {
 impl Entry {
     /// Label in the names of tasks.
     pub fn label(&self) -> String {
-        let words = self.model.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-        words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
+        label(self.model)
     }
+}
+
+/// Returns the words of a name in small letters, joined by hyphens.
+pub(super) fn label(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
 }
 
 /// A network of another method.

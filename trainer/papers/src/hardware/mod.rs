@@ -60,14 +60,14 @@ pub fn tasks(
     splits: &[Split],
     seeds: &[u64],
     (quick, arguments): (bool, &str),
-) -> Vec<Box<dyn Task>> {
-    let mut tasks: Vec<Box<dyn Task>> = Vec::new();
+) -> Vec<Task> {
+    let mut tasks = Vec::new();
     for split in splits {
         for entry in entries(data.baseline.is_some()) {
             let seeds = &seeds[..if entry.is_seeded { seeds.len() } else { seeds.len().min(1) }];
-            tasks.extend(seeds.iter().map(|seed| -> Box<dyn Task> {
+            tasks.extend(seeds.iter().map(|seed| {
                 let (data, split, arguments) = (data.clone(), split.clone(), arguments.to_owned());
-                Box::new(Experiment { entry, data, split, seed: *seed, quick, arguments })
+                Task::from(Experiment { entry, data, split, seed: *seed, quick, arguments })
             }));
         }
     }

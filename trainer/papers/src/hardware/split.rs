@@ -58,7 +58,7 @@ impl Split {
     }
 }
 
-fn listed(logs: &[usize], separator: &str) -> String {
+pub(super) fn listed(logs: &[usize], separator: &str) -> String {
     logs.iter().map(usize::to_string).collect::<Vec<_>>().join(separator)
 }
 

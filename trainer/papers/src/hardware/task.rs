@@ -4,12 +4,12 @@ use super::calibration::zero_offsets;
 use super::data::MachineData;
 use super::entries::{Entry, Fitted, Training};
 use super::log::Log;
-use super::split::Split;
+use super::split::{Split, listed};
 use super::window::{CALIBRATED, HORIZONS, Summary, window_errors, windows};
+use crate::HARDWARE;
 use crate::record::{Measure, Record};
-use crate::task::{Task, TaskError};
+use crate::task::{Task, TaskError, Tell, json};
 use serde::Serialize;
-use std::path::Path;
 
 /// Column that says whether the zero offsets of a tested log were estimated.
 pub(super) const ZEROS: &str = "zeros";
@@ -71,41 +71,32 @@ struct Errors {
     seconds: f64,
 }
 
-impl Task for Experiment {
-    fn name(&self) -> String {
-        let machine = self.data.machine.name();
-        format!("{machine}-{}-{}-{}", self.split.label(), self.entry.label(), self.seed)
-    }
-
-    fn command(&self) -> String {
-        let test = match &self.split.folds[..] {
-            [test] => format!(" --test {}", test.iter().map(usize::to_string).collect::<Vec<_>>().join(",")),
+impl From<Experiment> for Task {
+    fn from(experiment: Experiment) -> Self {
+        let Experiment { entry, data, split, seed, quick, arguments } = &experiment;
+        let (paper, machine, label) = (HARDWARE.name, data.machine.name(), entry.label());
+        let test = match &split.folds[..] {
+            [test] => format!(" --test {}", listed(test, ",")),
             _ => String::new(),
         };
-        let (machine, label) = (self.data.machine.name(), self.entry.label());
-        let case = format!("--machine {machine}{test} --only {label}-{}", self.seed);
-        format!("leastaction-papers hardware {case} --seed {}{}", self.seed, self.arguments)
+        let case = format!("--machine {machine}{test} --only {label}-{seed}");
+        let source = format!("{} logs in {}", data.logs.len(), data.folder.display());
+        let baseline = data.baseline_name();
+        Self {
+            name: format!("{machine}-{}-{label}-{seed}", split.label()),
+            command: format!("leastaction-papers {paper} {case} --seed {seed}{arguments}"),
+            settings: json(&(data.machine, split, entry.model, seed, quick, (&source, baseline))),
+            data: source,
+            options: arguments.clone(),
+            expected_seconds: entry.expected_seconds * split.folds.len() as f64,
+            is_timed: false,
+            run: Box::new(move |_, tell| experiment.run(tell)),
+        }
     }
+}
 
-    fn data(&self) -> String {
-        format!("{} logs in {}", self.data.logs.len(), self.data.folder.display())
-    }
-
-    fn settings(&self) -> String {
-        let (machine, data) = (self.data.machine, (self.data(), self.data.baseline_name()));
-        serde_json::to_string(&(machine, &self.split, self.entry.model, self.seed, self.quick, data))
-            .unwrap_or_default()
-    }
-
-    fn options(&self) -> String {
-        self.arguments.clone()
-    }
-
-    fn expected_seconds(&self) -> f64 {
-        self.entry.expected_seconds * self.split.folds.len() as f64
-    }
-
-    fn run(&self, _: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+impl Experiment {
+    fn run(&self, tell: &Tell) -> Result<Vec<Record>, TaskError> {
         let mut errors = Errors::default();
         for test in &self.split.folds {
             let fitted = self.fit(test, tell)?;
@@ -116,11 +107,9 @@ impl Task for Experiment {
         let kinds: &[bool] = if self.entry.has_zeros { &[false, true] } else { &[false] };
         kinds.iter().map(|calibrated| Ok(self.record(&self.outcome(&errors, *calibrated))?)).collect()
     }
-}
 
-impl Experiment {
     /// Learns from all logs except these.
-    fn fit(&self, test: &[usize], tell: &(dyn Fn(&str) + Sync)) -> Result<Fitted, TaskError> {
+    fn fit(&self, test: &[usize], tell: &Tell) -> Result<Fitted, TaskError> {
         let logs = self.data.logs.iter().enumerate();
         let logs = logs.filter(|(k, _)| !test.contains(k)).map(|(_, log)| log).collect();
         (self.entry.fit)(&Training {
@@ -181,20 +170,16 @@ impl Experiment {
             ("90% 1 s", row.p90_1s),
         ];
         let calibrated = if row.calibrated { "calibrated" } else { "as is" };
+        let table = format!("{}, {}", self.data.machine.name(), self.split.name);
         Ok(Record {
-            table: format!("{}, {}", self.data.machine.name(), self.split.name),
-            subject: vec![(ZEROS.to_owned(), calibrated.to_owned())],
             model: row.model.to_owned(),
             is_ours: self.entry.is_ours,
             parameters: row.parameters,
-            paper_parameters: None,
             seed: row.seed,
             train_seconds: row.train_seconds,
             measures: measures.map(|(name, error)| Measure::error(name, error, None)).into(),
             note: (row.windows == 0).then(|| "no window of the tested logs counts".to_owned()),
-            pictures: Vec::new(),
-            details: serde_json::to_value(row)?,
-            is_summary: false,
+            ..Record::of(&table, [(ZEROS, calibrated.to_owned())], row)?
         })
     }
 }

@@ -2,8 +2,9 @@
 
 use super::super::training::{Bounds, Limits, Recipe};
 use super::recipe::JUDGES;
-use super::{Case, Experiment, Options, Outcome, ReproduceError, published};
+use super::{Case, Experiment, Options, Outcome, published};
 use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
+use crate::task::{TaskError, Tell};
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::lgnn_graph;
 use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
@@ -54,15 +55,6 @@ impl Baseline {
             Self::Gns => "gns",
             Self::Lgn => "lgn",
             Self::Lnn => "lnn",
-        }
-    }
-
-    /// Number of weights of the authors' network, if known.
-    pub(super) fn published_parameters(self) -> Option<usize> {
-        match self {
-            Self::Gns => Some(2_130),
-            Self::Lgn => Some(2_113),
-            Self::Lnn => None,
         }
     }
 
@@ -128,17 +120,17 @@ fn recipe(seed: u64) -> Recipe {
 /// Trains a baseline within limits, and rolls it out; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
-/// [`ReproduceError`].
+/// [`TaskError`].
 pub fn run_baseline(
     (case, baseline): (Case, Baseline),
     (options, bounds): (&Options, Bounds),
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Outcome>, ReproduceError> {
+    tell: &Tell,
+) -> Result<Vec<Outcome>, TaskError> {
     Experiment { case, options, tell }.baseline(baseline, bounds)
 }
 
 impl Experiment<'_> {
-    fn baseline(&self, baseline: Baseline, bounds: Bounds) -> Result<Vec<Outcome>, ReproduceError> {
+    fn baseline(&self, baseline: Baseline, bounds: Bounds) -> Result<Vec<Outcome>, TaskError> {
         let (seed, system) = (self.options.seed, Baseline::trained(self.case));
         let samples = Samples::accelerations(&lgnn_set(&LgnnSettings::published(system, seed))?)?;
         let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
@@ -159,7 +151,7 @@ impl Experiment<'_> {
         };
         let one = |on: LgnnSystem| {
             let kind = if on == system { "trained" } else { "zero-shot" };
-            let row = Outcome { kind, published: published::baseline(baseline, on), ..row.clone() };
+            let row = Outcome { kind, published: published(row.model, on, false), ..row.clone() };
             self.baseline_on((row, baseline.model(on)?), on, &trained.weights, bounds.limits)
         };
         baseline.systems(self.case).into_iter().map(one).collect()
@@ -172,7 +164,7 @@ impl Experiment<'_> {
         system: LgnnSystem,
         weights: &[f64],
         limits: Limits,
-    ) -> Result<Outcome, ReproduceError> {
+    ) -> Result<Outcome, TaskError> {
         let trial = self.trial(&row, system)?;
         let follow = Follow { motion: trial.motion(), tolerance: TOLERANCE, deadline: limits.deadline() };
         let motion = model.motion(weights)?;

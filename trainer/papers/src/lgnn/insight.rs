@@ -1,6 +1,7 @@
 //! Learned terms of a model, beside the true ones.
 
-use super::{LearnedGraph, ReproduceError};
+use super::LearnedGraph;
+use crate::task::TaskError;
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::particles::Particles;
 use leastaction_ground_truth::Truss;
@@ -31,13 +32,13 @@ pub struct Insight {
 
 impl Insight {
     /// Computes the springs and the drag of a model trained on samples; rods need a motion ([`pulls`]).
-    pub(super) fn new(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Self, ReproduceError> {
+    pub(super) fn new(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Self, TaskError> {
         Ok(Self { spring: spring(model, samples)?, drag: dragged(model, drag, samples)?, rods: Vec::new() })
     }
 }
 
 /// Largest distance between the ends of the model's edges.
-fn longest(model: &LearnedGraph, samples: &Samples) -> Result<f64, ReproduceError> {
+fn longest(model: &LearnedGraph, samples: &Samples) -> Result<f64, TaskError> {
     let edges = &model.architecture.graph()?.edges;
     let length = |q: &[[f64; 2]], edge: &Edge| {
         let [a, b] = edge.ends.map(|end| q[usize::from(end)]);
@@ -48,7 +49,7 @@ fn longest(model: &LearnedGraph, samples: &Samples) -> Result<f64, ReproduceErro
     Ok(states.map(of_state).fold(0.0, f64::max))
 }
 
-fn spring(model: &LearnedGraph, samples: &Samples) -> Result<Compared, ReproduceError> {
+fn spring(model: &LearnedGraph, samples: &Samples) -> Result<Compared, TaskError> {
     if model.architecture.graph()?.edges.is_empty() {
         return Ok(Compared::default());
     }
@@ -65,7 +66,7 @@ fn spring(model: &LearnedGraph, samples: &Samples) -> Result<Compared, Reproduce
     Ok(Compared { rows: (0..POINTS).map(row).collect() })
 }
 
-fn dragged(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Compared, ReproduceError> {
+fn dragged(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Compared, TaskError> {
     if drag == 0.0 {
         return Ok(Compared::default());
     }

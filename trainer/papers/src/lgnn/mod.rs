@@ -16,13 +16,14 @@ mod trial;
 
 pub use baselines::{Baseline, run_baseline};
 pub use insight::{Compared, Insight};
-pub use outcome::{Outcome, ReproduceError, RolledOut};
+pub use outcome::Outcome;
 pub use published::Published;
+use published::published;
 pub use recipe::{LearnedGraph, train};
 pub use speed::{LINEAR_SIZES, step_microseconds};
 pub use task::tasks;
-pub(super) use trial::floor;
 
+use crate::task::{TaskError, Tell};
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
 use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
@@ -95,12 +96,8 @@ impl Options {
 /// Runs a case; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
-/// [`ReproduceError`].
-pub fn run(
-    case: Case,
-    options: &Options,
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Outcome>, ReproduceError> {
+/// [`TaskError`].
+pub fn run(case: Case, options: &Options, tell: &Tell) -> Result<Vec<Outcome>, TaskError> {
     let experiment = Experiment { case, options, tell };
     match case {
         Case::Pendulum => {
@@ -133,7 +130,7 @@ const SAMPLES: [usize; 5] = [100, 500, 1_000, 5_000, 10_000];
 struct Experiment<'a> {
     case: Case,
     options: &'a Options,
-    tell: &'a (dyn Fn(&str) + Sync),
+    tell: &'a Tell<'a>,
 }
 
 /// A trained model with its row after training.
@@ -144,12 +141,7 @@ struct Learned {
 
 impl Experiment<'_> {
     /// Learns a system from the authors' number of samples, or from the first `samples` of them in an order drawn by the seed.
-    fn learn(
-        &self,
-        system: LgnnSystem,
-        drag: f64,
-        samples: Option<usize>,
-    ) -> Result<Learned, ReproduceError> {
+    fn learn(&self, system: LgnnSystem, drag: f64, samples: Option<usize>) -> Result<Learned, TaskError> {
         let seed = self.options.seed;
         let settings = LgnnSettings { drag, ..LgnnSettings::published(system, seed) };
         let all = Samples::accelerations(&lgnn_set(&settings)?)?;
@@ -185,7 +177,7 @@ impl Experiment<'_> {
         trained: LgnnSystem,
         drag: f64,
         systems: &[LgnnSystem],
-    ) -> Result<Vec<Outcome>, ReproduceError> {
+    ) -> Result<Vec<Outcome>, TaskError> {
         let learned = self.learn(trained, drag, None)?;
         systems.iter().map(|system| self.roll_out(&learned, trained, *system)).collect()
     }
@@ -196,10 +188,10 @@ impl Experiment<'_> {
         learned: &Learned,
         trained: LgnnSystem,
         system: LgnnSystem,
-    ) -> Result<Outcome, ReproduceError> {
+    ) -> Result<Outcome, TaskError> {
         let Learned { model, row } = learned;
         let kind = if system == trained { "trained" } else { "zero-shot" };
-        let published = published::rolled_out(system, row.drag > 0.0);
+        let published = published(row.model, system, row.drag > 0.0);
         let row = Outcome { kind, published, ..row.clone() };
         let model = model.on(system);
         let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
@@ -213,7 +205,7 @@ impl Experiment<'_> {
         row: Outcome,
         system: LgnnSystem,
         particles: &P,
-    ) -> Result<Outcome, ReproduceError> {
+    ) -> Result<Outcome, TaskError> {
         let trial = self.trial(&row, system)?;
         let rods = lgnn_graph(system).constraints();
         let u = trial.pull();
@@ -225,7 +217,7 @@ impl Experiment<'_> {
     }
 
     /// Runs the model of five springs on growing numbers of them, with the time of a step.
-    fn scale(&self) -> Result<Vec<Outcome>, ReproduceError> {
+    fn scale(&self) -> Result<Vec<Outcome>, TaskError> {
         let trained = LgnnSystem::Spring(5);
         let learned = self.learn(trained, 0.0, None)?;
         let one = |count: usize| {
@@ -237,7 +229,7 @@ impl Experiment<'_> {
     }
 
     /// Runs the union of the models of three pendulums and of five springs.
-    fn hybrid(&self, pull: f64) -> Result<Vec<Outcome>, ReproduceError> {
+    fn hybrid(&self, pull: f64) -> Result<Vec<Outcome>, TaskError> {
         let bobs = self.learn(LgnnSystem::Pendulum(3), 0.0, None)?;
         let springs = self.learn(LgnnSystem::Spring(5), 0.0, None)?;
         let system = LgnnSystem::Hybrid;
@@ -256,20 +248,20 @@ impl Experiment<'_> {
             kind: "zero-shot",
             pull,
             parameters: bobs.row.parameters + springs.row.parameters,
-            published: published::hybrid(pull > 0.0),
+            published: published("ours", system, pull > 0.0),
             ..springs.row.clone()
         };
         Ok(vec![self.rolled_out(row, system, &union)?])
     }
 
     /// Learns pendulums and springs from growing numbers of samples.
-    fn data_efficiency(&self) -> Result<Vec<Outcome>, ReproduceError> {
+    fn data_efficiency(&self) -> Result<Vec<Outcome>, TaskError> {
         let mut rows = Vec::new();
         for system in [LgnnSystem::Pendulum(3), LgnnSystem::Spring(5)] {
             for samples in SAMPLES {
                 let learned = self.learn(system, 0.0, Some(samples))?;
                 let row = self.roll_out(&learned, system, system)?;
-                rows.push(Outcome { published: Published::default(), ..row });
+                rows.push(Outcome { published: Published::NOTHING, ..row });
             }
         }
         Ok(rows)
@@ -277,7 +269,7 @@ impl Experiment<'_> {
 }
 
 /// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, without those below 1% of the fastest.
-fn drag_error(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<f64, ReproduceError> {
+fn drag_error(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<f64, TaskError> {
     let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
     let graph = Graph::new(types, &[0], &[])?;
     let velocities = &samples.states[1];

@@ -1,35 +1,11 @@
-//! Results of an experiment, and reasons why it fails.
+//! Results of an experiment.
 
-use super::super::training::{Ending, TrainingError, in_words};
+use super::super::training::{Ending, in_words};
 use super::{Case, Insight, Published};
-use leastaction_core::constraints::ConstraintError;
-use leastaction_core::energy::graph::GraphError;
-use leastaction_core::model::ModelError;
-use leastaction_ground_truth::{GenerationError, IntegrationError, LgnnSystem};
+use crate::rollouts::RolledOut;
+use leastaction_ground_truth::LgnnSystem;
 use leastaction_learning::evaluate::rollouts::Rollouts;
 use serde::Serialize;
-use thiserror::Error;
-
-/// Rollouts in the paper's measures.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct RolledOut {
-    /// Length of a rollout, s.
-    pub rollout_seconds: f64,
-    /// Number of starts.
-    pub starts: usize,
-    /// Geometric mean of the rollout error.
-    pub rollout_error: f64,
-    /// Geometric mean of the rollout error at the end.
-    pub last_rollout_error: f64,
-    /// Geometric mean of the energy violation.
-    pub energy_violation: f64,
-    /// Number of rollouts that could not be followed to the end.
-    pub failed: usize,
-    /// Geometric mean of the rollout error of exact motion from starts that are off by 1e-8 m.
-    pub floor_rollout_error: f64,
-    /// Geometric mean of the energy violation of this motion.
-    pub floor_energy_violation: f64,
-}
 
 /// Results of one row of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -65,6 +41,10 @@ pub struct Outcome {
     /// End of the training in words; null if it was complete.
     #[serde(rename = "stopped", serialize_with = "in_words")]
     pub ending: Ending,
+    /// Length of a rollout, s.
+    pub rollout_seconds: f64,
+    /// Number of starts of the rollouts.
+    pub starts: usize,
     /// Results of the rollouts.
     #[serde(flatten)]
     pub rolled_out: Option<RolledOut>,
@@ -104,44 +84,14 @@ impl Outcome {
             seed,
             epochs: None,
             ending: Ending::Complete,
+            rollout_seconds: 0.0,
+            starts: 0,
             rolled_out: None,
             drag_error: None,
             step_microseconds: None,
             pictured: None,
             insight: Insight::default(),
-            published: Published::default(),
+            published: Published::NOTHING,
         }
-    }
-}
-
-/// Reason why an experiment fails.
-#[derive(Debug, Error)]
-pub enum ReproduceError {
-    /// The data cannot be generated.
-    #[error(transparent)]
-    Data(#[from] GenerationError),
-    /// The shape is inconsistent or does not fit the data.
-    #[error(transparent)]
-    LearnedGraph(#[from] ModelError),
-    /// A model that the paper compares with cannot be trained.
-    #[error(transparent)]
-    Training(#[from] TrainingError),
-    /// The exact motion cannot be followed.
-    #[error(transparent)]
-    ExactMotion(#[from] IntegrationError),
-    /// The graph is invalid.
-    #[error(transparent)]
-    Graph(#[from] GraphError),
-    /// The rods are invalid.
-    #[error("the rods cannot be: {0:?}")]
-    Rods(ConstraintError<f64>),
-    /// The data has no accelerations.
-    #[error(transparent)]
-    Samples(#[from] leastaction_learning::training::SampleError),
-}
-
-impl From<ConstraintError<f64>> for ReproduceError {
-    fn from(error: ConstraintError<f64>) -> Self {
-        Self::Rods(error)
     }
 }

@@ -1,6 +1,7 @@
 //! Time of a step as a system grows.
 
-use super::{LearnedGraph, LgnnSettings, LgnnSystem, ReproduceError};
+use super::{LearnedGraph, LgnnSettings, LgnnSystem};
+use crate::task::TaskError;
 use leastaction_core::constraints::Constrained;
 use leastaction_core::discrete::{
     Order,
@@ -24,7 +25,7 @@ const STRETCHES: usize = 7;
 ///
 /// # Errors
 /// An error if the graph is invalid, or a step fails.
-pub fn step_microseconds(model: &LearnedGraph) -> Result<f64, ReproduceError> {
+pub fn step_microseconds(model: &LearnedGraph) -> Result<f64, TaskError> {
     let graph = model.architecture.graph()?;
     let nodes = graph.nodes.len();
     let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(LgnnSystem::Spring(nodes), 0) };

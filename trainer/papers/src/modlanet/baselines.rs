@@ -1,9 +1,9 @@
 //! Models that the paper compares with (Table 2 and Figure 5), trained by its authors' recipe.
 
 use super::super::training::{Bounds, Limits, Recipe};
-use super::published;
-use super::{Experiment, Judge, Outcome, ReproduceError};
+use super::{Experiment, Judge, Outcome, published};
 use crate::baselines::{AccelerationModel, Follow, Hnn, Lnn, Mlp, Momenta};
+use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::ManyBody;
 use leastaction_learning::data::modlanet::ModlanetSet;
@@ -116,7 +116,7 @@ impl Experiment<'_> {
         (system, set): (ManyBody, &ModlanetSet),
         bounds: Bounds,
         judge: Option<&Judge>,
-    ) -> Result<Outcome, ReproduceError> {
+    ) -> Result<Outcome, TaskError> {
         let recipe = baseline.recipe(system);
         let model = baseline.model(system, &self.architecture(system, set)?.coordinates())?;
         let (name, samples) = (baseline.name(), Samples::modlanet(&set.train));
@@ -124,7 +124,7 @@ impl Experiment<'_> {
         let trained = recipe.train(&*model, samples, (self.options.seed, bounds), &tell)?;
         let learned = (&*model, trained.weights.as_slice());
         let mut outcome = self.outcome(system, name, set, learned, trained.seconds)?;
-        outcome.published = published::baseline(system, baseline);
+        outcome.published = published(system, name);
         (outcome.epochs, outcome.ending) = (Some(trained.epochs), trained.ending);
         if let Some(judge) = judge {
             self.predict_baseline(&mut outcome, judge, learned, bounds.limits)?;
@@ -139,7 +139,7 @@ impl Experiment<'_> {
         judge: &Judge,
         learned: (&dyn AccelerationModel, &[f64]),
         limits: Limits,
-    ) -> Result<(), ReproduceError> {
+    ) -> Result<(), TaskError> {
         if outcome.relative_test_mse.is_nan() || outcome.relative_test_mse >= 1.0 {
             outcome.unpredicted = Some("worse than no acceleration at all");
             return Ok(());

@@ -1,13 +1,12 @@
 //! Judge of long predictions: exact motions from starts that no training data has.
 
-use super::{Options, Outcome, Pictured, Predicted, ReproduceError};
+use super::{Options, Outcome, Pictured, Predicted};
 use crate::baselines::{AccelerationModel, Follow};
+use crate::rollouts::UNSEEN;
+use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{ExactMotion, GenerationError, Horizon, ManyBody, ModlanetSettings, starts};
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
-
-/// Mask that makes the random stream of prediction starts differ from that of the data.
-const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 
 /// Exact motions of a system, and the errors that single precision causes in them.
 pub(super) struct Judge {
@@ -20,7 +19,7 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    pub fn new(system: ManyBody, options: &Options, length: f64) -> Result<Self, ReproduceError> {
+    pub fn new(system: ManyBody, options: &Options, length: f64) -> Result<Self, TaskError> {
         let motion = system.motion().map_err(GenerationError::from)?;
         let settings = ModlanetSettings::published(system, options.seed ^ UNSEEN);
         let settings = ModlanetSettings { trajectories: options.starts, speed: 8.0, ..settings };

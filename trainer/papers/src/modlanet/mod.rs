@@ -13,14 +13,16 @@ mod task;
 
 pub use baselines::Baseline;
 pub use case::{Case, Options};
-pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
+pub use outcome::{Outcome, Pictured, Predicted, Stepped};
 pub use published::Published;
+use published::{by_samples, published};
 pub use recipe::{LearnedTree, architecture, fine_tune, train, tree};
-pub use stepping::{Energies, LongRun, SteppingError, long_run};
+pub use stepping::{Energies, LongRun, long_run};
 pub use task::{ModlanetData, tasks};
 
 use super::training::{Bounds, Ending};
 use crate::baselines::{AccelerationModel, Follow};
+use crate::task::{TaskError, Tell};
 use judge::Judge;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of};
@@ -34,13 +36,13 @@ use std::time::Instant;
 /// Runs a case; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
-/// [`ReproduceError`].
+/// [`TaskError`].
 pub fn run(
     case: Case,
     options: &Options,
     data: Option<&ModlanetSet>,
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Outcome>, ReproduceError> {
+    tell: &Tell,
+) -> Result<Vec<Outcome>, TaskError> {
     let experiment = Experiment { case, options, tell };
     let set = |system| data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok);
     match case {
@@ -82,13 +84,13 @@ pub fn run(
 /// Runs one of the models that the paper compares with, in a case that has them; `tell` occasionally gets a line of progress.
 ///
 /// # Errors
-/// [`ReproduceError`].
+/// [`TaskError`].
 pub fn run_baseline(
     (case, baseline): (Case, Baseline),
     (options, bounds): (&Options, Bounds),
     data: Option<&ModlanetSet>,
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Outcome, ReproduceError> {
+    tell: &Tell,
+) -> Result<Outcome, TaskError> {
     let experiment = Experiment { case, options, tell };
     let system = case.system().unwrap_or(ManyBody::Pendulum(2));
     let set = data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok)?;
@@ -104,26 +106,22 @@ fn large(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
 struct Experiment<'a> {
     case: Case,
     options: &'a Options,
-    tell: &'a (dyn Fn(&str) + Sync),
+    tell: &'a Tell<'a>,
 }
 
 impl Experiment<'_> {
     /// Returns the model of a system, if the data belongs to it.
-    fn architecture(
-        &self,
-        system: ManyBody,
-        set: &ModlanetSet,
-    ) -> Result<ModularArchitecture, ReproduceError> {
+    fn architecture(&self, system: ManyBody, set: &ModlanetSet) -> Result<ModularArchitecture, TaskError> {
         let architecture = architecture(system, self.options.pair);
         let (found, needed) = (set.train.q.width(), architecture.n());
         if found != needed {
-            return Err(ReproduceError::Coordinates { found, needed });
+            return Err(format!("the data has {found} coordinates, the case needs {needed}").into());
         }
         Ok(architecture)
     }
 
     /// Learns a system, with predictions of 30 s.
-    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), ReproduceError> {
+    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), TaskError> {
         let (mut outcome, model) = self.learn(system, set)?;
         if let Some(judge) = &self.judge(system, PREDICTION)? {
             self.predict(&mut outcome, judge, &model)?;
@@ -132,7 +130,7 @@ impl Experiment<'_> {
     }
 
     /// Learns a system from its own data.
-    fn learn(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), ReproduceError> {
+    fn learn(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), TaskError> {
         let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
         let (iterations, seed) = (self.iterations(), self.options.seed);
@@ -144,7 +142,7 @@ impl Experiment<'_> {
         })?;
         let seconds = clock.elapsed().as_secs_f64();
         let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
-        outcome.published = published::trained(system);
+        outcome.published = published(system, outcome.kind);
         outcome.accelerations = model.accelerations(&set.test)?;
         Ok((outcome, model))
     }
@@ -156,7 +154,7 @@ impl Experiment<'_> {
         set: &ModlanetSet,
         (shape, weights): (&dyn AccelerationModel, &[f64]),
         train_seconds: f64,
-    ) -> Result<Outcome, ReproduceError> {
+    ) -> Result<Outcome, TaskError> {
         let loss = |rows| Ok::<_, ModelError>(shape.objective(Samples::modlanet(rows))?.loss(weights));
         let test_mse = loss(&set.test)?;
         Ok(Outcome {
@@ -180,7 +178,7 @@ impl Experiment<'_> {
             accelerations: Vec::new(),
             pictured: None,
             long_run: None,
-            published: Published::default(),
+            published: Published::NOTHING,
         })
     }
 
@@ -189,7 +187,7 @@ impl Experiment<'_> {
     }
 
     /// Returns the judge of predictions of `length` s; `None` if no predictions are made.
-    fn judge(&self, system: ManyBody, length: f64) -> Result<Option<Judge>, ReproduceError> {
+    fn judge(&self, system: ManyBody, length: f64) -> Result<Option<Judge>, TaskError> {
         if self.options.starts == 0 {
             return Ok(None);
         }
@@ -197,12 +195,7 @@ impl Experiment<'_> {
         Judge::new(system, self.options, length).map(Some)
     }
 
-    fn predict(
-        &self,
-        outcome: &mut Outcome,
-        judge: &Judge,
-        model: &LearnedTree,
-    ) -> Result<(), ReproduceError> {
+    fn predict(&self, outcome: &mut Outcome, judge: &Judge, model: &LearnedTree) -> Result<(), TaskError> {
         (self.tell)(&format!("{} of {}: predicting {} s", outcome.system, outcome.count, judge.length));
         let follow = Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline: None };
         judge.put(outcome, judge.predict(model.learned(), follow)?);
@@ -215,7 +208,7 @@ impl Experiment<'_> {
         system: ManyBody,
         set: &ModlanetSet,
         larger: &[ManyBody],
-    ) -> Result<Vec<Outcome>, ReproduceError> {
+    ) -> Result<Vec<Outcome>, TaskError> {
         let (trained, model) = self.learn(system, set)?;
         let mut rows = vec![trained];
         for system in larger {
@@ -224,11 +217,11 @@ impl Experiment<'_> {
         Ok(rows)
     }
 
-    fn extend_to(&self, system: ManyBody, model: &LearnedTree) -> Result<[Outcome; 2], ReproduceError> {
+    fn extend_to(&self, system: ManyBody, model: &LearnedTree) -> Result<[Outcome; 2], TaskError> {
         let set = modlanet_set(system, self.options.seed)?;
         let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;
-        zero_shot.published = published::extended(system, false);
+        zero_shot.published = published(system, zero_shot.kind);
         zero_shot.accelerations = model.accelerations(&set.test)?;
         let judge = self.judge(system, 10.0)?;
         if let Some(judge) = &judge {
@@ -239,7 +232,7 @@ impl Experiment<'_> {
         let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
         let seconds = clock.elapsed().as_secs_f64();
         let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
-        fine_tuned.published = published::extended(system, true);
+        fine_tuned.published = published(system, fine_tuned.kind);
         fine_tuned.accelerations = tuned.accelerations(&set.test)?;
         if let Some(judge) = &judge {
             self.predict(&mut fine_tuned, judge, &tuned)?;
@@ -248,7 +241,7 @@ impl Experiment<'_> {
     }
 
     /// Learns the double pendulum from growing numbers of samples, with the same number of iterations.
-    fn dataset_size(&self) -> Result<Vec<Outcome>, ReproduceError> {
+    fn dataset_size(&self) -> Result<Vec<Outcome>, TaskError> {
         let system = ManyBody::Pendulum(2);
         let sizes = [10_000, 20_000, 40_000, 100_000, 1_000_000];
         let mut rows = Vec::new();
@@ -258,11 +251,7 @@ impl Experiment<'_> {
             // Nine of every ten trajectories of 101 states are for training.
             let settings = ModlanetSettings { trajectories: samples / 100, ..published };
             let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?)?;
-            rows.push(Outcome {
-                published: published::by_samples(samples),
-                accelerations: Vec::new(),
-                ..outcome
-            });
+            rows.push(Outcome { published: by_samples(samples), accelerations: Vec::new(), ..outcome });
         }
         Ok(rows)
     }

@@ -1,8 +1,9 @@
 //! Few and noisy samples, in comparison with a network that knows nothing of mechanics.
 
 use super::recipe::best_of;
-use super::{Experiment, Outcome, ReproduceError, held_back};
+use super::{Experiment, Outcome, held_back};
 use crate::baselines::{AccelerationModel, Mlp};
+use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{ManyBody, noisy};
 use leastaction_learning::data::Rows;
@@ -33,7 +34,7 @@ impl Experiment<'_> {
     /// Learns the system from few samples, without and with noise, with the model and with an MLP of at least as many weights: both for the
     /// same number of iterations, each time keeping the iteration with the lowest error on a fifth of the samples, held back and equally
     /// noisy. The test set has no noise.
-    pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, ReproduceError> {
+    pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, TaskError> {
         let modular = self.architecture(system, set)?;
         let weights = Family::initial_weights(&modular, self.options.seed).len();
         let mlp = Mlp::with_weights(&modular.coordinates(), weights)?;
@@ -47,7 +48,7 @@ impl Experiment<'_> {
                     (self.tell)(&format!("{count} samples, noise {noise}: {kind}"));
                     let outcome = self.learn_judged(system, kind, &set, (shape, learned))?;
                     rows.push(Outcome { noise, ..outcome });
-                    Ok::<_, ReproduceError>(())
+                    Ok::<_, TaskError>(())
                 };
                 let at_logged = |shape: &dyn AccelerationModel, rows: [&ModlanetRows; 2]| {
                     best_of(shape, rows, shape.initial_weights(self.options.seed), self.iterations())
@@ -91,7 +92,7 @@ impl Experiment<'_> {
         kind: &'static str,
         set: &ModlanetSet,
         (shape, learned): (&dyn AccelerationModel, &Learning),
-    ) -> Result<Outcome, ReproduceError> {
+    ) -> Result<Outcome, TaskError> {
         let clock = Instant::now();
         let [rows, judges] = held_back(&set.train, JUDGES);
         let weights = learned([&rows, &judges])?;

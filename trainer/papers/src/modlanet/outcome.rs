@@ -1,12 +1,9 @@
-//! Results of an experiment, and reasons why it fails.
+//! Results of an experiment.
 
-use super::super::training::{Ending, TrainingError, in_words};
-use super::{Case, Energies, LongRun, Published, SteppingError};
-use leastaction_core::model::ModelError;
-use leastaction_ground_truth::GenerationError;
+use super::super::training::{Ending, in_words};
+use super::{Case, Energies, LongRun, Published};
 use leastaction_learning::evaluate::prediction::Prediction;
 use serde::Serialize;
-use thiserror::Error;
 
 /// A prediction beside the floor of single precision, in the authors' measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -138,32 +135,4 @@ pub struct Outcome {
     /// Results of the paper.
     #[serde(skip)]
     pub published: Published,
-}
-
-/// Reason why an experiment fails.
-#[derive(Debug, Error)]
-pub enum ReproduceError {
-    /// The data cannot be generated.
-    #[error(transparent)]
-    Data(#[from] GenerationError),
-    /// The shape is inconsistent or does not fit the data.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// A model that the paper compares with cannot be trained.
-    #[error(transparent)]
-    Training(#[from] TrainingError),
-    /// A step of the learned model failed.
-    #[error(transparent)]
-    Stepping(#[from] SteppingError),
-    /// The exact motion cannot be followed.
-    #[error(transparent)]
-    ExactMotion(#[from] leastaction_ground_truth::IntegrationError),
-    /// The data belongs to another system.
-    #[error("the data has {found} coordinates, the case needs {needed}")]
-    Coordinates {
-        /// Number of coordinates of the data.
-        found: usize,
-        /// Number of coordinates of the case.
-        needed: usize,
-    },
 }

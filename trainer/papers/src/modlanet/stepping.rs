@@ -1,17 +1,17 @@
 //! A learned double pendulum stepped a million times in single precision: with the DEL equation its energy stays, with a Runge–Kutta method
 //! on the same accelerations it drifts.
 
-use super::{LearnedTree, ReproduceError};
+use super::LearnedTree;
+use crate::task::TaskError;
 use leastaction_core::continuous::{ContinuousState, energy, rk4_step};
-use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State, StepError};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::{SolveError, solve};
+use leastaction_core::linear::solve;
 use leastaction_core::model::Laws;
 use leastaction_core::scalar::Scalar;
 use serde::Serialize;
-use thiserror::Error;
 
 const N: usize = 2;
 const WIDTH: usize = 64;
@@ -61,34 +61,11 @@ impl Energies {
     }
 }
 
-/// Reason why a step failed.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum SteppingError {
-    /// A step of the DEL equation failed.
-    #[error("a step of the DEL equation failed: {0:?}")]
-    Step(StepError<f32>),
-    /// The mass matrix is singular.
-    #[error("the mass matrix is singular")]
-    Singular,
-}
-
-impl From<StepError<f32>> for SteppingError {
-    fn from(error: StepError<f32>) -> Self {
-        Self::Step(error)
-    }
-}
-
-impl From<SolveError> for SteppingError {
-    fn from(_: SolveError) -> Self {
-        Self::Singular
-    }
-}
-
 /// Steps a model of two pendulums from rest at 0.9 and −0.6 rad, by all three methods.
 ///
 /// # Errors
 /// An error if the model has other coordinates, or a step fails.
-pub fn long_run(model: &LearnedTree, steps: usize, h: f32) -> Result<LongRun, ReproduceError> {
+pub fn long_run(model: &LearnedTree, steps: usize, h: f32) -> Result<LongRun, TaskError> {
     let rounded: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
     let exact: Vec<f64> = rounded.iter().map(|w| f64::from(*w)).collect();
     let header = model.architecture.header();
@@ -111,7 +88,7 @@ struct Run<'w> {
 const START: ContinuousState<f32, N> = ContinuousState { q: [0.9, -0.6], v: [0.0; N] };
 
 impl Run<'_> {
-    fn del<P: Path>(&self) -> Result<Vec<(f64, f64)>, SteppingError> {
+    fn del<P: Path>(&self) -> Result<Vec<(f64, f64)>, TaskError> {
         let del = Del::<f32, P>::new(self.h);
         let mut state = State::new(&self.system.lagrangian, START.q, START.v)?;
         self.run(|| {
@@ -122,7 +99,7 @@ impl Run<'_> {
         })
     }
 
-    fn rk4(&self) -> Result<Vec<(f64, f64)>, SteppingError> {
+    fn rk4(&self) -> Result<Vec<(f64, f64)>, TaskError> {
         let mut state = START;
         self.run(|| {
             state = rk4_step(&self.system, &state, &[0.0; N], self.h)?;
@@ -133,8 +110,8 @@ impl Run<'_> {
     /// Energy errors after every `every` steps.
     fn run(
         &self,
-        mut step: impl FnMut() -> Result<([f64; N], [f64; N]), SteppingError>,
-    ) -> Result<Vec<(f64, f64)>, SteppingError> {
+        mut step: impl FnMut() -> Result<([f64; N], [f64; N]), TaskError>,
+    ) -> Result<Vec<(f64, f64)>, TaskError> {
         let energy = |q: &[f64; N], v: &[f64; N]| energy(&self.judge.lagrangian, q, v);
         let start = energy(&START.q.map(f64::from), &START.v.map(f64::from));
         let mut errors = Vec::with_capacity(KEPT);

@@ -1,10 +1,9 @@
 //! Experiments as tasks, with their rows as records.
 
-use super::super::interrupted::Interrupted;
-use super::super::record::{Measure, Record};
-use super::super::task::{Task, TaskError, compared, with_seeds};
-use super::super::training::{Bounds, Limits};
-use super::super::{numbered, option_name};
+use super::super::record::{Measure, Record, note};
+use super::super::task::{Task, Tell, json, with_seeds};
+use super::super::training::Limits;
+use super::super::{MODLANET, compared, numbered};
 use super::{Baseline, Case, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
 use leastaction_learning::data::modlanet::ModlanetSet;
 use std::path::Path;
@@ -19,16 +18,6 @@ pub struct ModlanetData {
     pub set: Arc<ModlanetSet>,
 }
 
-/// A case with one seed: our model, or one that the paper compares with.
-struct Experiment {
-    case: Case,
-    baseline: Option<(Baseline, Limits)>,
-    options: Options,
-    data: Option<ModlanetData>,
-    /// Command-line options other than case and seed.
-    arguments: String,
-}
-
 /// Creates the tasks of these cases, each with `seeds` seeds from that of the options on, and those of the baselines within the limits, in
 /// cases that have them; without data it is generated. `arguments` are the command-line options other than case and seed.
 pub fn tasks(
@@ -38,75 +27,58 @@ pub fn tasks(
     seeds: usize,
     data: Option<&ModlanetData>,
     arguments: &str,
-) -> Vec<Box<dyn Task>> {
-    let one = |(case, baseline): &(Case, Option<(Baseline, Limits)>), seed: u64| {
-        let (options, arguments) = (Options { seed, ..options.clone() }, arguments.to_owned());
-        Experiment { case: *case, baseline: *baseline, options, data: data.cloned(), arguments }
-    };
+) -> Vec<Task> {
     let rows = cases.iter().flat_map(|case| {
         let baselines = if case.has_baselines() { baselines } else { &[] };
-        compared(*case, baselines.iter().map(|baseline| (*baseline, limits)))
+        compared::rows(*case, (baselines, limits))
     });
-    with_seeds(rows, (options.seed, seeds), one)
+    with_seeds(rows, (options.seed, seeds), |row, seed| {
+        task(*row, (Options { seed, ..options.clone() }, data.cloned()), arguments)
+    })
 }
 
-impl Task for Experiment {
-    fn name(&self) -> String {
-        let model = self.baseline.map_or(String::new(), |(baseline, _)| format!("-{}", baseline.name()));
-        format!("{}{model}-{}", option_name(&self.case), self.options.seed)
+fn task(
+    (case, baseline): compared::Row<Case, Baseline>,
+    (options, data): (Options, Option<ModlanetData>),
+    arguments: &str,
+) -> Task {
+    let model = baseline.map(|(baseline, _)| baseline);
+    let (models, seed) = ((model.map(Baseline::name), None), options.seed);
+    let (name, command) = compared::name_and_command((MODLANET.name, &case), models, (seed, arguments));
+    let generated = || format!("exact motion of our own generator, seed {}", options.seed);
+    let source = data.as_ref().map_or_else(generated, |data| data.file.clone());
+    let training = json(&(case, model, &options, &source));
+    Task {
+        command,
+        settings: json(&(case, baseline, &options, &source)),
+        data: source,
+        options: arguments.to_owned(),
+        expected_seconds: baseline
+            .map_or_else(|| expected_seconds(case), |(_, limits)| limits.expected_seconds()),
+        is_timed: false,
+        name: name.clone(),
+        run: Box::new(move |folder: Option<&Path>, tell: &Tell| {
+            let set = data.as_ref().map(|data| &*data.set);
+            let ours = || run(case, &options, set, tell);
+            let rows = compared::run(baseline, (folder, &name, &training), ours, |baseline, bounds| {
+                Ok(vec![run_baseline((case, baseline), (&options, bounds), set, tell)?])
+            })?;
+            let with_pictures = |row: Outcome| {
+                let pictures = folder.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
+                Ok(Record { pictures, ..record(&row)? })
+            };
+            rows.into_iter().map(with_pictures).collect()
+        }),
     }
+}
 
-    fn command(&self) -> String {
-        let (case, seed) = (option_name(&self.case), self.options.seed);
-        let only = self.baseline.map_or(String::new(), |_| format!(" --baselines --only {}", self.name()));
-        format!("leastaction-papers modlanet --case {case}{only} --seed {seed}{}", self.arguments)
-    }
-
-    fn data(&self) -> String {
-        let generated = || format!("exact motion of our own generator, seed {}", self.options.seed);
-        self.data.as_ref().map_or_else(generated, |data| data.file.clone())
-    }
-
-    fn settings(&self) -> String {
-        serde_json::to_string(&(self.case, self.baseline, &self.options, self.data())).unwrap_or_default()
-    }
-
-    fn options(&self) -> String {
-        self.arguments.clone()
-    }
-
-    fn expected_seconds(&self) -> f64 {
-        if let Some((_, limits)) = self.baseline {
-            return limits.expected_seconds();
-        }
-        match self.case {
-            Case::DoublePendulum | Case::ExtendPendulum => 40.0,
-            Case::ThreeBody => 10.0,
-            Case::ExtendBody => 20.0,
-            Case::DatasetSize => 90.0,
-            Case::DirectLarge | Case::Noise => 30.0,
-        }
-    }
-
-    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
-        let data = self.data.as_ref().map(|data| &*data.set);
-        let rows = match self.baseline {
-            None => run(self.case, &self.options, data, tell)?,
-            Some((baseline, limits)) => {
-                let settings = serde_json::to_string(&(self.case, baseline, &self.options, self.data()))?;
-                let run = |interrupted: Option<&Interrupted>| {
-                    let bounds = Bounds { limits, interrupted };
-                    run_baseline((self.case, baseline), (&self.options, bounds), data, tell)
-                };
-                vec![Interrupted::resume(folder, &self.name(), settings, run)?]
-            }
-        };
-        let mut records = Vec::new();
-        for row in rows {
-            let drawn = folder.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
-            records.push(Record { pictures: drawn, ..record(&row)? });
-        }
-        Ok(records)
+fn expected_seconds(case: Case) -> f64 {
+    match case {
+        Case::DoublePendulum | Case::ExtendPendulum => 40.0,
+        Case::ThreeBody => 10.0,
+        Case::ExtendBody => 20.0,
+        Case::DatasetSize => 90.0,
+        Case::DirectLarge | Case::Noise => 30.0,
     }
 }
 
@@ -127,15 +99,13 @@ fn table(case: Case) -> (&'static str, bool) {
 
 fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
     let (table, has_predictions) = table(row.case);
+    let (model, is_ours) = model(row.kind);
     let subject = [
         ("system", numbered(row.system, row.count)),
         ("samples", row.samples.to_string()),
         ("noise", row.noise.to_string()),
     ];
-    let (model, is_ours) = model(row.kind);
     Ok(Record {
-        table: table.to_owned(),
-        subject: subject.map(|(name, value)| (name.to_owned(), value)).to_vec(),
         model,
         is_ours,
         parameters: row.parameters,
@@ -143,10 +113,8 @@ fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
         seed: row.seed,
         train_seconds: row.train_seconds,
         measures: measures(row, has_predictions),
-        note: note(row),
-        pictures: Vec::new(),
-        details: serde_json::to_value(row)?,
-        is_summary: false,
+        note: remarks(row),
+        ..Record::of(table, subject, row)?
     })
 }
 
@@ -162,15 +130,16 @@ fn model(kind: &str) -> (String, bool) {
 }
 
 fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
+    let [test_mse, position, energy] = row.published.measures;
     let mut measures = vec![
         Measure::error("train MSE", row.train_mse, None),
-        Measure::error("test MSE", row.test_mse, row.published.test_mse),
+        Measure::error("test MSE", row.test_mse, test_mse),
         Measure::error("relative test MSE", row.relative_test_mse, None),
     ];
     if has_predictions {
         let of = |value: fn(&Predicted) -> f64| row.predicted.as_ref().map_or(f64::NAN, value);
         let paper = |value: Option<f64>| value.filter(|_| row.predicted.is_some());
-        let (position, energy) = (paper(row.published.position), paper(row.published.energy));
+        let (position, energy) = (paper(position), paper(energy));
         measures.push(Measure::error("A_q", of(|p| p.position), position).over(of(|p| p.floor_position)));
         measures.push(Measure::error("A_E", of(|p| p.energy), energy).over(of(|p| p.floor_energy)));
         let valid = Measure::error("valid, s", of(|p| p.valid_seconds), None).more_is_better();
@@ -180,10 +149,9 @@ fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
 }
 
 /// Note on the end of the training, the reason for missing predictions, and the energies of the long run.
-fn note(row: &Outcome) -> Option<String> {
+fn remarks(row: &Outcome) -> Option<String> {
     let unpredicted = row.unpredicted.map(|why| format!("no predictions: {why}"));
-    let notes = [row.ending.words(), unpredicted, row.stepped.as_ref().map(energies)];
-    Some(notes.into_iter().flatten().collect::<Vec<_>>().join("; ")).filter(|note| !note.is_empty())
+    note([row.ending.words(), unpredicted, row.stepped.as_ref().map(energies)])
 }
 
 fn energies(stepped: &Stepped) -> String {

@@ -10,8 +10,7 @@ mod states;
 mod task;
 mod windows;
 
-pub use published::{NOISE, Published, published};
-pub use states::CaseError;
+pub use published::{NOISE, Published};
 pub use task::{SymoData, overview, tasks};
 
 use leastaction_core::energy::inertia_network::Coordinate;

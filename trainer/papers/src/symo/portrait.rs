@@ -1,35 +1,18 @@
 //! A long free motion in phase space, learned and exact (Figure 1).
 
 use super::Case;
-use leastaction_core::model::ModelError;
-use leastaction_ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
+use crate::rollouts::UNSEEN;
+use crate::task::TaskError;
+use leastaction_ground_truth::{Drive, Mechanism, Settings, generate};
 use leastaction_learning::data::Dataset;
 use leastaction_models::{Beginning, Model};
-use leastaction_plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
+use leastaction_plot::{Angle, Phase, Series, Stroke, phase_portrait};
 use std::path::Path;
-use thiserror::Error;
 
 /// Number of steps of the motion.
 const STEPS: usize = 4_000;
-/// Mask that makes the random stream of the start differ from that of the data.
-const UNSEEN: u64 = 0x5eed_0000_0000_0000;
-
-/// Reason why a picture cannot be drawn.
-#[derive(Debug, Error)]
-pub(super) enum PortraitError {
-    /// The exact motion cannot be followed.
-    #[error(transparent)]
-    ExactMotion(#[from] IntegrationError),
-    /// The learned motion cannot be computed.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The file cannot be drawn.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
-}
-
 /// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that no data has; returns the name of the file.
-pub(super) fn draw(folder: &Path, name: &str, case: &Case, model: &Model) -> Result<String, PortraitError> {
+pub(super) fn draw(folder: &Path, name: &str, case: &Case, model: &Model) -> Result<String, TaskError> {
     let start = Settings {
         samples: STEPS + 2,
         drive: Drive::Free,

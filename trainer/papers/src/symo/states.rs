@@ -2,6 +2,7 @@
 
 use super::{Case, Method, Outcome, Recipe};
 use crate::baselines::NeuralOde;
+use crate::task::TaskError;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::model::ModelError;
@@ -10,26 +11,10 @@ use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::evaluate::states::{Stepper, positions, state_energy_mse};
 use leastaction_learning::evaluate::{inertia_mse, integration_errors};
 use leastaction_learning::runge_kutta::RungeKutta;
-use leastaction_learning::training::{LossKind, SampleError, Samples, objective};
-use leastaction_learning::windows::TooShort;
+use leastaction_learning::training::{LossKind, Samples, objective};
 use leastaction_models::Model;
 use leastaction_models::accelerations::Forced;
 use std::time::Instant;
-use thiserror::Error;
-
-/// Reason why a case cannot be run.
-#[derive(Debug, Error)]
-pub enum CaseError {
-    /// The shape is inconsistent or does not fit.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The data does not fit.
-    #[error(transparent)]
-    Samples(#[from] SampleError),
-    /// The trajectories are shorter than windows.
-    #[error(transparent)]
-    Windows(#[from] TooShort),
-}
 
 /// Learned model of a baseline.
 enum Learned {
@@ -57,7 +42,7 @@ impl Case {
         &self,
         set: &SymoSet,
         watch: &mut dyn FnMut(usize, f64),
-    ) -> Result<Outcome, CaseError> {
+    ) -> Result<Outcome, TaskError> {
         let (clock, recipe) = (Instant::now(), self.recipe());
         let [rows, judges] = recipe.split(&set.train.truncated(self.trajectories));
         let samples = [Samples::next_states(&rows)?, Samples::next_states(&judges)?];

@@ -1,8 +1,8 @@
 //! Learning from positions alone over windows of many steps, whose start states are free: noise averages out, and effects of forces add up.
 
 use super::bodies::bodies;
-use super::states::CaseError;
 use super::{Case, Method, Recipe};
+use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Trajectory};
@@ -36,7 +36,7 @@ impl Case {
         recipe: Recipe,
         set: &SymoSet,
         watch: &mut dyn FnMut(usize, f64),
-    ) -> Result<(Architecture, Vec<f64>), CaseError> {
+    ) -> Result<(Architecture, Vec<f64>), TaskError> {
         if self.model.is_for_noise() {
             return self.learn_over_windows(&recipe, set, watch);
         }
@@ -54,7 +54,7 @@ impl Case {
         recipe: &Recipe,
         set: &SymoSet,
         watch: &mut dyn FnMut(usize, f64),
-    ) -> Result<(Architecture, Vec<f64>), CaseError> {
+    ) -> Result<(Architecture, Vec<f64>), TaskError> {
         let data = set.train.truncated(self.trajectories);
         let candidates = self.candidates(recipe)?;
         let mut best = (f64::INFINITY, candidates.first().unwrap_or(recipe).clone());
@@ -83,7 +83,7 @@ impl Case {
         recipe: &Recipe,
         data: &Dataset,
         watch: &mut dyn FnMut(usize, f64),
-    ) -> Result<f64, CaseError> {
+    ) -> Result<f64, TaskError> {
         let folds = folds(data);
         let mut logarithms = 0.0;
         for Fold { data, training } in &folds {
@@ -101,7 +101,7 @@ impl Case {
         data: &Dataset,
         of: Range<usize>,
         watch: &mut dyn FnMut(usize, f64),
-    ) -> Result<Vec<f64>, CaseError> {
+    ) -> Result<Vec<f64>, TaskError> {
         let mut weights = recipe.architecture.initial_weights(self.seed);
         let own = weights.len();
         for (k, steps) in [SHORT.min(whole(data)), whole(data)].into_iter().enumerate() {
@@ -140,7 +140,7 @@ fn whole(data: &Dataset) -> usize {
 }
 
 /// Loss over windows of `steps` steps that overlap by half, of some trajectories.
-fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> Result<WindowLoss, CaseError> {
+fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> Result<WindowLoss, TaskError> {
     let settings = WindowSettings {
         steps,
         stride: steps.div_ceil(2),

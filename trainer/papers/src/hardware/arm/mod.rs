@@ -13,10 +13,12 @@ mod panda;
 pub use models::{Identification, MODELS};
 pub use panda::{panda, panda_urdf};
 
+use super::entries::label;
 use super::error::HardwareError;
 use super::machine::Machine;
+use crate::HARDWARE;
 use crate::record::{Measure, Record};
-use crate::task::{Task, TaskError};
+use crate::task::{Task, json};
 use leastaction_learning::data::read_measured;
 use leastaction_learning::torque::fit::{mean_nmse, squared_errors, variances};
 use leastaction_learning::torque::{Preparation, Samples};
@@ -103,96 +105,61 @@ impl ArmData {
 }
 
 /// Creates the tasks of all models.
-pub fn arm_tasks(data: &Arc<ArmData>, arguments: &str) -> Vec<Box<dyn Task>> {
-    let task = |model: &Identification| -> Box<dyn Task> {
-        Box::new(ArmTask { model: *model, data: Arc::clone(data), arguments: arguments.to_owned() })
-    };
-    MODELS.iter().map(task).collect()
+pub fn arm_tasks(data: &Arc<ArmData>, arguments: &str) -> Vec<Task> {
+    MODELS.iter().map(|model| task(*model, Arc::clone(data), arguments)).collect()
 }
 
-/// A model on the arm's log.
-struct ArmTask {
-    model: Identification,
-    data: Arc<ArmData>,
-    arguments: String,
-}
-
-impl Task for ArmTask {
-    fn name(&self) -> String {
-        format!("{}-{}", Machine::Panda.name(), self.model.label())
-    }
-
-    fn command(&self) -> String {
-        let machine = Machine::Panda.name();
-        let label = self.model.label();
-        format!("leastaction-papers hardware --machine {machine} --only {machine}-{label}{}", self.arguments)
-    }
-
-    fn data(&self) -> String {
-        format!(
-            "{}: {} samples, tested on {}",
-            self.data.file.display(),
-            self.data.train.count(),
-            self.data.test.count()
-        )
-    }
-
-    fn settings(&self) -> String {
-        serde_json::to_string(&(Machine::Panda, self.model.name, self.data())).unwrap_or_default()
-    }
-
-    fn options(&self) -> String {
-        self.arguments.clone()
-    }
-
-    fn expected_seconds(&self) -> f64 {
-        self.model.expected_seconds
-    }
-
-    fn run(&self, _: Option<&Path>, _: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
-        let start = Instant::now();
-        let learned = (self.model.learn)(&self.data)?;
-        let row = self.outcome(&learned, start.elapsed().as_secs_f64());
-        Ok(vec![self.record(&row)?])
+fn task(model: Identification, data: Arc<ArmData>, arguments: &str) -> Task {
+    let (paper, machine, label) = (HARDWARE.name, Machine::Panda.name(), label(model.name));
+    let (file, [train, test]) = (data.file.display(), [&data.train, &data.test].map(Samples::count));
+    let source = format!("{file}: {train} samples, tested on {test}");
+    Task {
+        name: format!("{machine}-{label}"),
+        command: format!(
+            "leastaction-papers {paper} --machine {machine} --only {machine}-{label}{arguments}"
+        ),
+        settings: json(&(Machine::Panda, model.name, &source)),
+        data: source,
+        options: arguments.to_owned(),
+        expected_seconds: model.expected_seconds,
+        is_timed: false,
+        run: Box::new(move |_, _| {
+            let start = Instant::now();
+            let learned = (model.learn)(&data)?;
+            let row = outcome((&model, &data), &learned, start.elapsed().as_secs_f64());
+            Ok(vec![record(&model, &row)?])
+        }),
     }
 }
 
-impl ArmTask {
-    fn outcome(&self, learned: &Learned, train_seconds: f64) -> ArmOutcome {
-        let errors = |of: &Samples| squared_errors(&(learned.predict)(of), of);
-        let nmse = |of: &Samples| mean_nmse(&errors(of), &variances(of));
-        ArmOutcome {
-            machine: Machine::Panda.name(),
-            model: self.model.name,
-            default: self.model.is_default,
-            mean_nmse: nmse(&self.data.test),
-            rmse: errors(&self.data.test).iter().map(|error| error.sqrt()).collect(),
-            train_nmse: nmse(&self.data.train),
-            parameters: learned.parameters,
-            rank: learned.rank,
-            consistency: learned.consistency,
-            train_seconds,
-        }
+fn outcome((model, data): (&Identification, &ArmData), learned: &Learned, train_seconds: f64) -> ArmOutcome {
+    let errors = |of: &Samples| squared_errors(&(learned.predict)(of), of);
+    let nmse = |of: &Samples| mean_nmse(&errors(of), &variances(of));
+    ArmOutcome {
+        machine: Machine::Panda.name(),
+        model: model.name,
+        default: model.is_default,
+        mean_nmse: nmse(&data.test),
+        rmse: errors(&data.test).iter().map(|error| error.sqrt()).collect(),
+        train_nmse: nmse(&data.train),
+        parameters: learned.parameters,
+        rank: learned.rank,
+        consistency: learned.consistency,
+        train_seconds,
     }
+}
 
-    fn record(&self, row: &ArmOutcome) -> Result<Record, serde_json::Error> {
-        let joints = row.rmse.iter().enumerate();
-        let joints = joints.map(|(k, error)| Measure::error(&format!("joint {}, N m", k + 1), *error, None));
-        let first = Measure::error("mean NMSE", row.mean_nmse, None);
-        Ok(Record {
-            table: format!("{}, torques of motion that was not seen", row.machine),
-            subject: vec![("tested".to_owned(), format!("{} … {} s", TESTED[0], TESTED[1]))],
-            model: row.model.to_owned(),
-            is_ours: self.model.is_ours,
-            parameters: row.parameters,
-            paper_parameters: None,
-            seed: 0,
-            train_seconds: row.train_seconds,
-            measures: std::iter::once(first).chain(joints).collect(),
-            note: None,
-            pictures: Vec::new(),
-            details: serde_json::to_value(row)?,
-            is_summary: false,
-        })
-    }
+fn record(model: &Identification, row: &ArmOutcome) -> Result<Record, serde_json::Error> {
+    let joints = row.rmse.iter().enumerate();
+    let joints = joints.map(|(k, error)| Measure::error(&format!("joint {}, N m", k + 1), *error, None));
+    let first = Measure::error("mean NMSE", row.mean_nmse, None);
+    let table = format!("{}, torques of motion that was not seen", row.machine);
+    Ok(Record {
+        model: row.model.to_owned(),
+        is_ours: model.is_ours,
+        parameters: row.parameters,
+        train_seconds: row.train_seconds,
+        measures: std::iter::once(first).chain(joints).collect(),
+        ..Record::of(&table, [("tested", format!("{} … {} s", TESTED[0], TESTED[1]))], row)?
+    })
 }

@@ -41,14 +41,6 @@ pub struct Learned {
     pub consistency: Option<f64>,
 }
 
-impl Identification {
-    /// Label in the names of tasks.
-    pub fn label(&self) -> String {
-        let words = self.name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-        words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
-    }
-}
-
 /// Width ε in the rows where it is not learned, rad/s.
 const WIDTH: f64 = 0.05;
 /// Rigid bodies and nothing else.
