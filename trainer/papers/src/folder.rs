@@ -6,9 +6,8 @@ use leastaction_learning::atomic;
 use leastaction_learning::checksummed::ReadError;
 use leastaction_learning::lock::Lock;
 use std::collections::HashMap;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 use thiserror::Error;
 
 /// Reason why results, or the state of training, cannot be read or written.

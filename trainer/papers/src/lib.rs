@@ -1,9 +1,9 @@
 //! Experiments of the papers, our models beside theirs: tasks that give records, which become tables and pages.
 //!
 //! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]), [`hardware`] that of logs recorded on robots;
-//! [`baselines`] are the models that the papers compare with. The command is `leastaction-papers`.
+//! `baselines` are the models that the papers compare with. The command is `leastaction-papers`.
 
-pub mod baselines;
+mod baselines;
 pub mod chnn;
 mod compared;
 pub mod folder;
@@ -20,11 +20,8 @@ pub mod table;
 pub mod task;
 mod training;
 
-pub use interrupted::Interrupted;
 pub use papers::{CHNN, HARDWARE, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
-pub use published::Published;
-pub use rollouts::RolledOut;
-pub use training::{Bounds, Ending, Limits, Recipe, TrainingError};
+pub use training::Limits;
 
 /// Name of a system with its number of elements: 2-pendulum.
 pub fn numbered(system: &str, count: usize) -> String {

@@ -36,6 +36,11 @@ impl Limits {
     }
 }
 
+/// Whether a deadline is over.
+pub(super) fn is_past(deadline: Option<Instant>) -> bool {
+    deadline.is_some_and(|deadline| Instant::now() > deadline)
+}
+
 /// End of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {

@@ -1,10 +1,8 @@
 //! LGNN's experiments: training by laws and networks, rollouts on other graphs.
 
-use leastaction_ground_truth::lgnn_shape;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_shape};
 use leastaction_learning::training::Samples;
-use leastaction_models::Family as _;
-use leastaction_models::GraphArchitecture;
+use leastaction_models::{Family as _, GraphArchitecture};
 use leastaction_papers::lgnn::{Case, Options, run, train};
 
 fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {

@@ -37,9 +37,6 @@ impl Direct {
     }
 
     /// The function itself; an empty u stands for 0.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if there are fewer weights than `parameters`.
     pub fn motion<'w>(
         &self,
         n: usize,

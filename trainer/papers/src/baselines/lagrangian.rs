@@ -50,9 +50,6 @@ impl Loss for Everywhere {
 }
 
 /// Returns v̇(q, v) of particles on any number of rods: L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv.
-///
-/// # Errors
-/// [`ModelError::Shape`] if there are too few weights.
 pub(super) fn motion<'w, const D: usize>(
     energies: &dyn Energies,
     rods: Vec<Holonomic<f64, D>>,

@@ -2,7 +2,7 @@
 
 use super::batch::{Batched, Derivatives, InBatches, Layers, Pass, matrix};
 use super::features::{count, fixed, inputs};
-use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
+use super::{AccelerationModel, Follow, PredictionModel, coordinates_fit, layers_of, parameters_of};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network};
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
@@ -109,7 +109,9 @@ impl AccelerationModel for Mlp {
         let inputs = matrix(&inputs, count(&self.coordinates));
         Ok(Box::new(InBatches(Errors { mlp: self.clone(), inputs, targets: matrix(&a, n) })))
     }
+}
 
+impl PredictionModel for Mlp {
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
         let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
         let network = self.network(weights).ok_or(short)?;

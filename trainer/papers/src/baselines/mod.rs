@@ -18,18 +18,19 @@ mod oracle;
 pub use cartesian_lnn::CartesianLnn;
 pub use gns::Gns;
 pub use graph_network::GraphSizes;
-pub use hnn::{Hnn, MAX_WIDTH as MAX_HNN_WIDTH, Momenta};
+pub use hnn::{Hnn, Momenta};
 pub use lgn::Lgn;
 pub use lnn::Lnn;
-pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
+pub use mlp::Mlp;
 pub use node::NeuralOde;
 
+use crate::training::is_past;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::ExactMotion;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
-use leastaction_models::Model;
-use leastaction_models::{Architecture, Family, GraphArchitecture, ModularArchitecture};
+use leastaction_models::accelerations::Accelerations;
+use leastaction_models::{Architecture, Family, Model, ModularArchitecture};
 use std::time::Instant;
 
 /// A shape whose weights are learned from accelerations: a baseline, or one of ours.
@@ -38,24 +39,24 @@ pub trait AccelerationModel {
     fn initial_weights(&self, seed: u64) -> Vec<f64>;
 
     /// Mean squared error of v̇ over samples of (q, v, v̇), by which all models are measured.
-    ///
-    /// # Errors
-    /// An error if the shape or the samples do not fit.
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError>;
 
     /// Objective of the training over the same samples: the measure, unless the model's authors use another.
-    ///
-    /// # Errors
-    /// See [`AccelerationModel::objective`].
     fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         self.objective(samples)
     }
+}
 
+/// A model whose long predictions are compared with exact motion.
+pub trait PredictionModel: AccelerationModel {
     /// Errors of long predictions from the starts of `truth`.
-    ///
-    /// # Errors
-    /// An error if the weights do not fit the shape.
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError>;
+}
+
+/// A model whose accelerations can be asked for.
+pub trait MotionModel: AccelerationModel {
+    /// Returns v̇(q, v) for these weights, m/s², \[nodes\]\[D\], as a function.
+    fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError>;
 }
 
 /// Settings for following predictions.
@@ -72,7 +73,7 @@ pub struct Follow<'a> {
 impl Follow<'_> {
     /// Whether it is time to give up.
     pub fn is_late(&self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() > deadline)
+        is_past(self.deadline)
     }
 
     /// Errors of predictions by accelerations v̇(q, v).
@@ -85,16 +86,6 @@ impl Follow<'_> {
             true => None,
             false => acceleration(q, v, out),
         })
-    }
-
-    fn family(
-        &self,
-        architecture: &Architecture,
-        weights: &[f64],
-        truth: &Truth,
-    ) -> Result<Prediction, ModelError> {
-        let model = Model::new(architecture.clone(), weights.to_vec());
-        model.with_accelerations(|f| self.compare(truth, f))
     }
 }
 
@@ -128,22 +119,11 @@ impl AccelerationModel for ModularArchitecture {
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         objective(&self.clone().into(), samples, LossKind::Acceleration, 2)
     }
-
-    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        follow.family(&self.clone().into(), weights, truth)
-    }
 }
 
-impl AccelerationModel for GraphArchitecture {
-    fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        Family::initial_weights(self, seed)
-    }
-
-    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
-        objective(&self.clone().into(), samples, LossKind::Acceleration, 2)
-    }
-
+impl PredictionModel for ModularArchitecture {
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        follow.family(&self.clone().into(), weights, truth)
+        let model = Model::new(Architecture::from(self.clone()), weights.to_vec());
+        model.with_accelerations(|accelerations| follow.compare(truth, accelerations))
     }
 }

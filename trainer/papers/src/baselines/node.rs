@@ -85,9 +85,6 @@ impl NeuralOde {
     }
 
     /// Mean squared error of position and velocity after a step, over [`Samples::next_states`].
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] for samples with other coordinates.
     pub fn objective(&self, samples: Samples, method: RungeKutta) -> Result<Box<dyn Objective>, ModelError> {
         coordinates_fit(&samples, self.n())?;
         let step = Direct::new(self.n(), |builder, state| self.step(builder, state, (method, samples.h)));
@@ -97,9 +94,6 @@ impl NeuralOde {
 
     /// Returns v̇(q, v, u) for these weights, m/s² or rad/s², as a function; u is a force on every coordinate, only one of which counts; an
     /// empty u stands for no force.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if there are too few weights.
     pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Forced<'w>>, ModelError> {
         let write = |builder: &mut Builder, [q, v, u]: [Node; 3]| self.acceleration(builder, [q, v], u);
         Direct::new(self.n(), write).motion(self.n(), (weights, self.parameters()))

@@ -3,8 +3,7 @@ use leastaction_core::linear::add_scaled;
 use leastaction_ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::runge_kutta::step;
 use leastaction_learning::training::Levenberg;
-use rand::RngExt;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 const H: f64 = 0.1;

@@ -3,10 +3,12 @@
 
 use super::GraphSizes;
 use leastaction_core::network::Dense;
-use leastaction_learning::training::Objective;
+use leastaction_learning::training::{Adam, AdamSettings, Objective, Samples, Schedule};
+use nalgebra::{DMatrix, DVector};
 use num_dual::{DualNum, HyperHyperDual64};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::array::from_fn;
 
 /// A number with derivatives along three directions.
 pub type Dual = HyperHyperDual64;
@@ -19,6 +21,83 @@ pub fn moving(x: f64, [e1, e2, e3]: [f64; 3]) -> Dual {
 pub fn random(count: usize, range: f64, seed: u64) -> Vec<f64> {
     let mut stream = Pcg64::seed_from_u64(seed);
     (0..count).map(|_| stream.random_range(-range..range)).collect()
+}
+
+/// Samples with uniform states in ± these ranges and no controls.
+pub fn samples(n: usize, count: usize, [q, v, a]: [f64; 3]) -> Samples {
+    let states = [(1, q), (2, v), (3, a)].map(|(seed, range)| random(n * count, range, seed));
+    Samples { n, controls: from_fn(|_| vec![0.0; n * count]), states, ..Samples::default() }
+}
+
+/// Errors v̇(q, v) − a of all samples.
+pub fn errors(samples: &Samples, motion: impl Fn(&[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
+    let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(samples.n));
+    let found = q.zip(v).flat_map(|(q, v)| motion(q, v));
+    found.zip(a.flatten()).map(|(found, a)| found - a).collect()
+}
+
+/// Weights that do not move.
+pub fn constant(weights: &[f64]) -> Vec<Dual> {
+    weights.iter().map(|w| moving(*w, [0.0; 3])).collect()
+}
+
+/// Gradient of a function.
+pub fn gradient(function: impl Fn(Vec<Dual>) -> Dual, x: &[f64]) -> Vec<f64> {
+    let unit = |i: usize, k: usize| [f64::from(u8::from(i == k)), 0.0, 0.0];
+    let along = |k: usize| x.iter().enumerate().map(|(i, x)| moving(*x, unit(i, k))).collect();
+    (0..x.len()).map(|k| function(along(k)).eps1).collect()
+}
+
+/// Mass matrix L_vv and force L_q − L_vq v of a Lagrangian of (q, v).
+pub fn equation(lagrangian: impl Fn(&[Dual]) -> Dual, [q, v]: [&[f64]; 2]) -> (DMatrix<f64>, DVector<f64>) {
+    let (n, state) = (q.len(), [q, v].concat());
+    let at = |one: &[f64], two: &[f64]| {
+        let x = state.iter().zip(one).zip(two).map(|((x, one), two)| moving(*x, [*one, *two, 0.0]));
+        lagrangian(&x.collect::<Vec<_>>())
+    };
+    let unit = |i: usize| (0..2 * n).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>();
+    let (still, motion) = (vec![0.0; 2 * n], [v, &vec![0.0; n]].concat());
+    let mass = DMatrix::from_fn(n, n, |i, j| at(&unit(n + i), &unit(n + j)).eps1eps2);
+    let force = |i: usize| at(&unit(i), &still).eps1 - at(&unit(n + i), &motion).eps1eps2;
+    (mass, DVector::from_fn(n, |i, _| force(i)))
+}
+
+/// Acceleration of nodes in the plane on rods from the origin or a node to a node, solved together with the multipliers.
+pub fn on_rods(
+    (mass, force): (DMatrix<f64>, DVector<f64>),
+    rods: &[(Option<u16>, u16)],
+    [q, v]: [&[f64]; 2],
+) -> Vec<f64> {
+    let (n, all) = (q.len(), q.len() + rods.len());
+    let mut matrix = mass.resize(all, all, 0.0);
+    let mut right = force.resize_vertically(all, 0.0);
+    for (k, (from, to)) in (n..).zip(rods) {
+        for c in 0..2 {
+            let to = 2 * usize::from(*to) + c;
+            let from = from.map(|from| 2 * usize::from(from) + c);
+            let between = |x: &[f64]| x[to] - from.map_or(0.0, |from| x[from]);
+            for (i, sign) in [(Some(to), 1.0), (from, -1.0)] {
+                let Some(i) = i else { continue };
+                matrix[(k, i)] = sign * between(q);
+                matrix[(i, k)] = -sign * between(q);
+            }
+            right[k] -= between(v) * between(v);
+        }
+    }
+    matrix.lu().solve(&right).unwrap().as_slice()[..n].to_vec()
+}
+
+/// Settings of a short training.
+pub const ADAM: AdamSettings =
+    AdamSettings { learning_rate: 1e-2, batch: 50, schedule: Schedule::Constant, decay: 0.0, seed: 0 };
+
+/// Loss after some epochs of Adam.
+pub fn after_adam(objective: &dyn Objective, start: Vec<f64>, settings: AdamSettings, epochs: usize) -> f64 {
+    let mut adam = Adam::new(objective, start, settings);
+    (0..epochs).for_each(|_| {
+        adam.iterate(objective);
+    });
+    objective.loss(&adam.weights)
 }
 
 /// Cosine and sine of angles (`a`), other coordinates unchanged, then the rest of the state.

@@ -18,9 +18,8 @@ use leastaction_ground_truth::{GenerationError, Horizon, Truss};
 use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared, Rollouts};
 use leastaction_learning::training::Samples;
-use leastaction_models::Family as _;
-use leastaction_models::HostTypes;
 use leastaction_models::particles::Driven;
+use leastaction_models::{Family as _, HostTypes};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -79,9 +78,6 @@ const TOLERANCE: f64 = 1e-11;
 const ROLLOUT: usize = 100;
 
 /// Learns a chain of `count` pendulums, and rolls it out.
-///
-/// # Errors
-/// [`TaskError`].
 pub fn run(count: usize, options: &Options, tell: &Tell) -> Result<Outcome, TaskError> {
     let Options { seed, iterations, trajectories, .. } = *options;
     let truss = chain(count, seed).map_err(GenerationError::from)?;

@@ -12,9 +12,6 @@ const POTENTIAL: [u16; 4] = [8, 0, 0, 0];
 
 /// Returns a chain with a separate type for each bob, with a mass, a uniform field and a network of the position: all learned but the first
 /// mass, which fixes the scale of L. The rods are known, as in the authors' models.
-///
-/// # Errors
-/// An error for more pendulums than there can be types.
 pub fn architecture(truss: &Truss) -> Result<GraphArchitecture, ModelError> {
     let count = truss.masses.len();
     let network =

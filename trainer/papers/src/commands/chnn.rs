@@ -1,6 +1,6 @@
 //! `leastaction-papers chnn`.
 
-use super::selection::{Selection, given};
+use super::selection::{Selection, given, number_or};
 use clap::Args;
 use leastaction::cli::{Done, Output};
 use leastaction_papers::CHNN;
@@ -35,10 +35,9 @@ impl Chnn {
     pub fn run(self, output: Output) -> Done {
         let seed = self.selection.seed;
         let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
-        let or = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
         let options = Options {
-            iterations: or(self.iterations, usual.iterations),
-            starts: or(self.starts, usual.starts),
+            iterations: number_or(self.iterations, usual.iterations),
+            starts: number_or(self.starts, usual.starts),
             trajectories: self.trajectories as usize,
             ..usual
         };

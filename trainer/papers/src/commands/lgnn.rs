@@ -1,7 +1,7 @@
 //! `leastaction-papers lgnn`.
 
 use super::compared::Compared;
-use super::selection::{Selection, given};
+use super::selection::{Selection, cases, given, number_or};
 use clap::Args;
 use leastaction::cli::{Done, Output};
 use leastaction_papers::LGNN;
@@ -45,19 +45,16 @@ impl Lgnn {
     pub fn run(self, output: Output) -> Done {
         let seed = self.selection.seed;
         let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
-        let or = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
         let options = Options {
-            iterations: or(self.iterations, usual.iterations),
-            starts: or(self.starts, usual.starts),
+            iterations: number_or(self.iterations, usual.iterations),
+            starts: number_or(self.starts, usual.starts),
             networks_alone: self.networks_alone,
             ..usual
         };
-        let cases: Vec<Case> =
-            Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
         let limits = Some(self.compared.limits(self.selection.quick));
         let limits = limits.filter(|_| self.compared.are_wanted(self.case.is_none()));
         let (seeds, arguments) = (self.selection.seeds as usize, self.arguments());
-        let mut all = tasks(&cases, (&options, limits), seeds, &arguments);
+        let mut all = tasks(&cases(self.case), (&options, limits), seeds, &arguments);
         if self.case.is_none() && !self.networks_alone {
             let options = Options { networks_alone: true, ..options };
             all.extend(tasks(&WITHOUT_LAWS, (&options, None), seeds, &arguments));

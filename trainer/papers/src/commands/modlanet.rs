@@ -1,7 +1,7 @@
 //! `leastaction-papers modlanet`.
 
 use super::compared::Compared;
-use super::selection::{Selection, given};
+use super::selection::{Selection, cases, given, number_or};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output};
@@ -64,12 +64,11 @@ enum Pair {
 impl Modlanet {
     /// Learns and prints.
     pub fn run(self, output: Output) -> Done {
-        let cases: Vec<Case> =
-            Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
         let seeds = self.selection.seeds as usize;
         let data = self.data_set()?;
         let baselines = (self.baselines(), self.compared.limits(self.selection.quick));
-        let tasks = tasks(&cases, &self.options(), baselines, seeds, data.as_ref(), &self.arguments());
+        let tasks =
+            tasks(&cases(self.case), &self.options(), baselines, seeds, data.as_ref(), &self.arguments());
         self.selection.run(&MODLANET, tasks, output)
     }
 
@@ -98,8 +97,8 @@ impl Modlanet {
                 Pair::Concat => PairInput::Concat,
             },
             iterations: self.iterations.map(|iterations| iterations as usize).or(usual.iterations),
-            most_samples: self.samples.map_or(usual.most_samples, |samples| samples as usize),
-            starts: self.starts.map_or(usual.starts, |starts| starts as usize),
+            most_samples: number_or(self.samples, usual.most_samples),
+            starts: number_or(self.starts, usual.starts),
             ..usual
         }
     }

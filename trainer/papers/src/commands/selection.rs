@@ -1,6 +1,6 @@
 //! Choice of a paper's tasks, the place for their results, and the printed output.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, object, print};
 use leastaction_learning::checksummed::ReadError;
@@ -101,6 +101,16 @@ fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Task], output: 
 /// An option with its value as on the command line, after a space; empty if it was not given.
 pub fn given(name: &str, value: Option<impl Display>) -> String {
     value.map_or(String::new(), |value| format!(" --{name} {value}"))
+}
+
+/// The only case that is wanted, or all.
+pub fn cases<C: ValueEnum>(only: Option<C>) -> Vec<C> {
+    only.map_or_else(|| C::value_variants().to_vec(), |only| vec![only])
+}
+
+/// A given number, or the usual one.
+pub fn number_or(given: Option<u32>, usual: usize) -> usize {
+    given.map_or(usual, |given| given as usize)
 }
 
 /// Opens the folder of a paper's results.

@@ -1,6 +1,6 @@
 //! `leastaction-papers symo`.
 
-use super::selection::{Selection, given};
+use super::selection::{Selection, cases, given};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::{order, positive};
 use leastaction::cli::{Done, Failure, Output};
@@ -72,8 +72,8 @@ impl Symo {
     /// Learns and prints.
     pub fn run(self, output: Output) -> Done {
         let mut tasks = Vec::new();
-        for mechanism in self.systems() {
-            tasks.extend(self.tasks(mechanism)?);
+        for system in cases(self.system) {
+            tasks.extend(self.tasks(system.into())?);
         }
         if let (Some(model), Some(order), true) = (self.model, self.order, tasks.is_empty()) {
             let orders = model.orders().iter().map(u8::to_string).collect::<Vec<_>>().join(" and ");
@@ -82,11 +82,6 @@ impl Symo {
             )));
         }
         self.selection.run(&SYMO, tasks, output)
-    }
-
-    fn systems(&self) -> Vec<Mechanism> {
-        let all = [Mechanism::Pendulum, Mechanism::Cartpole, Mechanism::Acrobot];
-        self.system.map_or_else(|| all.to_vec(), |only| vec![only.into()])
     }
 
     fn tasks(&self, mechanism: Mechanism) -> Result<Vec<Task>, Failure> {

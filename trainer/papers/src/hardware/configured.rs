@@ -18,9 +18,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Trains with the configuration that `leastaction look` writes for the training logs.
-///
-/// # Errors
-/// An error if no configuration can be written, or training fails.
 pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
     let files: Vec<PathBuf> = training.logs.iter().map(|log| log.file.clone()).collect();
     let folder = tempfile::tempdir()?;
@@ -41,9 +38,6 @@ pub(super) struct Chain {
 
 impl Chain {
     /// Learns the chain over windows.
-    ///
-    /// # Errors
-    /// An error if training fails.
     pub fn fit(self, training: &Training) -> Result<Fitted, TaskError> {
         let folder = tempfile::tempdir()?;
         train(&chain(training, self)?, training, folder.path())

@@ -9,9 +9,6 @@ use leastaction_plot::{PlotError, Series, Stroke, log_log};
 use std::path::Path;
 
 /// Draws the median error of every model against the horizon, one picture per table and kind of zeros.
-///
-/// # Errors
-/// An error if a file cannot be written.
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
     let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();

@@ -11,7 +11,7 @@
 //!
 //! An arm of many joints is judged by its torques instead (`arm`).
 //!
-//! Data flows one way: files → [`Log`] → windows → [`Predictor`] → [`Summary`]. The table is a list of [`Entry`].
+//! Data flows one way: files → [`Log`] → windows → [`Predictor`] → summaries. The table is a list of entries.
 
 mod arm;
 mod calibration;
@@ -34,21 +34,18 @@ mod states;
 mod task;
 mod window;
 
-pub use arm::{ArmData, ArmOutcome, arm_tasks, panda, panda_urdf};
+pub use arm::{ArmData, arm_tasks};
 pub use calibration::zero_offsets;
 pub use data::MachineData;
-pub use entries::{Entry, Fitted, Training, entries};
 pub use error::HardwareError;
-pub use figures::overview;
-pub use grid::STEP;
+pub(super) use figures::overview;
 pub use identified::Identified;
-pub use log::{Log, read_logs};
+pub use log::Log;
 pub use machine::Machine;
-pub use predictor::{ConstantVelocity, Learned, Predict, Predictor};
-pub use rollout::{Run, roll_out};
+pub use predictor::Predictor;
 pub use split::Split;
-pub use task::Outcome;
-pub use window::{HORIZONS, Summary};
+
+use entries::entries;
 
 use super::task::Task;
 use task::Experiment;

@@ -33,9 +33,6 @@ pub(super) enum Rival {
 
 impl Rival {
     /// Learns from the training logs; if there are several, the last one decides which iteration to keep.
-    ///
-    /// # Errors
-    /// An error if the logs have no samples to learn from.
     pub fn fit(self, training: &Training, has_friction: bool) -> Result<Fitted, TaskError> {
         let clock = Instant::now();
         let (network, [learned, judges]) = (network(training, has_friction), training.split());

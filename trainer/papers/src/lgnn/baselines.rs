@@ -1,15 +1,13 @@
 //! Models that the paper compares with, trained by its authors' recipe.
 
-use super::super::training::{Bounds, Limits, Recipe};
+use super::super::training::{Bounds, Limits, Recipe, is_past};
 use super::recipe::JUDGES;
 use super::{Case, Experiment, Options, Outcome, published};
-use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
+use crate::baselines::{CartesianLnn, Gns, GraphSizes, Lgn, MotionModel};
 use crate::task::{TaskError, Tell};
 use leastaction_core::model::ModelError;
-use leastaction_ground_truth::lgnn_graph;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
 use leastaction_learning::training::{AdamSettings, Samples, Schedule};
-use leastaction_models::accelerations::Accelerations;
 use serde::Serialize;
 
 /// Error per step of their rollouts, relative to 1 + |x|, far below the error of the models.
@@ -73,38 +71,13 @@ impl Baseline {
     }
 
     /// Shape of the baseline on a system.
-    fn model(self, system: LgnnSystem) -> Result<AnyBaseline, ModelError> {
+    fn model(self, system: LgnnSystem) -> Result<Box<dyn MotionModel>, ModelError> {
+        let graph = lgnn_graph(system);
         Ok(match self {
-            Self::Gns => AnyBaseline::Gns(Gns::new(GraphSizes::LGNN, &lgnn_graph(system))?),
-            Self::Lgn => AnyBaseline::Lgn(Lgn::new(GraphSizes::LGNN, lgnn_graph(system))?),
-            Self::Lnn => AnyBaseline::Lnn(CartesianLnn::new(lgnn_graph(system), LNN_WIDTH)),
+            Self::Gns => Box::new(Gns::new(GraphSizes::LGNN, &graph)?),
+            Self::Lgn => Box::new(Lgn::new(GraphSizes::LGNN, graph)?),
+            Self::Lnn => Box::new(CartesianLnn::new(graph, LNN_WIDTH)),
         })
-    }
-}
-
-/// A baseline on a system.
-enum AnyBaseline {
-    Gns(Gns),
-    Lgn(Lgn),
-    Lnn(CartesianLnn),
-}
-
-impl AnyBaseline {
-    fn trained(&self) -> &dyn AccelerationModel {
-        match self {
-            Self::Gns(gns) => gns,
-            Self::Lgn(lgn) => lgn,
-            Self::Lnn(lnn) => lnn,
-        }
-    }
-
-    /// Accelerations v̇(q, v), m/s².
-    fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
-        match self {
-            Self::Gns(gns) => gns.motion(weights),
-            Self::Lgn(lgn) => lgn.motion(weights),
-            Self::Lnn(lnn) => lnn.motion(weights),
-        }
     }
 }
 
@@ -118,9 +91,6 @@ fn recipe(seed: u64) -> Recipe {
 }
 
 /// Trains a baseline within limits, and rolls it out; `tell` occasionally gets a line of progress.
-///
-/// # Errors
-/// [`TaskError`].
 pub fn run_baseline(
     (case, baseline): (Case, Baseline),
     (options, bounds): (&Options, Bounds),
@@ -136,8 +106,7 @@ impl Experiment<'_> {
         let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
         let tell = |line: &str| (self.tell)(&format!("{}, {line}", baseline.name()));
         let model = baseline.model(system)?;
-        let model = model.trained();
-        let trained = recipe(seed).train(model, rows.clone(), (seed, bounds), &tell)?;
+        let trained = recipe(seed).train(&*model, rows.clone(), (seed, bounds), &tell)?;
         let row = Outcome {
             model: baseline.title(),
             samples: samples.len(),
@@ -160,15 +129,14 @@ impl Experiment<'_> {
     /// Completes a row with the rollouts of a trained model on a system; those that are not finished in time count as failed.
     fn baseline_on(
         &self,
-        (row, model): (Outcome, AnyBaseline),
+        (row, model): (Outcome, Box<dyn MotionModel>),
         system: LgnnSystem,
         weights: &[f64],
         limits: Limits,
     ) -> Result<Outcome, TaskError> {
         let trial = self.trial(&row, system)?;
-        let follow = Follow { motion: trial.motion(), tolerance: TOLERANCE, deadline: limits.deadline() };
-        let motion = model.motion(weights)?;
-        let rollouts = trial.roll_out(follow.tolerance, |q, v, a| match follow.is_late() {
+        let (motion, deadline) = (model.motion(weights)?, limits.deadline());
+        let rollouts = trial.roll_out(TOLERANCE, |q, v, a| match is_past(deadline) {
             true => None,
             false => motion(q, v, a),
         });

@@ -14,24 +14,23 @@ mod speed;
 mod task;
 mod trial;
 
-pub use baselines::{Baseline, run_baseline};
-pub use insight::{Compared, Insight};
-pub use outcome::Outcome;
-pub use published::Published;
-use published::published;
-pub use recipe::{LearnedGraph, train};
-pub use speed::{LINEAR_SIZES, step_microseconds};
+pub use recipe::train;
 pub use task::tasks;
+
+use baselines::{Baseline, run_baseline};
+use insight::{Compared, Insight};
+use outcome::Outcome;
+use published::{Published, published};
+use recipe::LearnedGraph;
+use speed::{LINEAR_SIZES, step_microseconds};
 
 use crate::task::{TaskError, Tell};
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction_ground_truth::{lgnn_graph, lgnn_shape};
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set, lgnn_shape};
 use leastaction_learning::training::Samples;
-use leastaction_models::Family as _;
-use leastaction_models::HostTypes;
 use leastaction_models::particles::Driven;
+use leastaction_models::{Family as _, HostTypes};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -53,19 +52,6 @@ pub enum Case {
     Drag,
     /// Pendulums and springs from 100 to 10,000 samples.
     DataEfficiency,
-}
-
-impl Case {
-    /// All experiments, in the order of the paper.
-    pub const ALL: [Self; 7] = [
-        Self::Pendulum,
-        Self::Spring,
-        Self::Scale,
-        Self::Hybrid,
-        Self::HybridForce,
-        Self::Drag,
-        Self::DataEfficiency,
-    ];
 }
 
 /// Settings for running a case.
@@ -94,9 +80,6 @@ impl Options {
 }
 
 /// Runs a case; `tell` occasionally gets a line of progress.
-///
-/// # Errors
-/// [`TaskError`].
 pub fn run(case: Case, options: &Options, tell: &Tell) -> Result<Vec<Outcome>, TaskError> {
     let experiment = Experiment { case, options, tell };
     match case {

@@ -1,10 +1,8 @@
 //! The models to be learned, and the training.
 
-use crate::baselines::AccelerationModel;
 use leastaction_core::model::ModelError;
-use leastaction_ground_truth::LgnnSystem;
-use leastaction_ground_truth::lgnn_graph;
-use leastaction_learning::training::{Levenberg, Samples};
+use leastaction_ground_truth::{LgnnSystem, lgnn_graph};
+use leastaction_learning::training::{Levenberg, LossKind, Samples, objective};
 use leastaction_models::GraphArchitecture;
 
 /// Inverse of the fraction of the samples that are held back to judge.
@@ -32,9 +30,6 @@ impl LearnedGraph {
 /// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples: first the simple laws alone, then with the networks
 /// beside them; keeps the weights that are best on the fourth quarter. `watch` is called with the iteration and the loss. Also returns the
 /// mean squared errors on both parts.
-///
-/// # Errors
-/// An error if the shape is inconsistent or does not fit the data.
 pub fn train(
     architecture: GraphArchitecture,
     samples: &Samples,
@@ -43,11 +38,14 @@ pub fn train(
     mut watch: impl FnMut(usize, f64),
 ) -> Result<(LearnedGraph, [f64; 2]), ModelError> {
     let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
-    let (objective, judge) = (architecture.objective(rows.clone())?, architecture.objective(judges.clone())?);
+    let error = |shape: &GraphArchitecture, samples: &Samples| {
+        objective(&shape.clone().into(), samples.clone(), LossKind::Acceleration, 2)
+    };
+    let (objective, judge) = (error(&architecture, &rows)?, error(&architecture, &judges)?);
     let mut best = Vec::new();
     let mut weights = architecture.beginning(seed);
     if let Some(laws) = architecture.laws_alone() {
-        let (objective, judge) = (laws.objective(rows)?, laws.objective(judges)?);
+        let (objective, judge) = (error(&laws, &rows)?, error(&laws, &judges)?);
         weights = Levenberg::new(&*objective, weights).best(&*objective, &*judge, iterations, |_, _| ());
         best.push(architecture.with_corrections_scaled(weights.clone(), 0.0));
     }

@@ -22,9 +22,6 @@ const STRETCH: usize = 50_000;
 const STRETCHES: usize = 7;
 
 /// Time of one variational step of order 2 of a ring of springs, on one core in f64, µs.
-///
-/// # Errors
-/// An error if the graph is invalid, or a step fails.
 pub fn step_microseconds(model: &LearnedGraph) -> Result<f64, TaskError> {
     let graph = model.architecture.graph()?;
     let nodes = graph.nodes.len();

@@ -4,9 +4,7 @@ use super::{Compared, Experiment, Outcome, insight};
 use crate::rollouts::{RolledOut, UNSEEN};
 use crate::task::TaskError;
 use leastaction_core::particles::Particles;
-use leastaction_ground_truth::{
-    ExactMotion, GenerationError, Horizon, LgnnSettings, LgnnSystem, Truss, lgnn_starts,
-};
+use leastaction_ground_truth::{GenerationError, Horizon, LgnnSettings, LgnnSystem, Truss, lgnn_starts};
 use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
 use leastaction_models::particles::Driven;
@@ -70,11 +68,6 @@ impl Trial {
             pictured: Some((horizon.h, rollouts)),
             ..row
         })
-    }
-
-    /// Exact motion of the system.
-    pub fn motion(&self) -> &dyn ExactMotion {
-        &self.truss
     }
 }
 

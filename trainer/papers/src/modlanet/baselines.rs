@@ -2,7 +2,7 @@
 
 use super::super::training::{Bounds, Limits, Recipe};
 use super::{Experiment, Judge, Outcome, published};
-use crate::baselines::{AccelerationModel, Follow, Hnn, Lnn, Mlp, Momenta};
+use crate::baselines::{Follow, Hnn, Lnn, Mlp, Momenta, PredictionModel};
 use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::ManyBody;
@@ -41,25 +41,22 @@ impl Baseline {
 
     /// Name in tables.
     pub fn title(self) -> &'static str {
-        match self {
-            Self::Hnn => "HNN",
-            Self::LightHnn => "HNN, light",
-            Self::Lnn => "LNN",
-            Self::LightLnn => "LNN, light",
-            Self::Mlp => "MLP",
-            Self::LightMlp => "MLP, light",
-        }
+        self.names()[0]
     }
 
     /// Name in files.
     pub fn name(self) -> &'static str {
+        self.names()[1]
+    }
+
+    fn names(self) -> [&'static str; 2] {
         match self {
-            Self::Hnn => "hnn",
-            Self::LightHnn => "light-hnn",
-            Self::Lnn => "lnn",
-            Self::LightLnn => "light-lnn",
-            Self::Mlp => "mlp",
-            Self::LightMlp => "light-mlp",
+            Self::Hnn => ["HNN", "hnn"],
+            Self::LightHnn => ["HNN, light", "light-hnn"],
+            Self::Lnn => ["LNN", "lnn"],
+            Self::LightLnn => ["LNN, light", "light-lnn"],
+            Self::Mlp => ["MLP", "mlp"],
+            Self::LightMlp => ["MLP, light", "light-mlp"],
         }
     }
 
@@ -91,14 +88,7 @@ impl Baseline {
     }
 
     /// Returns its shape for a system; `coordinates` has one letter each, `a` for angles.
-    ///
-    /// # Errors
-    /// An error if it does not fit the data.
-    pub fn model(
-        self,
-        system: ManyBody,
-        coordinates: &str,
-    ) -> Result<Box<dyn AccelerationModel>, ModelError> {
+    pub fn model(self, system: ManyBody, coordinates: &str) -> Result<Box<dyn PredictionModel>, ModelError> {
         let width = self.width(system);
         Ok(match self {
             Self::Hnn | Self::LightHnn => Box::new(Hnn::new(coordinates, width, Momenta::of(system))?),
@@ -137,7 +127,7 @@ impl Experiment<'_> {
         &self,
         outcome: &mut Outcome,
         judge: &Judge,
-        learned: (&dyn AccelerationModel, &[f64]),
+        learned: (&dyn PredictionModel, &[f64]),
         limits: Limits,
     ) -> Result<(), TaskError> {
         if outcome.relative_test_mse.is_nan() || outcome.relative_test_mse >= 1.0 {

@@ -25,17 +25,6 @@ pub enum Case {
 }
 
 impl Case {
-    /// All experiments: those of the paper in its order, then those that it does not have.
-    pub const ALL: [Self; 7] = [
-        Self::DoublePendulum,
-        Self::ThreeBody,
-        Self::ExtendPendulum,
-        Self::ExtendBody,
-        Self::DatasetSize,
-        Self::DirectLarge,
-        Self::Noise,
-    ];
-
     /// Number of iterations after which the errors hardly fall.
     pub fn iterations(self, pair: PairInput) -> usize {
         match (self, pair) {

@@ -1,7 +1,7 @@
 //! Judge of long predictions: exact motions from starts that no training data has.
 
 use super::{Options, Outcome, Pictured, Predicted};
-use crate::baselines::{AccelerationModel, Follow};
+use crate::baselines::{Follow, PredictionModel};
 use crate::rollouts::UNSEEN;
 use crate::task::TaskError;
 use leastaction_core::model::ModelError;
@@ -31,7 +31,7 @@ impl Judge {
     /// Errors of a model.
     pub fn predict(
         &self,
-        (shape, weights): (&dyn AccelerationModel, &[f64]),
+        (shape, weights): (&dyn PredictionModel, &[f64]),
         follow: Follow,
     ) -> Result<Prediction, ModelError> {
         shape.predict(weights, &self.truth, follow)

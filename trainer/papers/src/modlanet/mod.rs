@@ -13,15 +13,15 @@ mod task;
 
 pub use baselines::Baseline;
 pub use case::{Case, Options};
-pub use outcome::{Outcome, Pictured, Predicted, Stepped};
-pub use published::Published;
-use published::{by_samples, published};
-pub use recipe::{LearnedTree, architecture, fine_tune, train, tree};
-pub use stepping::{Energies, LongRun, long_run};
 pub use task::{ModlanetData, tasks};
 
+use outcome::{Outcome, Pictured, Predicted, Stepped};
+use published::{Published, by_samples, published};
+use recipe::{LearnedTree, architecture, fine_tune, train};
+use stepping::{Energies, LongRun, long_run};
+
 use super::training::{Bounds, Ending};
-use crate::baselines::{AccelerationModel, Follow};
+use crate::baselines::{Follow, PredictionModel};
 use crate::task::{TaskError, Tell};
 use judge::Judge;
 use leastaction_core::model::ModelError;
@@ -29,14 +29,10 @@ use leastaction_ground_truth::{GenerationError, ManyBody, ModlanetSettings, modl
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
 use leastaction_learning::evaluate::prediction::TOLERANCE;
 use leastaction_learning::training::Samples;
-use leastaction_models::Family as _;
-use leastaction_models::ModularArchitecture;
+use leastaction_models::{Family as _, ModularArchitecture};
 use std::time::Instant;
 
 /// Runs a case; `tell` occasionally gets a line of progress.
-///
-/// # Errors
-/// [`TaskError`].
 pub fn run(
     case: Case,
     options: &Options,
@@ -44,47 +40,22 @@ pub fn run(
     tell: &Tell,
 ) -> Result<Vec<Outcome>, TaskError> {
     let experiment = Experiment { case, options, tell };
-    let set = |system| data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok);
+    let system = case.system().unwrap_or(ManyBody::Pendulum(2));
+    let set = || data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok);
     match case {
-        Case::DoublePendulum => {
-            let system = ManyBody::Pendulum(2);
-            let (mut outcome, model) = experiment.table_2(system, &set(system)?)?;
-            if options.steps > 0 {
-                (experiment.tell)(&format!("{} steps in single precision", options.steps));
-                let run = long_run(&model, options.steps, LONG_STEP)?;
-                outcome.stepped = Some(Stepped::from(&run));
-                outcome.long_run = Some(run);
-            }
-            Ok(vec![outcome])
-        }
-        Case::ThreeBody => {
-            let system = ManyBody::Bodies(3);
-            Ok(vec![experiment.table_2(system, &set(system)?)?.0])
-        }
-        Case::ExtendPendulum => {
-            let system = ManyBody::Pendulum(2);
-            experiment.extend(system, &set(system)?, [3, 4].map(ManyBody::Pendulum).as_slice())
-        }
-        Case::ExtendBody => {
-            let system = ManyBody::Bodies(3);
-            experiment.extend(system, &set(system)?, [4, 5, 6].map(ManyBody::Bodies).as_slice())
-        }
+        Case::DoublePendulum | Case::ThreeBody => Ok(vec![experiment.table_2(system, &set()?)?]),
+        Case::ExtendPendulum => experiment.extend(system, &set()?, &[3, 4].map(ManyBody::Pendulum)),
+        Case::ExtendBody => experiment.extend(system, &set()?, &[4, 5, 6].map(ManyBody::Bodies)),
         Case::DatasetSize => experiment.dataset_size(),
         Case::DirectLarge => [ManyBody::Pendulum(4), ManyBody::Bodies(6)]
             .into_iter()
             .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?)?.0))
             .collect(),
-        Case::Noise => {
-            let system = ManyBody::Pendulum(2);
-            experiment.noise(system, &set(system)?)
-        }
+        Case::Noise => experiment.noise(system, &set()?),
     }
 }
 
 /// Runs one of the models that the paper compares with, in a case that has them; `tell` occasionally gets a line of progress.
-///
-/// # Errors
-/// [`TaskError`].
 pub fn run_baseline(
     (case, baseline): (Case, Baseline),
     (options, bounds): (&Options, Bounds),
@@ -120,13 +91,20 @@ impl Experiment<'_> {
         Ok(architecture)
     }
 
-    /// Learns a system, with predictions of 30 s.
-    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), TaskError> {
+    /// Learns a system, with predictions of 30 s and, for pendulums, a long run.
+    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<Outcome, TaskError> {
         let (mut outcome, model) = self.learn(system, set)?;
         if let Some(judge) = &self.judge(system, PREDICTION)? {
             self.predict(&mut outcome, judge, &model)?;
         }
-        Ok((outcome, model))
+        let steps = self.options.steps;
+        if self.case == Case::DoublePendulum && steps > 0 {
+            (self.tell)(&format!("{steps} steps in single precision"));
+            let run = long_run(&model, steps, LONG_STEP)?;
+            outcome.stepped = Some(Stepped::from(&run));
+            outcome.long_run = Some(run);
+        }
+        Ok(outcome)
     }
 
     /// Learns a system from its own data.
@@ -141,10 +119,24 @@ impl Experiment<'_> {
             }
         })?;
         let seconds = clock.elapsed().as_secs_f64();
-        let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
-        outcome.published = published(system, outcome.kind);
+        Ok((self.judged((system, "trained"), set, (&model, seconds), None)?, model))
+    }
+
+    /// Judges a model of ours by the data of a system and, given a judge, by predictions.
+    fn judged(
+        &self,
+        (system, kind): (ManyBody, &'static str),
+        set: &ModlanetSet,
+        (model, seconds): (&LearnedTree, f64),
+        judge: Option<&Judge>,
+    ) -> Result<Outcome, TaskError> {
+        let mut outcome = self.outcome(system, kind, set, model.learned(), seconds)?;
+        outcome.published = published(system, kind);
         outcome.accelerations = model.accelerations(&set.test)?;
-        Ok((outcome, model))
+        if let Some(judge) = judge {
+            self.predict(&mut outcome, judge, model)?;
+        }
+        Ok(outcome)
     }
 
     fn outcome(
@@ -152,7 +144,7 @@ impl Experiment<'_> {
         system: ManyBody,
         kind: &'static str,
         set: &ModlanetSet,
-        (shape, weights): (&dyn AccelerationModel, &[f64]),
+        (shape, weights): (&dyn PredictionModel, &[f64]),
         train_seconds: f64,
     ) -> Result<Outcome, TaskError> {
         let loss = |rows| Ok::<_, ModelError>(shape.objective(Samples::modlanet(rows))?.loss(weights));
@@ -219,25 +211,14 @@ impl Experiment<'_> {
 
     fn extend_to(&self, system: ManyBody, model: &LearnedTree) -> Result<[Outcome; 2], TaskError> {
         let set = modlanet_set(system, self.options.seed)?;
-        let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
-        zero_shot.samples = 0;
-        zero_shot.published = published(system, zero_shot.kind);
-        zero_shot.accelerations = model.accelerations(&set.test)?;
         let judge = self.judge(system, 10.0)?;
-        if let Some(judge) = &judge {
-            self.predict(&mut zero_shot, judge, model)?;
-        }
+        let zero_shot = self.judged((system, "zero-shot"), &set, (model, 0.0), judge.as_ref())?;
         let clock = Instant::now();
         let [rows, validation] = held_back(&set.train, 9);
         let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
         let seconds = clock.elapsed().as_secs_f64();
-        let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
-        fine_tuned.published = published(system, fine_tuned.kind);
-        fine_tuned.accelerations = tuned.accelerations(&set.test)?;
-        if let Some(judge) = &judge {
-            self.predict(&mut fine_tuned, judge, &tuned)?;
-        }
-        Ok([zero_shot, fine_tuned])
+        let fine_tuned = self.judged((system, "fine-tuned"), &set, (&tuned, seconds), judge.as_ref())?;
+        Ok([Outcome { samples: 0, ..zero_shot }, fine_tuned])
     }
 
     /// Learns the double pendulum from growing numbers of samples, with the same number of iterations.

@@ -2,15 +2,14 @@
 
 use super::recipe::best_of;
 use super::{Experiment, Outcome, held_back};
-use crate::baselines::{AccelerationModel, Mlp};
+use crate::baselines::{Mlp, PredictionModel};
 use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{ManyBody, noisy};
 use leastaction_learning::data::Rows;
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
 use leastaction_learning::training::{Levenberg, Samples, StateNoise, free_states_objective};
-use leastaction_models::Family;
-use leastaction_models::ModularArchitecture;
+use leastaction_models::{Family, ModularArchitecture};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -44,13 +43,13 @@ impl Experiment<'_> {
                 let train = few(&set.train, count, noise, self.options.seed);
                 let mlp = mlp.clone().scaled_to(&Samples::modlanet(&train));
                 let set = ModlanetSet { train, test: set.test.clone() };
-                let mut learn = |kind, shape: &dyn AccelerationModel, learned: &Learning| {
+                let mut learn = |kind, shape: &dyn PredictionModel, learned: &Learning| {
                     (self.tell)(&format!("{count} samples, noise {noise}: {kind}"));
                     let outcome = self.learn_judged(system, kind, &set, (shape, learned))?;
                     rows.push(Outcome { noise, ..outcome });
                     Ok::<_, TaskError>(())
                 };
-                let at_logged = |shape: &dyn AccelerationModel, rows: [&ModlanetRows; 2]| {
+                let at_logged = |shape: &dyn PredictionModel, rows: [&ModlanetRows; 2]| {
                     best_of(shape, rows, shape.initial_weights(self.options.seed), self.iterations())
                 };
                 if noise > 0.0 {
@@ -91,7 +90,7 @@ impl Experiment<'_> {
         system: ManyBody,
         kind: &'static str,
         set: &ModlanetSet,
-        (shape, learned): (&dyn AccelerationModel, &Learning),
+        (shape, learned): (&dyn PredictionModel, &Learning),
     ) -> Result<Outcome, TaskError> {
         let clock = Instant::now();
         let [rows, judges] = held_back(&set.train, JUDGES);

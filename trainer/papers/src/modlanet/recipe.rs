@@ -1,6 +1,6 @@
 //! The models to be learned, and the training.
 
-use crate::baselines::AccelerationModel;
+use crate::baselines::{AccelerationModel, PredictionModel};
 use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
     Input, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
@@ -10,8 +10,7 @@ use leastaction_core::network::Activation;
 use leastaction_ground_truth::ManyBody;
 use leastaction_learning::data::modlanet::ModlanetRows;
 use leastaction_learning::training::{Levenberg, Samples};
-use leastaction_models::Model;
-use leastaction_models::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use leastaction_models::{Architecture, Model, ModularArchitecture, NamedTree, NamedType, Number};
 
 /// Numbers of hidden units of the pendulum's position; its potential is linear in the position, as in the authors' model.
 const POSITION: [u16; 4] = [32, 0, 0, 0];
@@ -96,9 +95,6 @@ impl LearnedTree {
     }
 
     /// Accelerations of rows, true and learned; if there are many, an evenly spaced selection.
-    ///
-    /// # Errors
-    /// An error if the shape is inconsistent or does not fit the data.
     pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
         let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
         Model::new(self.shape(), self.weights.clone()).with_accelerations(|accelerations| {
@@ -112,15 +108,12 @@ impl LearnedTree {
     }
 
     /// Returns the shape that is learned, and its weights.
-    pub fn learned(&self) -> (&dyn AccelerationModel, &[f64]) {
+    pub fn learned(&self) -> (&dyn PredictionModel, &[f64]) {
         (&self.architecture, &self.weights)
     }
 }
 
 /// Learns from accelerations by Levenberg–Marquardt; `watch` is called with the iteration and the loss.
-///
-/// # Errors
-/// An error if the shape is inconsistent or does not fit the data.
 pub fn train(
     architecture: ModularArchitecture,
     rows: &ModlanetRows,
@@ -136,9 +129,6 @@ pub fn train(
 
 /// Continues from a trained model with other rows; of all iterations, including the start, the one with the lowest error on `validation` is
 /// kept, so that the model never becomes worse there.
-///
-/// # Errors
-/// An error if the shape is inconsistent or does not fit the data.
 pub fn fine_tune(
     model: &LearnedTree,
     [rows, validation]: [&ModlanetRows; 2],
@@ -150,11 +140,8 @@ pub fn fine_tune(
 
 /// Continues from these weights by Levenberg–Marquardt on `rows`; returns the weights with the lowest error on `validation` among all
 /// iterations, including the start.
-///
-/// # Errors
-/// An error if the shape is inconsistent or does not fit the data.
 pub(super) fn best_of(
-    shape: &dyn AccelerationModel,
+    shape: &dyn PredictionModel,
     [rows, validation]: [&ModlanetRows; 2],
     weights: Vec<f64>,
     iterations: usize,

@@ -62,9 +62,6 @@ impl Energies {
 }
 
 /// Steps a model of two pendulums from rest at 0.9 and −0.6 rad, by all three methods.
-///
-/// # Errors
-/// An error if the model has other coordinates, or a step fails.
 pub fn long_run(model: &LearnedTree, steps: usize, h: f32) -> Result<LongRun, TaskError> {
     let rounded: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
     let exact: Vec<f64> = rounded.iter().map(|w| f64::from(*w)).collect();

@@ -7,9 +7,6 @@ use std::path::Path;
 
 /// Draws test and integration error, energy and inertia against the number of trajectories, one picture per mechanism and measure, with our
 /// values and the paper's (Figure 4).
-///
-/// # Errors
-/// An error if a file cannot be written.
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
     let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();

@@ -10,18 +10,20 @@ mod states;
 mod task;
 mod windows;
 
-pub use published::{NOISE, Published};
-pub use task::{SymoData, overview, tasks};
+pub(super) use figures::overview;
+pub use published::NOISE;
+pub use task::{SymoData, tasks};
 
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::Mechanism;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::data::symo::SymoSet;
-use leastaction_learning::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse};
+use leastaction_learning::evaluate::{
+    IntegrationErrors, energy_mse, inertia_mse, integration_errors, one_step_mse,
+};
 use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
-use leastaction_models::{Architecture, InertiaNetworkArchitecture};
-use leastaction_models::{Beginning, Model};
+use leastaction_models::{Architecture, Beginning, InertiaNetworkArchitecture, Model};
 use serde::Serialize;
 
 /// Model to learn: SyMo's two, and the baselines, some of which are stepped by Runge–Kutta from logged velocities.
@@ -212,9 +214,6 @@ impl Case {
     }
 
     /// Learns the weights of a discrete model.
-    ///
-    /// # Errors
-    /// An error if the shape is inconsistent or does not fit the data.
     pub fn train(
         &self,
         recipe: &Recipe,
@@ -237,28 +236,36 @@ impl Case {
     }
 
     /// Measures of a discrete model.
-    ///
-    /// # Errors
-    /// An error if the shape is inconsistent or does not fit the data.
     pub fn outcome(&self, model: &Model, set: &SymoSet, train_seconds: f64) -> Result<Outcome, ModelError> {
-        let train = set.train.truncated(self.trajectories);
-        let runs = model.rollout(self.order, (&set.integration, Beginning::Positions))?;
-        let integration = integration_errors(&runs, &set.integration);
+        let (train, free) = (set.train.truncated(self.trajectories), &set.integration);
+        let runs = model.rollout(self.order, (free, Beginning::Positions))?;
+        let one_step = |data| Ok::<_, ModelError>(one_step_mse(model, self.order, data)?.or_infinite());
+        let energy = energy_mse(self.mechanism, &runs, free);
         Ok(Outcome {
+            parameters: model.architecture.learned_parameters()?,
+            inertia_mse: Some(inertia_mse(model, self.mechanism, &set.test)?),
+            train_seconds,
+            ..self.row([one_step(&train)?, one_step(&set.test)?], integration_errors(&runs, free), energy)
+        })
+    }
+
+    /// Row with errors of the next position on the training and the test set, and those of positions and energy over free steps.
+    fn row(&self, [train_mse, test_mse]: [f64; 2], free: IntegrationErrors, energy_mse: f64) -> Outcome {
+        Outcome {
             system: self.mechanism.name(),
             model: self.model,
             order: self.order,
             trajectories: self.trajectories,
-            parameters: model.architecture.learned_parameters()?,
-            train_mse: one_step_mse(model, self.order, &train)?.or_infinite(),
-            test_mse: one_step_mse(model, self.order, &set.test)?.or_infinite(),
-            integration_mse: integration.mean,
-            integration_median: integration.median,
-            integration_mse_100: integration.first_100,
-            energy_mse: energy_mse(self.mechanism, &runs, &set.integration),
-            inertia_mse: Some(inertia_mse(model, self.mechanism, &set.test)?),
-            train_seconds,
+            parameters: 0,
+            train_mse,
+            test_mse,
+            integration_mse: free.mean,
+            integration_median: free.median,
+            integration_mse_100: free.first_100,
+            energy_mse,
+            inertia_mse: None,
+            train_seconds: 0.0,
             seed: self.seed,
-        })
+        }
     }
 }

@@ -35,9 +35,6 @@ impl Learned {
 
 impl Case {
     /// Learns and evaluates a baseline.
-    ///
-    /// # Errors
-    /// An error if the shape does not fit the data, or the data has no velocities.
     pub(super) fn run_from_states(
         &self,
         set: &SymoSet,
@@ -96,22 +93,9 @@ impl Case {
         };
         let stepper = Stepper { method: RungeKutta::of_order(self.order), acceleration };
         let runs = stepper.rollout(&set.integration);
-        let integration = integration_errors(&positions(&runs), &set.integration);
-        Outcome {
-            system: self.mechanism.name(),
-            model: self.model,
-            order: self.order,
-            trajectories: self.trajectories,
-            parameters: 0,
-            train_mse: stepper.one_step_mse(&set.train.truncated(self.trajectories)),
-            test_mse: stepper.one_step_mse(&set.test),
-            integration_mse: integration.mean,
-            integration_median: integration.median,
-            integration_mse_100: integration.first_100,
-            energy_mse: state_energy_mse(exact, &runs, &set.integration),
-            inertia_mse: None,
-            train_seconds: 0.0,
-            seed: self.seed,
-        }
+        let one_step =
+            [&set.train.truncated(self.trajectories), &set.test].map(|data| stepper.one_step_mse(data));
+        let free = integration_errors(&positions(&runs), &set.integration);
+        self.row(one_step, free, state_energy_mse(exact, &runs, &set.integration))
     }
 }

@@ -13,8 +13,6 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-pub use super::figures::overview;
-
 /// Data of a mechanism: generated when the first task needs it, or read from a file.
 #[derive(Clone, Debug)]
 pub struct SymoData {

@@ -28,9 +28,6 @@ const MARGIN: f64 = 0.02;
 
 impl Case {
     /// Learns a discrete model; returns its shape and its weights.
-    ///
-    /// # Errors
-    /// See [`Case::train`] and [`Case::learn_over_windows`].
     pub(super) fn learn(
         &self,
         recipe: Recipe,
@@ -46,9 +43,6 @@ impl Case {
 
     /// Learns from all trajectories, first over short windows, then over their whole length. If there are several shapes and penalties,
     /// uses those with the lowest error on held-back trajectories; each trajectory is held back once.
-    ///
-    /// # Errors
-    /// An error if the shape is inconsistent, or trajectories are shorter than a window.
     fn learn_over_windows(
         &self,
         recipe: &Recipe,

@@ -2,10 +2,9 @@
 //! compare with.
 
 use super::lagrangian::{acceleration_error, motion};
-use super::{AccelerationModel, Follow, coordinates_fit, layers_of};
+use super::{AccelerationModel, MotionModel, coordinates_fit, layers_of};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
-use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::accelerations::Accelerations;
 use leastaction_models::{NamedGraph, random_layers};
@@ -31,14 +30,6 @@ impl CartesianLnn {
     /// Creates the model on the nodes and rods of a graph, with `width` units in each hidden layer; the edges are ignored.
     pub fn new(graph: NamedGraph, width: usize) -> Self {
         Self { graph, width }
-    }
-
-    /// Returns v̇(q, v) for these weights, m/s², as a function.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if there are too few weights.
-    pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
-        motion(self, self.graph.constraints::<2>(), weights)
     }
 
     /// Network of V, after every k.
@@ -77,9 +68,11 @@ impl AccelerationModel for CartesianLnn {
         let rods = Rods::new(2, &self.graph.rods);
         Ok(acceleration_error(self, (rods, true), samples))
     }
+}
 
-    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        Ok(follow.compare(truth, self.motion(weights)?))
+impl MotionModel for CartesianLnn {
+    fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
+        motion(self, self.graph.constraints::<2>(), weights)
     }
 }
 

@@ -2,11 +2,10 @@
 
 use super::*;
 use crate::baselines::oracle::{
-    Dual, assert_close, check_normal_equations, moving, network, random, squareplus,
+    self, ADAM, after_adam, assert_close, check_normal_equations, constant, gradient, network, on_rods,
+    random, squareplus,
 };
-use leastaction_ground_truth::lgnn_graph;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction_learning::training::{Adam, AdamSettings, Schedule};
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
 use nalgebra::{DMatrix, DVector};
 
 /// Two bobs: 4 coordinates, 2 rods.
@@ -22,14 +21,7 @@ fn lnn() -> CartesianLnn {
 
 /// States on the rods or off them.
 fn samples() -> Samples {
-    let states = [(1, 2.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    Samples {
-        n: N,
-        h: 0.0,
-        controls: std::array::from_fn(|_| vec![0.0; N * SAMPLES]),
-        states,
-        ..Samples::default()
-    }
+    oracle::samples(N, SAMPLES, [2.0, 1.5, 2.0])
 }
 
 /// k that differ, and V of a scale that shows.
@@ -44,37 +36,12 @@ fn along(x: &[f64], i: usize) -> [f64; 2] {
     std::array::from_fn(|c| x[2 * i + c] - if i == 0 { 0.0 } else { x[2 * (i - 1) + c] })
 }
 
-/// Gradient V_q by num-dual.
-fn slope(weights: &[f64], q: &[f64]) -> Vec<f64> {
-    let weights: Vec<Dual> = weights[NODES..].iter().map(|w| moving(*w, [0.0; 3])).collect();
-    let along = |k: usize| {
-        let x = q.iter().enumerate().map(|(i, x)| moving(*x, [f64::from(u8::from(i == k)), 0.0, 0.0]));
-        network(&weights, x.collect(), [WIDTH, 1], squareplus)[0].eps1
-    };
-    (0..q.len()).map(along).collect()
-}
-
-/// Acceleration v̇, solved together with the multipliers.
+/// Acceleration v̇ by the gradient V_q.
 fn naive(weights: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
-    let mut matrix = DMatrix::zeros(N + NODES, N + NODES);
-    let mut right = DVector::zeros(N + NODES);
-    let slope = slope(weights, q);
-    for i in 0..N {
-        matrix[(i, i)] = 2.0 * weights[i / 2];
-        right[i] = -slope[i];
-    }
-    for rod in 0..NODES {
-        let (d, rate) = (along(q, rod), along(v, rod));
-        for c in 0..2 {
-            for (node, sign) in [(Some(rod), 1.0), (rod.checked_sub(1), -1.0)] {
-                let Some(node) = node else { continue };
-                matrix[(N + rod, 2 * node + c)] = sign * d[c];
-                matrix[(2 * node + c, N + rod)] = -sign * d[c];
-            }
-            right[N + rod] -= rate[c] * rate[c];
-        }
-    }
-    matrix.lu().solve(&right).unwrap().as_slice()[..N].to_vec()
+    let moved = constant(&weights[NODES..]);
+    let slope = gradient(|x| network(&moved, x, [WIDTH, 1], squareplus)[0], q);
+    let mass = DVector::from_fn(N, |i, _| 2.0 * weights[i / 2]);
+    on_rods((DMatrix::from_diagonal(&mass), -DVector::from_vec(slope)), &[(None, 0), (Some(0), 1)], [q, v])
 }
 
 #[test]
@@ -82,11 +49,7 @@ fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differe
     let samples = samples();
     let objective = lnn().objective(samples.clone()).unwrap();
     check_normal_equations(&*objective, &weights(), |weights| {
-        let one = |k: usize| {
-            let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
-            naive(weights, q, v).into_iter().zip(a).map(|(found, a)| found - a).collect::<Vec<_>>()
-        };
-        (0..SAMPLES).flat_map(one).collect()
+        oracle::errors(&samples, |q, v| naive(weights, q, v))
     });
 }
 
@@ -115,13 +78,7 @@ fn a_few_epochs_lower_the_loss() {
     let objective = lnn.objective(samples).unwrap();
     let start = lnn.initial_weights(2);
     let before = objective.loss(&start);
-    let settings =
-        AdamSettings { learning_rate: 1e-2, batch: 50, schedule: Schedule::Constant, decay: 0.0, seed: 0 };
-    let mut adam = Adam::new(&*objective, start, settings);
-    (0..60).for_each(|_| {
-        adam.iterate(&*objective);
-    });
-    let after = objective.loss(&adam.weights);
+    let after = after_adam(&*objective, start, ADAM, 60);
     assert!(after < 0.5 * before, "{after} {before}");
 }
 

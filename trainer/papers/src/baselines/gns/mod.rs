@@ -3,9 +3,8 @@
 
 use super::direct::Direct;
 use super::graph_network::{GraphNetwork, GraphSizes};
-use super::{AccelerationModel, Follow, coordinates_fit};
+use super::{AccelerationModel, MotionModel, coordinates_fit};
 use leastaction_core::model::ModelError;
-use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::accelerations::Accelerations;
 use leastaction_models::{NamedGraph, random_layers};
@@ -37,15 +36,6 @@ impl Gns {
         self.network.parameters()
     }
 
-    /// Returns v̇(q, v) for these weights, m/s², \[nodes\]\[D\], as a function.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if there are too few weights.
-    pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
-        let forced = self.function().motion(self.network.coordinates(), (weights, self.parameters()))?;
-        Ok(Box::new(move |q, v, out| forced(q, v, &[], out)))
-    }
-
     fn function(&self) -> Direct {
         Direct::new(self.network.coordinates(), |builder, [q, v, _]| {
             let nodes = self.network.messages(builder, q, v);
@@ -63,9 +53,12 @@ impl AccelerationModel for Gns {
         coordinates_fit(&samples, self.network.coordinates())?;
         Ok(self.function().error(self.parameters(), |block| block.states[2].clone(), samples))
     }
+}
 
-    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        Ok(follow.compare(truth, self.motion(weights)?))
+impl MotionModel for Gns {
+    fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
+        let forced = self.function().motion(self.network.coordinates(), (weights, self.parameters()))?;
+        Ok(Box::new(move |q, v, out| forced(q, v, &[], out)))
     }
 }
 

@@ -1,13 +1,12 @@
 //! Comparison with messages in plain loops, and on permuted and other graphs.
 
 use super::*;
-use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
+use crate::baselines::oracle::{
+    self, ADAM, after_adam, assert_close, check_normal_equations, messages, random, squareplus, take,
+};
 use leastaction_core::energy::graph::Edge;
-use leastaction_ground_truth::lgnn_graph;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction_learning::training::{Adam, AdamSettings, Schedule};
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
 use leastaction_models::NamedGraph;
-use std::array::from_fn;
 
 /// Nodes, edges and sizes are pairwise distinct.
 const SIZES: GraphSizes = GraphSizes { dimension: 3, node: 2, edge: 6, hidden: 7 };
@@ -27,8 +26,7 @@ fn gns() -> Gns {
 }
 
 fn samples() -> Samples {
-    let states = [(1, 1.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    Samples { n: N, h: 0.0, controls: from_fn(|_| Vec::new()), states, ..Samples::default() }
+    oracle::samples(N, SAMPLES, [1.0, 1.5, 2.0])
 }
 
 /// The model as its equations are printed.
@@ -44,12 +42,7 @@ fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differe
     let (gns, samples) = (gns(), samples());
     let objective = gns.objective(samples.clone()).unwrap();
     check_normal_equations(&*objective, &gns.initial_weights(4), |weights| {
-        let one = |k: usize| {
-            let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
-            let found = naive(weights, &[0.0, 1.0, 0.0, 2.0, 1.0], q, v);
-            found.into_iter().zip(a).map(|(found, a)| found - a).collect::<Vec<_>>()
-        };
-        (0..SAMPLES).flat_map(one).collect()
+        oracle::errors(&samples, |q, v| naive(weights, &[0.0, 1.0, 0.0, 2.0, 1.0], q, v))
     });
 }
 
@@ -110,13 +103,7 @@ fn a_few_epochs_lower_the_loss() {
     let objective = gns.objective(samples).unwrap();
     let start = gns.initial_weights(2);
     let before = objective.loss(&start);
-    let settings =
-        AdamSettings { learning_rate: 1e-2, batch: 50, schedule: Schedule::Constant, decay: 0.0, seed: 0 };
-    let mut adam = Adam::new(&*objective, start, settings);
-    (0..30).for_each(|_| {
-        adam.iterate(&*objective);
-    });
-    let after = objective.loss(&adam.weights);
+    let after = after_adam(&*objective, start, ADAM, 30);
     assert!(after < 0.5 * before, "{after} {before}");
 }
 

@@ -7,7 +7,7 @@ pub use momenta::Momenta;
 
 use super::batch::InBatches;
 use super::features::{adjoint, count, fixed, inputs};
-use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
+use super::{AccelerationModel, Follow, PredictionModel, coordinates_fit, layers_of, parameters_of};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp, Tape};
 use leastaction_ground_truth::{IntegrationError, Start, follow_flow};
@@ -124,7 +124,9 @@ impl AccelerationModel for Hnn {
         self.fits(&samples)?;
         Ok(Box::new(InBatches(Slopes::rates(self, &samples))))
     }
+}
 
+impl PredictionModel for Hnn {
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
         let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
         let network = self.network(weights).ok_or(short)?;

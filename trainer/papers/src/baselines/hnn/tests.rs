@@ -1,9 +1,11 @@
 //! Comparison with a Hamiltonian in plain loops, differentiated by num-dual.
 
 use super::*;
-use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
+use crate::baselines::oracle::{
+    self, after_adam, check_normal_equations, constant, features, gradient, network,
+};
 use leastaction_ground_truth::{ExactMotion, Horizon, ManyBody, ModlanetSettings, generate_many, starts};
-use leastaction_learning::training::{Adam, AdamSettings, Levenberg};
+use leastaction_learning::training::{AdamSettings, Levenberg};
 use num_dual::DualNum;
 
 const N: usize = 3;
@@ -17,19 +19,15 @@ fn hnn() -> Hnn {
 }
 
 fn samples() -> Samples {
-    let states = [(1, 3.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    Samples { n: N, h: 0.0, controls: Default::default(), states, ..Samples::default() }
+    oracle::samples(N, SAMPLES, [3.0, 1.5, 2.0])
 }
 
 /// (H_q, H_p) by num-dual.
 fn naive_gradient(hnn: &Hnn, weights: &[f64], state: &[f64]) -> Vec<f64> {
-    let weights: Vec<Dual> = weights.iter().map(|w| moving(*w, [0.0; 3])).collect();
-    let along = |k: usize| {
-        let x = state.iter().enumerate().map(|(i, x)| moving(*x, [f64::from(u8::from(i == k)), 0.0, 0.0]));
-        let x = features(&hnn.coordinates, &x.collect::<Vec<_>>());
-        network(&weights, x, [hnn.width, 1], |z| z.tanh())[0].eps1
-    };
-    (0..state.len()).map(along).collect()
+    let weights = constant(weights);
+    let hamiltonian =
+        |x: Vec<_>| network(&weights, features(&hnn.coordinates, &x), [hnn.width, 1], |z| z.tanh())[0];
+    gradient(hamiltonian, state)
 }
 
 /// Errors of every sample, given by `errors(q, v, a, H_q, H_p)`.
@@ -86,11 +84,8 @@ fn both_optimisers_train_it() {
     let measure = hnn.objective(samples).unwrap();
     assert!(measure.loss(&levenberg.weights) < 0.5 * measure.loss(&start));
     let settings = AdamSettings { learning_rate: 1e-2, ..AdamSettings::symo(1, 0) };
-    let mut adam = Adam::new(&*objective, start, settings);
-    (0..40).for_each(|_| {
-        adam.iterate(&*objective);
-    });
-    assert!(objective.loss(&adam.weights) < 0.8 * before, "{} {before}", adam.loss);
+    let after = after_adam(&*objective, start, settings, 40);
+    assert!(after < 0.8 * before, "{after} {before}");
 }
 
 #[test]

@@ -2,9 +2,8 @@
 
 use super::graph_network::{GraphNetwork, GraphSizes};
 use super::lagrangian::{acceleration_error, motion};
-use super::{AccelerationModel, Follow, coordinates_fit};
+use super::{AccelerationModel, MotionModel, coordinates_fit};
 use leastaction_core::model::ModelError;
-use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::accelerations::Accelerations;
 use leastaction_models::{NamedGraph, random_layers};
@@ -38,14 +37,6 @@ impl Lgn {
         let ends = graph.edges.iter().map(|edge| edge.ends).chain(rods);
         Ok(Self { sizes, network: GraphNetwork::new((sizes, 1), &graph, ends)?, graph })
     }
-
-    /// Returns v̇(q, v) for these weights, m/s², as a function.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if there are too few weights.
-    pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
-        motion(self, self.graph.constraints::<2>(), weights)
-    }
 }
 
 impl Energies for Lgn {
@@ -77,9 +68,11 @@ impl AccelerationModel for Lgn {
         let rods = Rods::new(2, &self.graph.rods);
         Ok(acceleration_error(self, (rods, false), samples))
     }
+}
 
-    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        Ok(follow.compare(truth, self.motion(weights)?))
+impl MotionModel for Lgn {
+    fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
+        motion(self, self.graph.constraints::<2>(), weights)
     }
 }
 

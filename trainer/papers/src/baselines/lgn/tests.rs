@@ -2,16 +2,14 @@
 
 use super::*;
 use crate::baselines::oracle::{
-    Dual, assert_close, check_normal_equations, messages, moving, random, squareplus, take,
+    self, ADAM, Dual, after_adam, assert_close, check_normal_equations, constant, equation, messages,
+    on_rods, random, squareplus, take,
 };
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::Rod;
-use leastaction_ground_truth::lgnn_graph;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction_learning::training::{Adam, AdamSettings, Schedule};
-use leastaction_models::NamedGraph;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
+use leastaction_learning::training::AdamSettings;
 use leastaction_programs::{Row, System, WIDTH};
-use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;
 
 /// Nodes and sizes are pairwise distinct; a node embedding with fewer numbers than velocities would leave L_vv singular.
@@ -41,9 +39,7 @@ fn lgn(order: [usize; NODES], rods: &[(Option<u16>, u16)]) -> Lgn {
 const AS_IS: [usize; NODES] = [0, 1, 2];
 
 fn samples() -> Samples {
-    let states = [(1, 1.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    let controls = from_fn(|_| vec![0.0; N * SAMPLES]);
-    Samples { n: N, h: 0.0, controls, states, ..Samples::default() }
+    oracle::samples(N, SAMPLES, [1.0, 1.5, 2.0])
 }
 
 /// Weights that give a mass matrix far from singular at the samples.
@@ -61,36 +57,10 @@ fn lagrangian(weights: &[Dual], rods: &[(Option<u16>, u16)], state: &[Dual]) -> 
     take(&mut weights, sum.collect(), &[SIZES.hidden, SIZES.hidden, 1], squareplus)[0]
 }
 
-/// Acceleration v̇, solved together with the multipliers, from second derivatives by num-dual.
+/// Acceleration v̇, from second derivatives by num-dual.
 fn naive(weights: &[f64], rods: &[(Option<u16>, u16)], q: &[f64], v: &[f64]) -> Vec<f64> {
-    let (weights, state): (Vec<Dual>, _) =
-        (weights.iter().map(|w| moving(*w, [0.0; 3])).collect(), [q, v].concat());
-    let at = |along: [[f64; 2 * N]; 2]| {
-        let x = (0..2 * N).map(|i| moving(state[i], [along[0][i], along[1][i], 0.0]));
-        lagrangian(&weights, rods, &x.collect::<Vec<_>>())
-    };
-    let unit = |i: usize| -> [f64; 2 * N] { from_fn(|j| f64::from(u8::from(i == j))) };
-    let along_v: [f64; 2 * N] = from_fn(|i| if i < N { v[i] } else { 0.0 });
-    let mut matrix = DMatrix::zeros(N + rods.len(), N + rods.len());
-    let mut right = DVector::zeros(N + rods.len());
-    for i in 0..N {
-        (0..N).for_each(|j| matrix[(i, j)] = at([unit(N + i), unit(N + j)]).eps1eps2);
-        right[i] = at([unit(i), [0.0; 2 * N]]).eps1 - at([unit(N + i), along_v]).eps1eps2;
-    }
-    for (k, (from, to)) in (N..).zip(rods) {
-        for c in 0..2 {
-            let to = 2 * usize::from(*to) + c;
-            let from = from.map(|from| 2 * usize::from(from) + c);
-            let between = |x: &[f64]| x[to] - from.map_or(0.0, |from| x[from]);
-            for (i, sign) in [(Some(to), 1.0), (from, -1.0)] {
-                let Some(i) = i else { continue };
-                matrix[(k, i)] = sign * between(q);
-                matrix[(i, k)] = -sign * between(q);
-            }
-            right[k] -= between(v) * between(v);
-        }
-    }
-    matrix.lu().solve(&right).unwrap().as_slice()[..N].to_vec()
+    let weights = constant(weights);
+    on_rods(equation(|state| lagrangian(&weights, rods, state), [q, v]), rods, [q, v])
 }
 
 #[test]
@@ -98,11 +68,7 @@ fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differe
     let samples = samples();
     let objective = lgn(AS_IS, &RODS).objective(samples.clone()).unwrap();
     check_normal_equations(&*objective, &weights(), |weights| {
-        let one = |k: usize| {
-            let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
-            naive(weights, &RODS, q, v).into_iter().zip(a).map(|(found, a)| found - a).collect::<Vec<_>>()
-        };
-        (0..SAMPLES).flat_map(one).collect()
+        oracle::errors(&samples, |q, v| naive(weights, &RODS, q, v))
     });
 }
 
@@ -154,18 +120,8 @@ fn a_few_epochs_lower_the_loss() {
         let objective = lgn.objective(samples).unwrap();
         let start = lgn.initial_weights(2);
         let before = objective.loss(&start);
-        let settings = AdamSettings {
-            learning_rate: 1e-3,
-            batch: 50,
-            schedule: Schedule::Constant,
-            decay: 0.0,
-            seed: 0,
-        };
-        let mut adam = Adam::new(&*objective, start, settings);
-        (0..30).for_each(|_| {
-            adam.iterate(&*objective);
-        });
-        let after = objective.loss(&adam.weights);
+        let settings = AdamSettings { learning_rate: 1e-3, ..ADAM };
+        let after = after_adam(&*objective, start, settings, 30);
         assert!(after < 0.5 * before, "{system:?}: {after} {before}");
     }
 }

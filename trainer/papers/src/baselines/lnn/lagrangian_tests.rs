@@ -1,7 +1,7 @@
 //! All derivatives are those of the printed formula, by num-dual over plain loops.
 
 use super::*;
-use crate::baselines::oracle::{Dual, assert_close, features, moving, network, random};
+use crate::baselines::oracle::{Dual, assert_close, constant, features, moving, network, random};
 use leastaction_programs::{DerivativeOutputs, Program, Row, System, WIDTH};
 use num_dual::DualNum;
 use std::array::from_fn;
@@ -33,10 +33,6 @@ fn naive(weights: &[Dual], [q, v]: [&Vector; 2], along: [Direction; 3]) -> Dual 
         .collect();
     let softplus = |z: Dual| z.exp().ln_1p();
     network(weights, features(COORDINATES, &state), [UNITS, 1], softplus)[0]
-}
-
-fn constant(weights: &[f64]) -> Vec<Dual> {
-    weights.iter().map(|w| moving(*w, [0.0; 3])).collect()
 }
 
 fn unit(i: usize) -> Vector {

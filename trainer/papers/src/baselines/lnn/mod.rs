@@ -2,7 +2,7 @@
 
 use super::features::{count, seen};
 use super::lagrangian::{acceleration_error, motion};
-use super::{AccelerationModel, Follow, coordinates_fit};
+use super::{AccelerationModel, Follow, PredictionModel, coordinates_fit};
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Dense};
@@ -78,7 +78,9 @@ impl AccelerationModel for Lnn {
         coordinates_fit(&samples, self.n())?;
         Ok(acceleration_error(self, (Rods::default(), false), samples))
     }
+}
 
+impl PredictionModel for Lnn {
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
         Ok(follow.compare(truth, motion::<2>(self, Vec::new(), weights)?))
     }

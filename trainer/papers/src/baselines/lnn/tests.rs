@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::baselines::oracle::{
-    Dual, assert_close, check_normal_equations, features, moving, network, random,
+    self, ADAM, after_adam, assert_close, check_normal_equations, constant, equation, features, network,
+    on_rods, random,
 };
-use leastaction_core::linear::solve;
 use leastaction_ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
-use leastaction_learning::training::{Adam, AdamSettings, Levenberg, Schedule};
+use leastaction_learning::training::{AdamSettings, Levenberg};
 use num_dual::DualNum;
 use std::array::from_fn;
 
@@ -20,8 +20,7 @@ fn lnn() -> Lnn {
 }
 
 fn samples() -> Samples {
-    let states = [(1, 3.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    Samples { n: N, h: 0.0, controls: from_fn(|_| vec![0.0; N * SAMPLES]), states, ..Samples::default() }
+    oracle::samples(N, SAMPLES, [3.0, 1.5, 2.0])
 }
 
 /// Weights of a mass matrix that is far from singular at the samples.
@@ -31,23 +30,10 @@ fn weights() -> Vec<f64> {
 
 /// v̇ − a of all samples, from second derivatives by num-dual.
 fn errors(weights: &[f64], samples: &Samples) -> Vec<f64> {
-    let weights: Vec<Dual> = weights.iter().map(|w| moving(*w, [0.0; 3])).collect();
-    let one = |k: usize| {
-        let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
-        let state = [q, v].concat();
-        let at = |along: [[f64; 2 * N]; 2]| {
-            let x: Vec<Dual> =
-                (0..2 * N).map(|i| moving(state[i], [along[0][i], along[1][i], 0.0])).collect();
-            network(&weights, features(COORDINATES, &x), [7, 1], |z| z.exp().ln_1p())[0]
-        };
-        let unit = |i: usize| -> [f64; 2 * N] { from_fn(|j| f64::from(u8::from(i == j))) };
-        let along_v: [f64; 2 * N] = from_fn(|i| if i < N { v[i] } else { 0.0 });
-        let mass: [[f64; N]; N] = from_fn(|i| from_fn(|j| at([unit(N + i), unit(N + j)]).eps1eps2));
-        let force = from_fn(|i| at([unit(i), [0.0; 2 * N]]).eps1 - at([unit(N + i), along_v]).eps1eps2);
-        let found: [f64; N] = solve(mass, force).unwrap();
-        from_fn::<f64, N, _>(|i| found[i] - a[i])
-    };
-    (0..SAMPLES).flat_map(one).collect()
+    let weights = constant(weights);
+    let lagrangian =
+        |state: &[_]| network(&weights, features(COORDINATES, state), [7, 1], |z| z.exp().ln_1p())[0];
+    oracle::errors(samples, |q, v| on_rods(equation(lagrangian, [q, v]), &[], [q, v]))
 }
 
 #[test]
@@ -107,13 +93,9 @@ fn both_optimisers_train_it() {
     let before = objective.loss(&start);
     let levenberg = Levenberg::new(&*objective, start.clone()).run(&*objective, 40, |_, _| ());
     assert!(levenberg.loss < 1e-2 * before, "{} {before}", levenberg.loss);
-    let settings =
-        AdamSettings { learning_rate: 1e-3, batch: 0, schedule: Schedule::Constant, decay: 1e-4, seed: 0 };
-    let mut adam = Adam::new(&*objective, start, settings);
-    (0..100).for_each(|_| {
-        adam.iterate(&*objective);
-    });
-    assert!(objective.loss(&adam.weights) < 0.9 * before, "{} {before}", adam.loss);
+    let settings = AdamSettings { learning_rate: 1e-3, batch: 0, decay: 1e-4, ..ADAM };
+    let after = after_adam(&*objective, start, settings, 100);
+    assert!(after < 0.9 * before, "{after} {before}");
 }
 
 /// The values that a pass through the widest network of the largest size hands on fit on a thread's stack.

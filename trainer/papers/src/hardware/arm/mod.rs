@@ -10,8 +10,7 @@ mod models;
 mod network;
 mod panda;
 
-pub use models::{Identification, MODELS};
-pub use panda::{panda, panda_urdf};
+use models::{Identification, MODELS};
 
 use super::entries::label;
 use super::error::HardwareError;

@@ -32,9 +32,6 @@ pub fn panda_urdf() -> String {
 }
 
 /// Returns the kinematics as a tree, without inertias.
-///
-/// # Errors
-/// Never, unless the description above is damaged.
 pub fn panda() -> Result<Tree, UrdfError> {
     parse(&panda_urdf(), Inertias::Optional)
 }
