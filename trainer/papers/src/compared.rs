@@ -25,8 +25,8 @@ pub(crate) fn name_and_command(
     (model, switch): (Option<&str>, Option<&str>),
     (seed, arguments): (u64, &str),
 ) -> (String, String) {
-    let (case, suffix) =
-        (option_name(case), |word: Option<&str>| word.map_or(String::new(), |word| format!("-{word}")));
+    let case = option_name(case);
+    let suffix = |word: Option<&str>| word.map_or(String::new(), |word| format!("-{word}"));
     let name = format!("{case}{}{}-{seed}", suffix(model), suffix(switch));
     let only = model.map_or(String::new(), |_| format!(" --baselines --only {name}"));
     let switch = switch.map_or(String::new(), |switch| format!(" --{switch}"));
@@ -34,16 +34,15 @@ pub(crate) fn name_and_command(
     (name, command)
 }
 
-/// Runs our model, or the other one, whose training continues where it was interrupted if there is a folder for its state; `settings` are
-/// all that its weights depend on.
-pub(crate) fn run<B: Copy, T>(
+/// Runs our model, or one whose training continues where it was interrupted if there is a folder for its state; `settings` are all that
+/// its weights depend on.
+pub(crate) fn run<B, T>(
     baseline: Option<(B, Limits)>,
     (folder, task, settings): (Option<&Path>, &str, &str),
-    ours: impl FnOnce() -> Result<T, TaskError>,
-    other: impl FnOnce(B, Bounds) -> Result<T, TaskError>,
+    run: impl FnOnce(Option<(B, Bounds)>) -> Result<T, TaskError>,
 ) -> Result<T, TaskError> {
-    let Some((baseline, limits)) = baseline else { return ours() };
+    let Some((baseline, limits)) = baseline else { return run(None) };
     Interrupted::resume(folder, task, settings.to_owned(), |interrupted| {
-        other(baseline, Bounds { limits, interrupted })
+        run(Some((baseline, Bounds { limits, interrupted })))
     })
 }

@@ -15,15 +15,18 @@ pub(crate) type Row<T, const K: usize> = (T, Option<usize>, [f64; K]);
 /// Stands for an unknown number in a [`Row`].
 pub(crate) const UNKNOWN: f64 = f64::NAN;
 
-impl<const K: usize> Published<K> {
-    /// Nothing known.
-    pub(crate) const NOTHING: Self = Self { parameters: None, measures: [None; K] };
+impl<const K: usize> Default for Published<K> {
+    fn default() -> Self {
+        Self { parameters: None, measures: [None; K] }
+    }
+}
 
+impl<const K: usize> Published<K> {
     /// Finds the row of a case; nothing is known if there is none.
     pub(crate) fn find<T: PartialEq>(table: &[Row<T, K>], case: &T) -> Self {
         let known = |measure: f64| Some(measure).filter(|measure| measure.is_finite());
         let row = table.iter().find(|row| row.0 == *case);
-        row.map_or(Self::NOTHING, |(_, parameters, measures)| Self {
+        row.map_or(Self::default(), |(_, parameters, measures)| Self {
             parameters: *parameters,
             measures: measures.map(known),
         })

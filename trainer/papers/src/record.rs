@@ -1,5 +1,6 @@
 //! Results of an experiment: rows that are written, read again, joined and compared.
 
+use super::distinct;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -93,8 +94,7 @@ impl Record {
 
     /// Whether two rows differ only in their seeds.
     pub fn is_like(&self, other: &Self) -> bool {
-        let key = |row: &Self| (row.table.clone(), row.subject.clone(), row.model.clone());
-        key(self) == key(other)
+        (&self.table, &self.subject, &self.model) == (&other.table, &other.subject, &other.model)
     }
 }
 
@@ -126,4 +126,12 @@ pub struct Finished {
     pub failure: Option<String>,
     /// Rows of the task.
     pub records: Vec<Record>,
+}
+
+/// Returns the rows of every table, in order of first occurrence.
+pub(crate) fn by_table(results: &[Finished]) -> Vec<(&str, Vec<&Record>)> {
+    let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
+    let tables = distinct(records.iter().map(|record| record.table.as_str())).into_iter();
+    let of = |table| records.iter().filter(|record| record.table == table).copied().collect();
+    tables.map(|table| (table, of(table))).collect()
 }

@@ -45,6 +45,19 @@ pub(crate) fn json(settings: &impl Serialize) -> String {
     serde_json::to_string(settings).unwrap_or_default()
 }
 
+/// Returns a function that tells the loss of every so many iterations, with words before and after their number.
+pub(crate) fn watch<'t>(
+    tell: &'t Tell,
+    every: usize,
+    (before, after): (String, String),
+) -> impl FnMut(usize, f64) + 't {
+    move |iteration, loss| {
+        if iteration.is_multiple_of(every) {
+            tell(&format!("{before}iteration {iteration}{after} {loss:.2e}"));
+        }
+    }
+}
+
 /// Creates a task for each item with every one of `seeds` seeds from `first` on.
 pub(crate) fn with_seeds<T>(
     of: impl IntoIterator<Item = T>,

@@ -1,13 +1,11 @@
 //! Training of the models that papers compare with: by Adam, following their authors, within limits.
 
-use super::folder::FolderError;
 use super::interrupted::{Course, Interrupted};
+use super::task::TaskError;
 use crate::baselines::AccelerationModel;
-use leastaction_core::model::ModelError;
 use leastaction_learning::training::{Adam, AdamSettings, Objective, Progress, Samples};
 use serde::{Serialize, Serializer};
 use std::time::{Duration, Instant};
-use thiserror::Error;
 
 /// Time between lines of progress.
 const PAUSE: Duration = Duration::from_secs(10);
@@ -42,9 +40,10 @@ pub(super) fn is_past(deadline: Option<Instant>) -> bool {
 }
 
 /// End of a training.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ending {
     /// The recipe was completed.
+    #[default]
     Complete,
     /// The time ran out.
     OutOfTime {
@@ -102,17 +101,6 @@ pub struct Bounds<'a> {
     pub interrupted: Option<&'a Interrupted>,
 }
 
-/// Reason why training fails.
-#[derive(Debug, Error)]
-pub enum TrainingError {
-    /// The shape is inconsistent or does not fit the data.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The state of an interrupted training cannot be read or written.
-    #[error(transparent)]
-    Interrupted(#[from] FolderError),
-}
-
 impl Recipe {
     /// Trains until a limit, or until the loss is not finite: then the weights are the last with a finite loss. `tell` occasionally gets a
     /// line of progress. Interrupted training continues, to the same bits.
@@ -122,11 +110,14 @@ impl Recipe {
         samples: Samples,
         (seed, bounds): (u64, Bounds),
         tell: &dyn Fn(&str),
-    ) -> Result<Trained, TrainingError> {
+    ) -> Result<Trained, TaskError> {
         let objective = model.training(samples)?;
         let mut course = match bounds.interrupted.map_or(Ok(None), Interrupted::read)? {
             Some(course) => course,
-            None => self.begin(&*objective, model.initial_weights(seed)),
+            None => {
+                let good = model.initial_weights(seed);
+                Course { adam: Adam::new(&*objective, good.clone(), self.adam), good, spent: Duration::ZERO }
+            }
         };
         if course.adam.epoch() > 0 {
             tell(&format!("goes on after epoch {}", course.adam.epoch()));
@@ -139,18 +130,13 @@ impl Recipe {
         Ok(Trained { weights, epochs, seconds: course.spent.as_secs_f64(), ending })
     }
 
-    fn begin(&self, objective: &dyn Objective, weights: Vec<f64>) -> Course {
-        let good = weights.clone();
-        Course { adam: Adam::new(objective, weights, self.adam), good, spent: Duration::ZERO }
-    }
-
     fn follow(
         &self,
         course: &mut Course,
         objective: &dyn Objective,
         Bounds { limits, interrupted }: Bounds,
         tell: &dyn Fn(&str),
-    ) -> Result<Ending, TrainingError> {
+    ) -> Result<Ending, TaskError> {
         let epochs = limits.epochs.unwrap_or(self.epochs);
         let (spent, clock) = (course.spent, Instant::now());
         let (mut told, mut written) = (clock, clock);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::baselines::Mlp;
+use crate::folder::FolderError;
 use leastaction_learning::checksummed::ReadError;
 use leastaction_learning::training::Schedule;
 use std::fs;
@@ -16,7 +17,7 @@ const RECIPE: Recipe = Recipe {
     adam: AdamSettings { learning_rate: 1e-2, batch: 5, schedule: Schedule::Constant, decay: 0.0, seed: 3 },
 };
 
-fn train(limits: Limits, interrupted: Option<&Interrupted>) -> Result<Trained, TrainingError> {
+fn train(limits: Limits, interrupted: Option<&Interrupted>) -> Result<Trained, TaskError> {
     let mlp = Mlp::of_width("a", 7).unwrap();
     RECIPE.train(&mlp, samples(), (2, Bounds { limits, interrupted }), &|_| ())
 }

@@ -1,11 +1,11 @@
 //! Graph networks with one round of messages, which LGNN's authors compare with, written down for any graph.
 
+use super::layers_of;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
 use leastaction_models::NamedGraph;
 use leastaction_programs::energies::Network;
 use leastaction_programs::{Builder, Function, Node};
-use std::iter::repeat_n;
 
 /// Sizes of a graph network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,16 +36,6 @@ impl GraphSizes {
             [node, 2, outputs],
         ]
     }
-
-    /// Numbers of inputs and outputs of every layer, in the order of the weight block.
-    pub(super) fn layers(self, outputs: usize) -> impl Iterator<Item = (usize, usize)> {
-        self.networks(outputs).into_iter().flat_map(move |[inputs, hidden, outputs]| {
-            let mut sizes = vec![inputs];
-            sizes.extend(repeat_n(self.hidden, hidden));
-            sizes.push(outputs);
-            sizes.windows(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>()
-        })
-    }
 }
 
 /// Networks, and a graph whose edges carry messages both ways.
@@ -54,7 +44,8 @@ impl GraphSizes {
 /// directions of an edge, and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GraphNetwork {
-    sizes: GraphSizes,
+    pub sizes: GraphSizes,
+    outputs: usize,
     /// Types of all nodes.
     types: Vec<u8>,
     ends: Vec<[usize; 2]>,
@@ -66,10 +57,8 @@ pub(super) struct GraphNetwork {
 }
 
 impl GraphNetwork {
-    /// Creates the network on the nodes of a graph with edges between them, read out to `outputs` numbers.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if an edge ends at no node.
+    /// Creates the network on the nodes of a graph with edges between them, read out to `outputs` numbers; an error if an edge ends
+    /// at no node.
     pub fn new(
         (sizes, outputs): (GraphSizes, usize),
         graph: &NamedGraph,
@@ -89,7 +78,7 @@ impl GraphNetwork {
                 network
             });
         let types = graph.nodes.clone();
-        Ok(Self { sizes, types, ends, embed_edge, embed_node, message, update, read_out })
+        Ok(Self { sizes, outputs, types, ends, embed_edge, embed_node, message, update, read_out })
     }
 
     pub fn nodes(&self) -> usize {
@@ -103,6 +92,14 @@ impl GraphNetwork {
     /// Length of the weight block in numbers, the same for any graph.
     pub fn parameters(&self) -> usize {
         self.read_out.end()
+    }
+
+    /// Numbers of inputs and outputs of every layer, in the order of the weight block.
+    pub fn layers(&self) -> impl Iterator<Item = (usize, usize)> {
+        let width = self.sizes.hidden;
+        self.sizes.networks(self.outputs).into_iter().flat_map(move |[inputs, hidden, outputs]| {
+            layers_of(&[&[inputs][..], &vec![width; hidden], &[outputs]].concat()).collect::<Vec<_>>()
+        })
     }
 
     /// Embeddings of the nodes after the messages, node after node.

@@ -33,26 +33,23 @@ pub struct Mlp {
 
 impl Mlp {
     /// Creates the narrowest network with at least the given number of weights, α = ν = 1; `coordinates` has one letter each, `a` for
-    /// angles, any other letter for translations.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if it is wider than [`MAX_WIDTH`].
+    /// angles, any other letter for translations; an error if it is wider than [`MAX_WIDTH`].
     pub fn with_weights(coordinates: &str, weights: usize) -> Result<Self, ModelError> {
-        let of_width =
-            |width| Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
+        let of_width = |width| Self::unscaled(coordinates, width);
         let compiled = of_width(MAX_WIDTH).parameters();
         let enough = (1..=MAX_WIDTH).map(of_width).find(|mlp| mlp.parameters() >= weights);
         enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
     }
 
-    /// Creates the network with `width` units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`].
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if the width is more than [`MAX_WIDTH`].
+    /// Creates the network with `width` units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`]; an error if
+    /// it is wider than [`MAX_WIDTH`].
     pub fn of_width(coordinates: &str, width: usize) -> Result<Self, ModelError> {
         let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
-        let mlp = Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
-        if width <= MAX_WIDTH { Ok(mlp) } else { Err(error) }
+        if width <= MAX_WIDTH { Ok(Self::unscaled(coordinates, width)) } else { Err(error) }
+    }
+
+    fn unscaled(coordinates: &str, width: usize) -> Self {
+        Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 }
     }
 
     /// Sets ν and α to the root mean squares of these samples.
@@ -219,7 +216,7 @@ mod tests {
     fn loss_and_normal_equations_are_those_of_plain_loops_and_differences() {
         let (mlp, samples) = (mlp(), samples());
         let objective = mlp.objective(samples.clone()).unwrap();
-        check_normal_equations(&*objective, &mlp.initial_weights(1), |weights| {
+        check_normal_equations(&*objective, (&mlp.initial_weights(1), 1e-6), |weights| {
             errors(weights, &samples, &mlp)
         });
     }

@@ -36,10 +36,8 @@ pub struct NeuralOde {
 }
 
 impl NeuralOde {
-    /// Creates the network with hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] for fewer coordinates than `actuated` needs.
+    /// Creates the network with hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control; an error
+    /// if there is none.
     pub fn new(coordinates: &[Coordinate], widths: &[usize], actuated: usize) -> Result<Self, ModelError> {
         if coordinates.len() <= actuated {
             let what = "coordinates";

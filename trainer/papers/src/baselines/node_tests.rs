@@ -1,4 +1,5 @@
 use super::*;
+use crate::baselines::oracle::check_normal_equations;
 use leastaction_core::linear::add_scaled;
 use leastaction_ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::runge_kutta::step;
@@ -75,32 +76,9 @@ fn loss_and_normal_equations_are_those_of_differences() {
     let weights = node.initial_weights(1);
     for method in [RungeKutta::Midpoint, RungeKutta::ThreeEighths] {
         let objective = node.objective(samples.clone(), method).unwrap();
-        let plain = |weights: &[f64]| errors(&node, weights, &samples, method);
-        let r = plain(&weights);
-        let column = |j: usize| -> Vec<f64> {
-            let moved = |h: f64| {
-                let mut moved = weights.clone();
-                moved[j] += h;
-                plain(&moved)
-            };
-            moved(1e-5).iter().zip(moved(-1e-5)).map(|(a, b)| (a - b) / 2e-5).collect()
-        };
-        let columns: Vec<Vec<f64>> = (0..weights.len()).map(column).collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let close = |found: f64, expected: f64| {
-            assert!((found - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{found} {expected}");
-        };
-        close(objective.loss(&weights), dot(&r, &r) / r.len() as f64);
-        let equations = objective.normal_equations(&weights).unwrap();
-        close(equations.mean_square(), objective.loss(&weights));
-        for (i, column) in columns.iter().enumerate() {
-            close(equations.gradient[i], dot(column, &r));
-            for (j, other) in columns.iter().enumerate().take(i + 1) {
-                close(equations.gram[(i, j)], dot(column, other));
-            }
-        }
-        let alone = objective.gradient(&weights, 0..STEPS).unwrap().gradient;
-        alone.iter().zip(&equations.gradient).for_each(|(alone, all)| close(*alone, *all));
+        check_normal_equations(&*objective, (&weights, 1e-7), |weights| {
+            errors(&node, weights, &samples, method)
+        });
     }
 }
 

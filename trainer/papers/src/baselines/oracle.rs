@@ -1,8 +1,9 @@
 //! Reference for the baselines: networks in plain loops with exact derivatives (num-dual), and the normal equations of any residuals by
 //! differences.
 
-use super::GraphSizes;
+use super::{AccelerationModel, GraphSizes};
 use leastaction_core::network::Dense;
+use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Objective, Samples, Schedule};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{DualNum, HyperHyperDual64};
@@ -188,6 +189,33 @@ pub fn messages<D: DualNum<Primitive = f64> + Copy>(
     nodes.into_iter().map(|(node, _)| node).collect()
 }
 
+/// Checks the loss of accelerations, by their equations in plain loops, and its normal equations.
+pub fn check_accelerations(
+    model: &dyn AccelerationModel,
+    (weights, samples): (&[f64], &Samples),
+    motion: impl Fn(&[f64], &[f64], &[f64]) -> Vec<f64>,
+) {
+    let objective = model.objective(samples.clone()).unwrap();
+    check_normal_equations(&*objective, (weights, 1e-6), |weights| {
+        errors(samples, |q, v| motion(weights, q, v))
+    });
+}
+
+/// Checks that some epochs of Adam on a few trajectories halve the loss.
+pub fn check_epochs(
+    model: &dyn AccelerationModel,
+    (system, trajectories): (LgnnSystem, usize),
+    (settings, epochs): (AdamSettings, usize),
+) {
+    let published = LgnnSettings::published(system, 3);
+    let data = lgnn_set(&LgnnSettings { trajectories, ..published }).unwrap();
+    let objective = model.objective(Samples::accelerations(&data).unwrap()).unwrap();
+    let start = model.initial_weights(2);
+    let before = objective.loss(&start);
+    let after = after_adam(&*objective, start, settings, epochs);
+    assert!(after < 0.5 * before, "{system:?}: {after} {before}");
+}
+
 pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() < tolerance * (1.0 + expected.abs()), "{what}: {found} {expected}");
 }
@@ -195,7 +223,7 @@ pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
 /// Checks that loss, gradient and normal equations are those of these residuals and their central differences.
 pub fn check_normal_equations(
     objective: &dyn Objective,
-    weights: &[f64],
+    (weights, tolerance): (&[f64], f64),
     residuals: impl Fn(&[f64]) -> Vec<f64>,
 ) {
     let r = residuals(weights);
@@ -213,7 +241,7 @@ pub fn check_normal_equations(
     let size = |a: &[f64], b: &[f64]| (dot(a, a) * dot(b, b)).sqrt();
     let close = |what: String, found: f64, [a, b]: [&[f64]; 2]| {
         let expected = dot(a, b);
-        assert!((found - expected).abs() < 1e-6 * (1.0 + size(a, b)), "{what}: {found} {expected}");
+        assert!((found - expected).abs() < tolerance * (1.0 + size(a, b)), "{what}: {found} {expected}");
     };
     assert_close("loss", objective.loss(weights), dot(&r, &r) / r.len() as f64, 1e-9);
     let equations = objective.normal_equations(weights).unwrap();

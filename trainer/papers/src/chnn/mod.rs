@@ -11,7 +11,7 @@ pub use task::tasks;
 
 use super::lgnn::train;
 use super::rollouts::{RolledOut, UNSEEN};
-use super::task::{TaskError, Tell};
+use super::task::{TaskError, Tell, watch};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::particles::Particles;
 use leastaction_ground_truth::{GenerationError, Horizon, Truss};
@@ -83,11 +83,7 @@ pub fn run(count: usize, options: &Options, tell: &Tell) -> Result<Outcome, Task
     let truss = chain(count, seed).map_err(GenerationError::from)?;
     let samples = Samples::interpolated(&training_set(&truss, trajectories, seed)?)?;
     let clock = Instant::now();
-    let watch = |iteration: usize, loss: f64| {
-        if iteration.is_multiple_of(20) {
-            tell(&format!("iteration {iteration} of {iterations}: training loss {loss:.2e}"));
-        }
-    };
+    let watch = watch(tell, 20, (String::new(), format!(" of {iterations}: training loss")));
     let (model, [_, validation_mse]) = train(architecture(&truss)?, &samples, iterations, seed, watch)?;
     let train_seconds = clock.elapsed().as_secs_f64();
 

@@ -1,6 +1,6 @@
 //! `leastaction-papers hardware`.
 
-use super::selection::{Selection, given};
+use super::selection::{Selection, cases, given};
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_papers::HARDWARE;
@@ -41,7 +41,7 @@ impl Hardware {
     pub fn run(self, output: Output) -> Done {
         let mut all = Vec::new();
         for machine in self.machines()? {
-            all.extend(self.tasks(machine).map_err(unreadable)?);
+            all.extend(self.tasks(machine).map_err(|error| Failure::Input(error.to_string()))?);
         }
         self.selection.run(&HARDWARE, all, output)
     }
@@ -59,10 +59,10 @@ impl Hardware {
         }
         let machines = match self.machine {
             Some(machine) => vec![machine],
-            None => Machine::ALL.into_iter().filter(is_there).collect(),
+            None => cases(None).into_iter().filter(is_there).collect(),
         };
         if machines.is_empty() {
-            let names = Machine::ALL.map(Machine::name).join(", ");
+            let names = cases(None).into_iter().map(Machine::name).collect::<Vec<_>>().join(", ");
             return Err(Failure::input(
                 &self.data,
                 format!("there is none of the folders {names} with logs"),
@@ -90,9 +90,4 @@ impl Hardware {
         let baseline = given("baseline", self.baseline.as_ref().map(|file| file.display()));
         given("data", Some(self.data.display())) + &baseline + &self.selection.arguments()
     }
-}
-
-/// Converts unusable logs or an unusable baseline to a failure: the input is at fault.
-fn unreadable(error: HardwareError) -> Failure {
-    Failure::Input(error.to_string())
 }

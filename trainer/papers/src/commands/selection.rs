@@ -147,10 +147,7 @@ pub fn report(finished: &[Finished], output: Output) -> Done {
 
 /// Makes the command fail after all tasks if some of them failed.
 fn failure(finished: &[Finished]) -> Done {
-    let failed: Vec<String> = finished
-        .iter()
-        .filter_map(|task| Some(format!("{}: {}", task.task, task.failure.as_ref()?)))
-        .collect();
+    let failed = table::failures(finished);
     if failed.is_empty() { Ok(()) } else { Err(Failure::Work(failed.join("\n"))) }
 }
 

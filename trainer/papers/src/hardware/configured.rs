@@ -12,7 +12,6 @@ use leastaction_learning::data::{Column, Rows};
 use leastaction_learning::run::{Chosen, Monitor, Plan, Row, Run, choose};
 use leastaction_learning::windows::Calibrated;
 use leastaction_programs::System;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -40,37 +39,29 @@ impl Chain {
     /// Learns the chain over windows.
     pub fn fit(self, training: &Training) -> Result<Fitted, TaskError> {
         let folder = tempfile::tempdir()?;
-        train(&chain(training, self)?, training, folder.path())
+        train(&chain(training, self), training, folder.path())
     }
 }
 
 /// Returns the configuration of a chain.
-fn chain(training: &Training, kind: Chain) -> Result<String, std::fmt::Error> {
+fn chain(training: &Training, kind: Chain) -> String {
     let (columns, joints) = (training.machine.columns(), training.machine.joints());
     let names = |columns: &[Column]| listed(columns.iter().take(joints).map(|column| column.name.clone()));
     let commanded = kind.commanded && training.machine.logs_commands();
-    let mut text = String::new();
     let files = listed(training.logs.iter().map(|log| full(&log.file).display().to_string()));
-    writeln!(text, "[data]\nfile = {files}\nstep = {STEP}\nvalidation = 0.0\n")?;
-    let (t, q, u) = (
-        &columns.t.name,
-        names(&columns.q),
-        names(if commanded { &columns.u[joints..] } else { &columns.u }),
-    );
-    writeln!(text, "[data.columns]\nt = \"{t}\"\nq = {q}\nu = {u}\n")?;
-    writeln!(text, "[model]\nfamily = \"bodies\"\nchain = {joints}\n")?;
-    writeln!(text, "[model.friction]\nviscous = \"learned\"")?;
-    if kind.dry {
-        writeln!(text, "coulomb = \"learned\"")?;
-    }
-    if kind.load {
-        writeln!(text, "load = \"learned\"")?;
-    }
-    if kind.commanded {
-        writeln!(text, "\n[calibration]\ngain = \"learned\"\ndelay = \"learned\"")?;
-    }
-    writeln!(text, "\n[training]\nloss = \"windows\"")?;
-    Ok(text)
+    let (t, q) = (&columns.t.name, names(&columns.q));
+    let u = names(if commanded { &columns.u[joints..] } else { &columns.u });
+    let given = |is_given: bool, text: &'static str| if is_given { text } else { "" };
+    let coulomb = given(kind.dry, "coulomb = \"learned\"\n");
+    let load = given(kind.load, "load = \"learned\"\n");
+    let calibration = given(kind.commanded, "\n[calibration]\ngain = \"learned\"\ndelay = \"learned\"\n");
+    format!(
+        "[data]\nfile = {files}\nstep = {STEP}\nvalidation = 0.0\n\n\
+         [data.columns]\nt = \"{t}\"\nq = {q}\nu = {u}\n\n\
+         [model]\nfamily = \"bodies\"\nchain = {joints}\n\n\
+         [model.friction]\nviscous = \"learned\"\n{coulomb}{load}{calibration}\n\
+         [training]\nloss = \"windows\"\n"
+    )
 }
 
 /// Returns the names as a TOML list, whose strings are written like those of JSON.

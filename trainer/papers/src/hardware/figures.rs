@@ -1,6 +1,6 @@
 //! Pictures of all rows.
 
-use super::super::record::{Finished, Record};
+use super::super::record::{Finished, Record, by_table};
 use super::super::{Overview, distinct};
 use super::grid::STEP;
 use super::task::ZEROS;
@@ -10,10 +10,8 @@ use std::path::Path;
 
 /// Draws the median error of every model against the horizon, one picture per table and kind of zeros.
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
-    let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();
-    for table in distinct(records.iter().map(|record| record.table.as_str())) {
-        let rows: Vec<&Record> = records.iter().filter(|record| record.table == table).copied().collect();
+    for (table, rows) in by_table(results) {
         for zeros in distinct(rows.iter().filter_map(|record| zeros(record))) {
             let file = format!("{table}-{zeros}.svg").replace(", ", "-").replace(' ', "-");
             let own: Vec<&Record> =

@@ -18,9 +18,6 @@ pub(super) struct Grid<'m> {
 
 impl<'m> Grid<'m> {
     /// Creates the grid from the first stamp to the last.
-    ///
-    /// # Errors
-    /// [`HardwareError::Sparse`] if the stamps are absurdly far apart.
     pub fn new(file: &Path, measured: &'m Measured) -> Result<Self, HardwareError> {
         let t = &measured.t[..];
         let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
@@ -42,15 +39,12 @@ impl<'m> Grid<'m> {
     pub fn averaged(&self, field: &Rows) -> Rows {
         let mut place = Place::new(&self.measured.t, field);
         let steps = (0..self.samples).map(|k| [self.at(k), self.at(k + 1)]);
-        self.rows(field, steps.flat_map(|step| place.mean(step)).collect())
+        let values = steps.flat_map(|step| place.mean(step)).collect();
+        Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
     }
 
     fn at(&self, k: usize) -> f64 {
         self.measured.t.first().copied().unwrap_or_default() + k as f64 * STEP
-    }
-
-    fn rows(&self, field: &Rows, values: Vec<f64>) -> Rows {
-        Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
     }
 }
 

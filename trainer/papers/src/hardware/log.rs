@@ -23,9 +23,6 @@ pub struct Log {
 
 impl Log {
     /// Reads a file.
-    ///
-    /// # Errors
-    /// [`HardwareError::Log`], [`HardwareError::Sparse`].
     pub fn read(file: &Path, machine: Machine) -> Result<Self, HardwareError> {
         let samples = read_measured(file, &machine.columns())?;
         let grid = Grid::new(file, &samples)?;
@@ -60,9 +57,6 @@ fn columns(rows: &Rows, first: usize, count: usize) -> Rows {
 }
 
 /// Reads all logs of a machine in `data`/machine, the `.csv` files in the order of their names.
-///
-/// # Errors
-/// [`HardwareError`].
 pub fn read_logs(data: &Path, machine: Machine) -> Result<Vec<Log>, HardwareError> {
     let folder = data.join(machine.name());
     let failed = |error| HardwareError::Io { path: folder.clone(), error };

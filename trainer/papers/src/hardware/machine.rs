@@ -19,9 +19,6 @@ pub enum Machine {
 const UPRIGHT: f64 = -0.9;
 
 impl Machine {
-    /// All machines.
-    pub const ALL: [Self; 3] = [Self::DoublePendulum, Self::Pendulum, Self::Panda];
-
     /// Name on the command line, and of the folder of its logs.
     pub const fn name(self) -> &'static str {
         match self {

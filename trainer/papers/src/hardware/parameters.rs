@@ -55,10 +55,7 @@ impl Parameters {
         self.numbers.iter().find(|(known, _)| known == name).map(|(_, number)| *number)
     }
 
-    /// Returns the numbers with these names; others are ignored.
-    ///
-    /// # Errors
-    /// [`HardwareError::Parameters`] if one is missing.
+    /// Returns the numbers with these names; others are ignored; an error if one is missing.
     pub fn get<const K: usize>(&self, names: [&str; K]) -> Result<[f64; K], HardwareError> {
         let missing: Vec<&str> = names.into_iter().filter(|name| self.number(name).is_none()).collect();
         if !missing.is_empty() {

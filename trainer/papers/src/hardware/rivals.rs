@@ -4,7 +4,7 @@ use super::entries::{Fitted, Training};
 use super::log::Log;
 use super::predictor::Learned;
 use super::states::{dataset, smoothed};
-use crate::task::TaskError;
+use crate::task::{TaskError, watch};
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_learning::training::{
     Levenberg, LossKind, Objective, Samples, TorqueTerms, objective, torque_objective,
@@ -38,14 +38,11 @@ impl Rival {
         let (network, [learned, judges]) = (network(training, has_friction), training.split());
         let [loss, judge] = [learned, judges].map(|logs| self.objective(&network, logs));
         let (loss, judge) = (loss?, judge?);
-        let watch = |iteration: usize, levenberg: &Levenberg| {
-            if iteration.is_multiple_of(10) {
-                (training.tell)(&format!("iteration {iteration}: loss {:.2e}", levenberg.loss));
-            }
-        };
+        let mut tell = watch(training.tell, 10, (String::new(), ": loss".to_owned()));
         let iterations = ITERATIONS[usize::from(training.quick)];
         let weights = network.initial_weights(training.seed);
-        let weights = Levenberg::new(&*loss, weights).best(&*loss, &*judge, iterations, watch);
+        let weights =
+            Levenberg::new(&*loss, weights).best(&*loss, &*judge, iterations, |k, state| tell(k, state.loss));
         let system = System::new(&*network.energies()?);
         Ok(Fitted {
             parameters: network.learned_parameters()?,

@@ -54,7 +54,6 @@ pub(super) fn predictions(log: &Log, windows: &[usize], offsets: &[f64]) -> Vec<
 
 /// Error to each horizon, rad, for the windows of a log that start at these samples: the root mean square over all joints and all samples
 /// from the start of the prediction on. `offsets` are the zeros z of the encoders, q̃ = q + z. Infinite if a prediction breaks off.
-/// prediction breaks off.
 pub(super) fn window_errors(
     predictor: &dyn Predictor,
     log: &Log,

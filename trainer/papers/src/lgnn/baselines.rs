@@ -2,9 +2,9 @@
 
 use super::super::training::{Bounds, Limits, Recipe, is_past};
 use super::recipe::JUDGES;
-use super::{Case, Experiment, Options, Outcome, published};
+use super::{Case, Experiment, Outcome, published};
 use crate::baselines::{CartesianLnn, Gns, GraphSizes, Lgn, MotionModel};
-use crate::task::{TaskError, Tell};
+use crate::task::TaskError;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
 use leastaction_learning::training::{AdamSettings, Samples, Schedule};
@@ -90,17 +90,9 @@ fn recipe(seed: u64) -> Recipe {
     }
 }
 
-/// Trains a baseline within limits, and rolls it out; `tell` occasionally gets a line of progress.
-pub fn run_baseline(
-    (case, baseline): (Case, Baseline),
-    (options, bounds): (&Options, Bounds),
-    tell: &Tell,
-) -> Result<Vec<Outcome>, TaskError> {
-    Experiment { case, options, tell }.baseline(baseline, bounds)
-}
-
 impl Experiment<'_> {
-    fn baseline(&self, baseline: Baseline, bounds: Bounds) -> Result<Vec<Outcome>, TaskError> {
+    /// Trains a baseline within limits, and rolls it out.
+    pub(super) fn baseline(&self, baseline: Baseline, bounds: Bounds) -> Result<Vec<Outcome>, TaskError> {
         let (seed, system) = (self.options.seed, Baseline::trained(self.case));
         let samples = Samples::accelerations(&lgnn_set(&LgnnSettings::published(system, seed))?)?;
         let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);

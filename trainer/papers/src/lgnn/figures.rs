@@ -47,13 +47,13 @@ fn learned(
     abscissa: &str,
     curves: &[(&str, &Compared)],
 ) -> Result<Option<String>, PlotError> {
-    let curves: Vec<_> = curves.iter().filter(|(_, curve)| !curve.rows.is_empty()).collect();
+    let curves: Vec<_> = curves.iter().filter(|(_, curve)| !curve.is_empty()).collect();
     if curves.is_empty() {
         return Ok(None);
     }
     let mut text = format!("curve,{abscissa},learned,exact\n");
     for (k, (_, curve)) in curves.iter().enumerate() {
-        curve.rows.iter().for_each(|[x, learned, exact]| text += &format!("{k},{x},{learned:e},{exact:e}\n"));
+        curve.iter().for_each(|[x, learned, exact]| text += &format!("{k},{x},{learned:e},{exact:e}\n"));
     }
     let table = folder.join(format!("{name}.csv"));
     atomic::write(&table, text.as_bytes()).map_err(|error| PlotError::Write { file: table, error })?;
@@ -66,6 +66,6 @@ fn learned(
 }
 
 fn both(curve: &Compared) -> [Series; 2] {
-    let series = |label: &str, k: usize| Series::new(label, curve.rows.iter().map(|row| (row[0], row[k])));
+    let series = |label: &str, k: usize| Series::new(label, curve.iter().map(|row| (row[0], row[k])));
     [series("exact", 2).with_stroke(Stroke::Wide), series("learned", 1)]
 }

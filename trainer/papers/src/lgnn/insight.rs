@@ -12,12 +12,8 @@ use leastaction_models::particles::Driven;
 /// Number of points of a curve.
 const POINTS: usize = 200;
 
-/// A function of one quantity, learned and exact.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Compared {
-    /// Rows of (abscissa, learned, exact).
-    pub rows: Vec<[f64; 3]>,
-}
+/// Rows (abscissa, learned, exact) of a function of one quantity.
+pub type Compared = Vec<[f64; 3]>;
 
 /// Learned terms of a model's networks and laws.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,7 +59,7 @@ fn spring(model: &LearnedGraph, samples: &Samples) -> Result<Compared, TaskError
         let r = longest * (k + 1) as f64 / POINTS as f64;
         [r, learned(r) - zero, (r * r - 1.0).powi(2)]
     };
-    Ok(Compared { rows: (0..POINTS).map(row).collect() })
+    Ok((0..POINTS).map(row).collect())
 }
 
 fn dragged(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Compared, TaskError> {
@@ -78,7 +74,7 @@ fn dragged(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<Compare
         let [learned, _] = Particles::<f64, 2>::drag(&node, 0, &[v, 0.0]);
         [v, learned, -drag * v]
     };
-    Ok(Compared { rows: (0..POINTS).map(row).collect() })
+    Ok((0..POINTS).map(row).collect())
 }
 
 /// Pull of every rod along an exact motion under a force u, with states (q, v) `h` seconds apart.
@@ -98,8 +94,6 @@ pub(super) fn pulls<P: Particles<f64, 2>>(
         Some((k as f64 * h, driven.multipliers(q, v, u)?, truss.tensions(q, v)?))
     };
     let all: Vec<_> = states.chunks_exact(2 * n).enumerate().filter_map(at).collect();
-    let rod = |i: usize| Compared {
-        rows: all.iter().map(|(t, lambda, exact)| [*t, -lambda[i], exact[i]]).collect(),
-    };
+    let rod = |i: usize| all.iter().map(|(t, lambda, exact)| [*t, -lambda[i], exact[i]]).collect();
     (0..truss.rods.len()).map(rod).collect()
 }

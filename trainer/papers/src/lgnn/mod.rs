@@ -17,14 +17,15 @@ mod trial;
 pub use recipe::train;
 pub use task::tasks;
 
-use baselines::{Baseline, run_baseline};
+use baselines::Baseline;
 use insight::{Compared, Insight};
 use outcome::Outcome;
 use published::{Published, published};
 use recipe::LearnedGraph;
 use speed::{LINEAR_SIZES, step_microseconds};
 
-use crate::task::{TaskError, Tell};
+use super::training::Bounds;
+use crate::task::{TaskError, Tell, watch};
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
 use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set, lgnn_shape};
@@ -35,10 +36,11 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// One of the paper's experiments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
     /// Three pendulums on rods, and the same model run on 4 and 5.
+    #[default]
     Pendulum,
     /// Five springs in a ring, and the same model run on 3 and 4.
     Spring,
@@ -79,20 +81,25 @@ impl Options {
     }
 }
 
-/// Runs a case; `tell` occasionally gets a line of progress.
-pub fn run(case: Case, options: &Options, tell: &Tell) -> Result<Vec<Outcome>, TaskError> {
+/// Runs a case with our model, or with one of those that the paper compares with; `tell` occasionally gets a line of progress.
+pub fn run(
+    (case, baseline): (Case, Option<(Baseline, Bounds)>),
+    options: &Options,
+    tell: &Tell,
+) -> Result<Vec<Outcome>, TaskError> {
     let experiment = Experiment { case, options, tell };
+    if let Some((baseline, bounds)) = baseline {
+        return experiment.baseline(baseline, bounds);
+    }
+    let pendulums = [3, 4, 5].map(LgnnSystem::Pendulum);
     match case {
-        Case::Pendulum => {
-            experiment.sizes(LgnnSystem::Pendulum(3), 0.0, &[3, 4, 5].map(LgnnSystem::Pendulum))
-        }
+        Case::Pendulum => experiment.sizes(LgnnSystem::Pendulum(3), 0.0, &pendulums),
         Case::Spring => experiment.sizes(LgnnSystem::Spring(5), 0.0, &[5, 3, 4].map(LgnnSystem::Spring)),
         Case::Scale => experiment.scale(),
         Case::Hybrid => experiment.hybrid(0.0),
         Case::HybridForce => experiment.hybrid(PULL),
         Case::Drag => {
-            let mut rows =
-                experiment.sizes(LgnnSystem::Pendulum(3), DRAG, &[3, 4, 5].map(LgnnSystem::Pendulum))?;
+            let mut rows = experiment.sizes(LgnnSystem::Pendulum(3), DRAG, &pendulums)?;
             let springs = [5, 3, 4, 50, 500].map(LgnnSystem::Spring);
             rows.extend(experiment.sizes(LgnnSystem::Spring(5), DRAG, &springs)?);
             Ok(rows)
@@ -131,13 +138,8 @@ impl Experiment<'_> {
         let samples = samples.map_or_else(|| all.clone(), |count| all.shuffled(!seed).range(0..count));
         let architecture = lgnn_shape(system, drag > 0.0, self.options.networks_alone)?;
         let (clock, iterations) = (Instant::now(), self.options.iterations);
-        let tell = self.tell;
-        let name = format!("{} of {}", system.name(), system.nodes());
-        let watch = |iteration: usize, loss: f64| {
-            if iteration.is_multiple_of(20) {
-                tell(&format!("{name}: iteration {iteration} of {iterations}: training loss {loss:.2e}"));
-            }
-        };
+        let name = format!("{} of {}: ", system.name(), system.nodes());
+        let watch = watch(self.tell, 20, (name, format!(" of {iterations}: training loss")));
         let (model, [train_mse, validation_mse]) = train(architecture, &samples, iterations, seed, watch)?;
         let parameters = model.weights.len() - model.architecture.fixed_positions().len();
         let row = Outcome {
@@ -244,7 +246,7 @@ impl Experiment<'_> {
             for samples in SAMPLES {
                 let learned = self.learn(system, 0.0, Some(samples))?;
                 let row = self.roll_out(&learned, system, system)?;
-                rows.push(Outcome { published: Published::NOTHING, ..row });
+                rows.push(Outcome { published: Published::default(), ..row });
             }
         }
         Ok(rows)

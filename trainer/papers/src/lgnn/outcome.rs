@@ -8,7 +8,7 @@ use leastaction_learning::evaluate::rollouts::Rollouts;
 use serde::Serialize;
 
 /// Results of one row of a table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Outcome {
     /// Experiment of the row.
     pub case: Case,
@@ -72,26 +72,12 @@ impl Outcome {
             case,
             system: system.name(),
             count: system.nodes(),
-            drag: 0.0,
-            pull: 0.0,
             kind: "trained",
             model: "ours",
-            samples: 0,
-            parameters: 0,
             train_mse: f64::NAN,
             validation_mse: f64::NAN,
-            train_seconds: 0.0,
             seed,
-            epochs: None,
-            ending: Ending::Complete,
-            rollout_seconds: 0.0,
-            starts: 0,
-            rolled_out: None,
-            drag_error: None,
-            step_microseconds: None,
-            pictured: None,
-            insight: Insight::default(),
-            published: Published::NOTHING,
+            ..Self::default()
         }
     }
 }

@@ -6,7 +6,7 @@ use super::super::task::{Task, TaskError, Tell, json, with_seeds};
 use super::super::training::Limits;
 use super::super::{LGNN, compared, numbered};
 use super::growth::Growth;
-use super::{Baseline, Case, Options, Outcome, figures, run, run_baseline};
+use super::{Baseline, Case, Options, Outcome, figures, run};
 use std::path::Path;
 
 /// Creates the tasks of these cases, each with `seeds` seeds from that of the options on; given limits, also those of the models that the
@@ -42,10 +42,8 @@ fn task((case, baseline): compared::Row<Case, Baseline>, options: Options, argum
         is_timed: case == Case::Scale && baseline.is_none(),
         name: name.clone(),
         run: Box::new(move |folder: Option<&Path>, tell: &Tell| {
-            let ours = || run(case, &options, tell);
-            let rows = compared::run(baseline, (folder, &name, &training), ours, |baseline, bounds| {
-                run_baseline((case, baseline), (&options, bounds), tell)
-            })?;
+            let state = (folder, &*name, &*training);
+            let rows = compared::run(baseline, state, |baseline| run((case, baseline), &options, tell))?;
             let with_pictures = |row: &Outcome| {
                 let pictures = folder.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &name, row))?;
                 Ok(Record { pictures, ..record(row, &options)? })

@@ -1,4 +1,4 @@
-use super::super::{Case, Options, run_baseline};
+use super::super::{Case, Options, run};
 use super::*;
 use crate::training::Ending;
 use leastaction_ground_truth::{ModlanetSettings, modlanet_set_of};
@@ -14,7 +14,8 @@ fn rows(case: Case, system: ManyBody, limits: Limits) -> Vec<Outcome> {
     let options = Options { iterations: Some(1), starts: 0, steps: 0, ..Options::new(0) };
     let set = set(system);
     let bounds = Bounds { limits, interrupted: None };
-    let one = |baseline| run_baseline((case, baseline), (&options, bounds), Some(&set), &|_| ()).unwrap();
+    let one =
+        |baseline| run((case, Some((baseline, bounds))), &options, Some(&set), &|_| ()).unwrap().remove(0);
     Baseline::ALL.map(one).to_vec()
 }
 

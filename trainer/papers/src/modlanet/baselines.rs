@@ -1,7 +1,7 @@
 //! Models that the paper compares with (Table 2 and Figure 5), trained by its authors' recipe.
 
 use super::super::training::{Bounds, Limits, Recipe};
-use super::{Experiment, Judge, Outcome, published};
+use super::{Experiment, Judge, Outcome, PREDICTION, published};
 use crate::baselines::{Follow, Hnn, Lnn, Mlp, Momenta, PredictionModel};
 use crate::task::TaskError;
 use leastaction_core::model::ModelError;
@@ -102,11 +102,11 @@ impl Experiment<'_> {
     /// Trains a baseline and judges it.
     pub(super) fn baseline(
         &self,
-        baseline: Baseline,
-        (system, set): (ManyBody, &ModlanetSet),
-        bounds: Bounds,
-        judge: Option<&Judge>,
+        (baseline, bounds): (Baseline, Bounds),
+        system: ManyBody,
+        set: &ModlanetSet,
     ) -> Result<Outcome, TaskError> {
+        let judge = self.judge(system, PREDICTION)?;
         let recipe = baseline.recipe(system);
         let model = baseline.model(system, &self.architecture(system, set)?.coordinates())?;
         let (name, samples) = (baseline.name(), Samples::modlanet(&set.train));
@@ -116,7 +116,7 @@ impl Experiment<'_> {
         let mut outcome = self.outcome(system, name, set, learned, trained.seconds)?;
         outcome.published = published(system, name);
         (outcome.epochs, outcome.ending) = (Some(trained.epochs), trained.ending);
-        if let Some(judge) = judge {
+        if let Some(judge) = &judge {
             self.predict_baseline(&mut outcome, judge, learned, bounds.limits)?;
         }
         Ok(outcome)

@@ -5,10 +5,11 @@ use leastaction_ground_truth::ManyBody;
 use serde::Serialize;
 
 /// One of the paper's experiments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
     /// Two pendulums: accelerations, and predictions of 30 s (Table 2, Figure 5).
+    #[default]
     DoublePendulum,
     /// Three bodies: accelerations, and predictions of 30 s.
     ThreeBody,

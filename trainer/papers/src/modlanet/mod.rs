@@ -17,12 +17,12 @@ pub use task::{ModlanetData, tasks};
 
 use outcome::{Outcome, Pictured, Predicted, Stepped};
 use published::{Published, by_samples, published};
-use recipe::{LearnedTree, architecture, fine_tune, train};
+use recipe::{LearnedTree, architecture, best_of, train};
 use stepping::{Energies, LongRun, long_run};
 
-use super::training::{Bounds, Ending};
+use super::training::Bounds;
 use crate::baselines::{Follow, PredictionModel};
-use crate::task::{TaskError, Tell};
+use crate::task::{TaskError, Tell, watch};
 use judge::Judge;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of};
@@ -32,9 +32,10 @@ use leastaction_learning::training::Samples;
 use leastaction_models::{Family as _, ModularArchitecture};
 use std::time::Instant;
 
-/// Runs a case; `tell` occasionally gets a line of progress.
+/// Runs a case with our model or, in a case that has them, one of those that the paper compares with; `tell` occasionally gets a line of
+/// progress.
 pub fn run(
-    case: Case,
+    (case, baseline): (Case, Option<(Baseline, Bounds)>),
     options: &Options,
     data: Option<&ModlanetSet>,
     tell: &Tell,
@@ -42,6 +43,9 @@ pub fn run(
     let experiment = Experiment { case, options, tell };
     let system = case.system().unwrap_or(ManyBody::Pendulum(2));
     let set = || data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok);
+    if let Some(baseline) = baseline {
+        return Ok(vec![experiment.baseline(baseline, system, &set()?)?]);
+    }
     match case {
         Case::DoublePendulum | Case::ThreeBody => Ok(vec![experiment.table_2(system, &set()?)?]),
         Case::ExtendPendulum => experiment.extend(system, &set()?, &[3, 4].map(ManyBody::Pendulum)),
@@ -49,29 +53,15 @@ pub fn run(
         Case::DatasetSize => experiment.dataset_size(),
         Case::DirectLarge => [ManyBody::Pendulum(4), ManyBody::Bodies(6)]
             .into_iter()
-            .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?)?.0))
+            .map(|system| Ok(experiment.learn(system, &generated(system, options.seed, TRAJECTORIES)?)?.0))
             .collect(),
         Case::Noise => experiment.noise(system, &set()?),
     }
 }
 
-/// Runs one of the models that the paper compares with, in a case that has them; `tell` occasionally gets a line of progress.
-pub fn run_baseline(
-    (case, baseline): (Case, Baseline),
-    (options, bounds): (&Options, Bounds),
-    data: Option<&ModlanetSet>,
-    tell: &Tell,
-) -> Result<Outcome, TaskError> {
-    let experiment = Experiment { case, options, tell };
-    let system = case.system().unwrap_or(ManyBody::Pendulum(2));
-    let set = data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok)?;
-    let judge = experiment.judge(system, PREDICTION)?;
-    experiment.baseline(baseline, (system, &set), bounds, judge.as_ref())
-}
-
-/// Generates data with as many trajectories as for the trained sizes.
-fn large(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
-    modlanet_set_of(&ModlanetSettings { trajectories: 100, ..ModlanetSettings::published(system, seed) })
+/// Generates data with another number of trajectories than the authors'.
+fn generated(system: ManyBody, seed: u64, trajectories: usize) -> Result<ModlanetSet, GenerationError> {
+    modlanet_set_of(&ModlanetSettings { trajectories, ..ModlanetSettings::published(system, seed) })
 }
 
 struct Experiment<'a> {
@@ -112,12 +102,8 @@ impl Experiment<'_> {
         let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
         let (iterations, seed) = (self.iterations(), self.options.seed);
-        let tell = self.tell;
-        let model = train(architecture, &set.train, iterations, seed, |iteration, loss| {
-            if iteration % 10 == 0 {
-                tell(&format!("iteration {iteration} of {iterations}: training loss {loss:.2e}"));
-            }
-        })?;
+        let watch = watch(self.tell, 10, (String::new(), format!(" of {iterations}: training loss")));
+        let model = train(architecture, &set.train, iterations, seed, watch)?;
         let seconds = clock.elapsed().as_secs_f64();
         Ok((self.judged((system, "trained"), set, (&model, seconds), None)?, model))
     }
@@ -155,22 +141,13 @@ impl Experiment<'_> {
             count: system.count(),
             kind,
             samples: set.train.q.len(),
-            noise: 0.0,
             parameters: weights.len(),
             train_mse: loss(&set.train)?,
             test_mse,
             relative_test_mse: test_mse / set.test.mean_squared_acceleration(),
             train_seconds,
-            epochs: None,
-            ending: Ending::Complete,
             seed: self.options.seed,
-            predicted: None,
-            unpredicted: None,
-            stepped: None,
-            accelerations: Vec::new(),
-            pictured: None,
-            long_run: None,
-            published: Published::NOTHING,
+            ..Outcome::default()
         })
     }
 
@@ -215,7 +192,8 @@ impl Experiment<'_> {
         let zero_shot = self.judged((system, "zero-shot"), &set, (model, 0.0), judge.as_ref())?;
         let clock = Instant::now();
         let [rows, validation] = held_back(&set.train, 9);
-        let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
+        let weights = best_of(&model.architecture, [&rows, &validation], model.weights.clone(), FINE_TUNING)?;
+        let tuned = LearnedTree { weights, ..model.clone() };
         let seconds = clock.elapsed().as_secs_f64();
         let fine_tuned = self.judged((system, "fine-tuned"), &set, (&tuned, seconds), judge.as_ref())?;
         Ok([Outcome { samples: 0, ..zero_shot }, fine_tuned])
@@ -228,10 +206,9 @@ impl Experiment<'_> {
         let mut rows = Vec::new();
         for samples in sizes.into_iter().filter(|samples| *samples <= self.options.most_samples) {
             (self.tell)(&format!("{samples} samples"));
-            let published = ModlanetSettings::published(system, self.options.seed);
             // Nine of every ten trajectories of 101 states are for training.
-            let settings = ModlanetSettings { trajectories: samples / 100, ..published };
-            let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?)?;
+            let set = generated(system, self.options.seed, samples / 100)?;
+            let (outcome, _) = self.learn(system, &set)?;
             rows.push(Outcome { published: by_samples(samples), accelerations: Vec::new(), ..outcome });
         }
         Ok(rows)
@@ -242,6 +219,8 @@ impl Experiment<'_> {
 const PREDICTION: f64 = 30.0;
 /// Step size of the long run, s.
 const LONG_STEP: f32 = 0.01;
+/// Number of trajectories of large systems: as many as those of the trained sizes.
+const TRAJECTORIES: usize = 100;
 /// Number of iterations of fine-tuning.
 const FINE_TUNING: usize = 30;
 

@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn the_model_is_better_than_a_network_of_its_size() {
         let options = Options { iterations: Some(8), ..Options::new(0) };
-        let rows = run(Case::Noise, &options, Some(&set()), &|_| ()).unwrap();
+        let rows = run((Case::Noise, None), &options, Some(&set()), &|_| ()).unwrap();
         let conditions: Vec<_> = rows.iter().map(|row| (row.samples, row.noise, row.kind)).collect();
         let expected = [(0.0, "trained"), (0.0, "mlp"), (0.01, "trained"), (0.01, AT_LOGGED), (0.01, "mlp")];
         let expected =

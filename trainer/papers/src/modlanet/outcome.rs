@@ -83,7 +83,7 @@ impl From<&LongRun> for Stepped {
 }
 
 /// Results of one row of a table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Outcome {
     /// Experiment of the row.
     pub case: Case,

@@ -89,22 +89,19 @@ impl LearnedTree {
         Self { architecture: self.architecture.with_tree(tree(system)), weights: self.weights.clone() }
     }
 
-    /// Returns the shape as one of any family.
-    pub fn shape(&self) -> Architecture {
-        self.architecture.clone().into()
-    }
-
     /// Accelerations of rows, true and learned; if there are many, an evenly spaced selection.
     pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
         let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
-        Model::new(self.shape(), self.weights.clone()).with_accelerations(|accelerations| {
-            let of_row = |k: usize| {
-                let mut learned = vec![0.0; rows.q.width()];
-                accelerations(&rows.q[k], &rows.v[k], &mut learned)?;
-                Some(rows.a[k].iter().copied().zip(learned))
-            };
-            (0..rows.q.len()).step_by(apart).filter_map(of_row).flatten().collect()
-        })
+        Model::new(Architecture::from(self.architecture.clone()), self.weights.clone()).with_accelerations(
+            |accelerations| {
+                let of_row = |k: usize| {
+                    let mut learned = vec![0.0; rows.q.width()];
+                    accelerations(&rows.q[k], &rows.v[k], &mut learned)?;
+                    Some(rows.a[k].iter().copied().zip(learned))
+                };
+                (0..rows.q.len()).step_by(apart).filter_map(of_row).flatten().collect()
+            },
+        )
     }
 
     /// Returns the shape that is learned, and its weights.
@@ -127,19 +124,8 @@ pub fn train(
     Ok(LearnedTree { architecture, weights: levenberg.weights })
 }
 
-/// Continues from a trained model with other rows; of all iterations, including the start, the one with the lowest error on `validation` is
-/// kept, so that the model never becomes worse there.
-pub fn fine_tune(
-    model: &LearnedTree,
-    [rows, validation]: [&ModlanetRows; 2],
-    iterations: usize,
-) -> Result<LearnedTree, ModelError> {
-    let weights = best_of(&model.architecture, [rows, validation], model.weights.clone(), iterations)?;
-    Ok(LearnedTree { weights, ..model.clone() })
-}
-
 /// Continues from these weights by Levenberg–Marquardt on `rows`; returns the weights with the lowest error on `validation` among all
-/// iterations, including the start.
+/// iterations, including the start: the model never becomes worse there.
 pub(super) fn best_of(
     shape: &dyn PredictionModel,
     [rows, validation]: [&ModlanetRows; 2],

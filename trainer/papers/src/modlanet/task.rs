@@ -4,7 +4,7 @@ use super::super::record::{Measure, Record, note};
 use super::super::task::{Task, Tell, json, with_seeds};
 use super::super::training::Limits;
 use super::super::{MODLANET, compared, numbered};
-use super::{Baseline, Case, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
+use super::{Baseline, Case, Options, Outcome, Predicted, Stepped, figures, run};
 use leastaction_learning::data::modlanet::ModlanetSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -59,10 +59,8 @@ fn task(
         name: name.clone(),
         run: Box::new(move |folder: Option<&Path>, tell: &Tell| {
             let set = data.as_ref().map(|data| &*data.set);
-            let ours = || run(case, &options, set, tell);
-            let rows = compared::run(baseline, (folder, &name, &training), ours, |baseline, bounds| {
-                Ok(vec![run_baseline((case, baseline), (&options, bounds), set, tell)?])
-            })?;
+            let state = (folder, &*name, &*training);
+            let rows = compared::run(baseline, state, |baseline| run((case, baseline), &options, set, tell))?;
             let with_pictures = |row: Outcome| {
                 let pictures = folder.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
                 Ok(Record { pictures, ..record(&row)? })

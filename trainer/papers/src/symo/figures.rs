@@ -1,6 +1,6 @@
 //! Pictures of all rows.
 
-use super::super::record::{Finished, Record};
+use super::super::record::{Finished, Record, by_table};
 use super::super::{Overview, distinct};
 use leastaction_plot::{PlotError, Series, Stroke, log_log};
 use std::path::Path;
@@ -8,11 +8,8 @@ use std::path::Path;
 /// Draws test and integration error, energy and inertia against the number of trajectories, one picture per mechanism and measure, with our
 /// values and the paper's (Figure 4).
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
-    let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();
-    let is_exact = |table: &&str| !table.ends_with("noisy");
-    for table in distinct(records.iter().map(|record| record.table.as_str())).into_iter().filter(is_exact) {
-        let rows: Vec<&Record> = records.iter().filter(|record| record.table == table).copied().collect();
+    for (table, rows) in by_table(results).into_iter().filter(|(table, _)| !table.ends_with("noisy")) {
         for (k, (name, label)) in MEASURES.into_iter().enumerate() {
             let file = format!("{table}-{name}.svg");
             draw(&folder.join(&file), &format!("{table}: {label}"), &rows, k)?;

@@ -171,6 +171,17 @@ impl Recipe {
         }
     }
 
+    /// Runs all iterations on an objective; returns the last weights or, if trajectories are held back, those that are best by the judge.
+    fn learn(
+        &self,
+        [loss, judge]: [&dyn Objective; 2],
+        weights: Vec<f64>,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Vec<f64> {
+        let judge = Some(judge).filter(|_| self.judges > 0);
+        self.minimise((loss, judge), weights, self.iterations, watch)
+    }
+
     /// Splits trajectories into those that are learned from and those that judge; both are all trajectories if none are held back.
     fn split(&self, data: &Dataset) -> [Dataset; 2] {
         match self.judges {
@@ -209,10 +220,6 @@ impl Case {
         if self.trajectories <= few { vec![100] } else { vec![24, 24] }
     }
 
-    fn loss(&self) -> LossKind {
-        if self.model == Method::Symo { LossKind::DelResidual } else { LossKind::NextPosition }
-    }
-
     /// Learns the weights of a discrete model.
     pub fn train(
         &self,
@@ -223,14 +230,16 @@ impl Case {
         let architecture = &recipe.architecture;
         let [samples, judges] =
             recipe.split(&set.train.truncated(self.trajectories)).map(|data| Samples::triples(&data));
+        let is_symo = self.model == Method::Symo;
+        let kind = if is_symo { LossKind::DelResidual } else { LossKind::NextPosition };
         let warm_up = objective(architecture, samples.clone(), LossKind::DelResidual, 2)?;
         let next = objective(architecture, samples.clone(), LossKind::NextPosition, self.order)?;
         let judge = objective(architecture, judges, LossKind::NextPosition, self.order)?;
-        let loss = objective(architecture, samples, self.loss(), self.order)?;
+        let loss = objective(architecture, samples, kind, self.order)?;
         let weights = architecture.initial_weights(self.seed);
         let weights = recipe.minimise((&*warm_up, Some(&*next)), weights, recipe.warm_up, &mut watch);
         // On the same trajectories the loss of the next position would judge itself.
-        let is_other = recipe.judges > 0 || self.model == Method::Symo;
+        let is_other = recipe.judges > 0 || is_symo;
         let judge = Some(&*judge).filter(|_| is_other);
         Ok(recipe.minimise((&*loss, judge), weights, recipe.iterations, &mut watch))
     }

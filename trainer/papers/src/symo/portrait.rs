@@ -25,17 +25,12 @@ pub(super) fn draw(folder: &Path, name: &str, case: &Case, model: &Model) -> Res
         Series::new("exact", points(&flat(&exact), &exact)).with_stroke(Stroke::Wide),
         Series::new("learned", points(&learned.concat(), &exact)),
     ];
-    let phase = Phase { x_label: angle(case.mechanism), y_label: "its rate (rad/s)", angle: Angle::Wrapped };
+    let is_double = case.mechanism == Mechanism::Acrobot;
+    let x_label = if is_double { "angle of the second joint (rad)" } else { "angle (rad)" };
+    let phase = Phase { x_label, y_label: "its rate (rad/s)", angle: Angle::Wrapped };
     let file = format!("{name}-portrait.svg");
     phase_portrait(&folder.join(&file), &format!("{name}: {STEPS} free steps"), phase, &series)?;
     Ok(file)
-}
-
-fn angle(mechanism: Mechanism) -> &'static str {
-    match mechanism {
-        Mechanism::Acrobot => "angle of the second joint (rad)",
-        Mechanism::Pendulum | Mechanism::Cartpole => "angle (rad)",
-    }
 }
 
 /// The last coordinate and its rate at every midpoint.

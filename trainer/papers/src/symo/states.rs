@@ -69,8 +69,7 @@ impl Case {
             let weights = architecture.initial_weights(self.seed);
             let loss = |samples| objective(architecture, samples, LossKind::NextState, self.order);
             let (loss, judge) = (loss(samples)?, loss(judges)?);
-            let judge = Some(&*judge).filter(|_| recipe.judges > 0);
-            let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
+            let weights = recipe.learn([&*loss, &*judge], weights, watch);
             return Ok((Learned::LNode(Box::new(Model::new(recipe.architecture, weights.clone()))), weights));
         }
         let coordinates: Vec<_> =
@@ -79,9 +78,7 @@ impl Case {
         let node = node.scaled_to(&samples);
         let loss = |samples| node.objective(samples, RungeKutta::of_order(self.order));
         let (loss, judge) = (loss(samples)?, loss(judges)?);
-        let weights = node.initial_weights(self.seed);
-        let judge = Some(&*judge).filter(|_| recipe.judges > 0);
-        let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
+        let weights = recipe.learn([&*loss, &*judge], node.initial_weights(self.seed), watch);
         Ok((Learned::NeuralOde(node), weights))
     }
 

@@ -1,7 +1,7 @@
 //! Cases as tasks, with their rows as records.
 
 use super::super::record::{Measure, Record};
-use super::super::task::{Task, TaskError, Tell, json};
+use super::super::task::{Task, TaskError, Tell, json, watch};
 use super::super::{SYMO, option_name};
 use super::floor::floor;
 use super::published::published;
@@ -92,17 +92,13 @@ fn learned(
     (folder, name): (Option<&Path>, &str),
     tell: &Tell,
 ) -> Result<Record, TaskError> {
-    let watch = |iteration: usize, loss: f64| {
-        if iteration.is_multiple_of(20) {
-            tell(&format!("iteration {iteration}: loss {loss:.2e}"));
-        }
-    };
+    let mut watch = watch(tell, 20, (String::new(), ": loss".to_owned()));
     let set = data.get()?;
     if !case.model.is_discrete() {
-        return Ok(record(case, &case.run_from_states(set, &mut { watch })?, [f64::NAN; 6])?);
+        return Ok(record(case, &case.run_from_states(set, &mut watch)?, [f64::NAN; 6])?);
     }
     let (clock, recipe) = (Instant::now(), case.recipe());
-    let (architecture, weights) = case.learn(recipe, set, &mut { watch })?;
+    let (architecture, weights) = case.learn(recipe, set, &mut watch)?;
     let model = Model::new(architecture, weights);
     let outcome = case.outcome(&model, set, clock.elapsed().as_secs_f64())?;
     let drawn = folder.filter(|_| case.trajectories == PORTRAYED && case.noise == 0.0);

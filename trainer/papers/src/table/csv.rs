@@ -6,9 +6,7 @@ pub fn csv(results: &[Finished]) -> String {
     let mut text = String::from(
         "table,subject,model,ours,parameters,seed,measure,value,paper,floor,train_seconds,note,command\n",
     );
-    for (task, record) in
-        results.iter().flat_map(|task| task.records.iter().map(move |record| (task, record)))
-    {
+    for (task, record) in super::rows(results) {
         lines(&mut text, task, record);
     }
     for task in results.iter().filter(|task| task.failure.is_some()) {

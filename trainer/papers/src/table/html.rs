@@ -1,5 +1,5 @@
 use super::super::{Overview, Paper, distinct};
-use super::{Finished, Row, Table, exceptions, number, tables};
+use super::{Finished, Row, Table, exceptions, failures, number, tables};
 use leastaction_learning::report::page::{escaped, page as framed};
 use std::path::Path;
 
@@ -19,11 +19,6 @@ fn list(title: &str, items: &[String]) -> String {
     }
     let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escaped(item))).collect();
     format!("<h2>{title}</h2>\n<ul>\n{items}</ul>\n")
-}
-
-fn failures(results: &[Finished]) -> Vec<String> {
-    let reason = |task: &Finished| task.failure.as_ref().map(|reason| format!("{}: {reason}", task.task));
-    results.iter().filter_map(reason).collect()
 }
 
 fn section(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
@@ -70,14 +65,10 @@ fn cell(row: &Row, k: usize) -> String {
         text += &format!("<small>{least} … {largest}, {} seeds</small>", row.seeds.len());
     }
     let ratio = measure.paper.zip(cell.median).map(|(paper, ours)| ours / paper);
-    if let Some(paper) = measure.paper {
-        text += &format!("<small>paper {}</small>", number(Some(paper)));
-    }
-    if let Some(ratio) = ratio {
-        text += &format!("<small>ratio {}</small>", number(Some(ratio)));
-    }
-    if let Some(floor) = measure.floor {
-        text += &format!("<small>floor {}</small>", number(Some(floor)));
+    for (name, value) in [("paper", measure.paper), ("ratio", ratio), ("floor", measure.floor)] {
+        if value.is_some() {
+            text += &format!("<small>{name} {}</small>", number(value));
+        }
     }
     let is_worse =
         ratio.is_some_and(|ratio| (measure.better == super::Better::Less) == (ratio > 1.0) && ratio != 1.0);

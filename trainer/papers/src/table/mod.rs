@@ -57,12 +57,21 @@ impl Row<'_> {
     }
 }
 
+/// Tasks that failed, each with the reason.
+pub fn failures(results: &[Finished]) -> Vec<String> {
+    let reason = |task: &Finished| task.failure.as_ref().map(|reason| format!("{}: {reason}", task.task));
+    results.iter().filter_map(reason).collect()
+}
+
+/// All rows with their tasks.
+fn rows(results: &[Finished]) -> impl Iterator<Item = (&Finished, &Record)> {
+    results.iter().flat_map(|task| task.records.iter().map(move |record| (task, record)))
+}
+
 /// Returns the tables of these results, in order of first occurrence.
 pub fn tables(results: &[Finished]) -> Vec<Table<'_>> {
     let mut tables: Vec<Table> = Vec::new();
-    for (task, record) in
-        results.iter().flat_map(|task| task.records.iter().map(move |record| (task, record)))
-    {
+    for (task, record) in rows(results) {
         let at = tables.iter().position(|table| table.title == record.table).unwrap_or_else(|| {
             tables.push(Table { title: &record.table, rows: Vec::new() });
             tables.len() - 1

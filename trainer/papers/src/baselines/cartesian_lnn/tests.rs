@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::baselines::oracle::{
-    self, ADAM, after_adam, assert_close, check_normal_equations, constant, gradient, network, on_rods,
+    self, ADAM, assert_close, check_accelerations, check_epochs, constant, gradient, network, on_rods,
     random, squareplus,
 };
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
+use leastaction_ground_truth::{LgnnSystem, lgnn_graph};
 use nalgebra::{DMatrix, DVector};
 
 /// Two bobs: 4 coordinates, 2 rods.
@@ -46,11 +46,7 @@ fn naive(weights: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
 
 #[test]
 fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
-    let samples = samples();
-    let objective = lnn().objective(samples.clone()).unwrap();
-    check_normal_equations(&*objective, &weights(), |weights| {
-        oracle::errors(&samples, |q, v| naive(weights, q, v))
-    });
+    check_accelerations(&lnn(), (&weights(), &samples()), naive);
 }
 
 #[test]
@@ -72,14 +68,7 @@ fn accelerations_that_are_followed_are_the_same_and_keep_the_rods() {
 #[test]
 fn a_few_epochs_lower_the_loss() {
     let system = LgnnSystem::Pendulum(3);
-    let settings = LgnnSettings { trajectories: 2, ..LgnnSettings::published(system, 3) };
-    let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
-    let lnn = CartesianLnn::new(lgnn_graph(system), 9);
-    let objective = lnn.objective(samples).unwrap();
-    let start = lnn.initial_weights(2);
-    let before = objective.loss(&start);
-    let after = after_adam(&*objective, start, ADAM, 60);
-    assert!(after < 0.5 * before, "{after} {before}");
+    check_epochs(&CartesianLnn::new(lgnn_graph(system), 9), (system, 2), (ADAM, 60));
 }
 
 #[test]

@@ -17,18 +17,14 @@ use leastaction_models::{NamedGraph, random_layers};
 /// energy is not conserved. The weights fit any graph. They start uniform with Glorot's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gns {
-    sizes: GraphSizes,
     network: GraphNetwork,
 }
 
 impl Gns {
-    /// Creates the model on the nodes and edges of a graph; its rods are ignored.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if an edge ends at no node.
+    /// Creates the model on the nodes and edges of a graph, whose rods are ignored; an error if an edge ends at no node.
     pub fn new(sizes: GraphSizes, graph: &NamedGraph) -> Result<Self, ModelError> {
         let ends = graph.edges.iter().map(|edge| edge.ends);
-        Ok(Self { sizes, network: GraphNetwork::new((sizes, sizes.dimension), graph, ends)? })
+        Ok(Self { network: GraphNetwork::new((sizes, sizes.dimension), graph, ends)? })
     }
 
     /// Length of the weight block in numbers, the same for any graph.
@@ -46,7 +42,7 @@ impl Gns {
 
 impl AccelerationModel for Gns {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        random_layers(self.sizes.layers(self.sizes.dimension), seed)
+        random_layers(self.network.layers(), seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {

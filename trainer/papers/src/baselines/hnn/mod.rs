@@ -39,10 +39,7 @@ type Network<'w> = Mlp<'w, f64, MAX_WIDTH, DEPTH>;
 
 impl Hnn {
     /// Creates the network with `width` units in each hidden layer; `coordinates` has one letter each, `a` for angles, any other letter for
-    /// translations.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] if the width is more than [`MAX_WIDTH`].
+    /// translations; an error if it is wider than [`MAX_WIDTH`].
     pub fn new(coordinates: &str, width: usize, momenta: Momenta) -> Result<Self, ModelError> {
         let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
         let hnn = Self { coordinates: coordinates.to_owned(), width, momenta };
@@ -104,10 +101,6 @@ impl Hnn {
         let state = [start.q.clone(), self.momenta.momenta(&start.q, &start.v)].concat();
         follow_flow(rate, |_| Some(()), state, (truth.horizon(), follow.tolerance), keep)
     }
-
-    fn fits(&self, samples: &Samples) -> Result<(), ModelError> {
-        coordinates_fit(samples, self.n())
-    }
 }
 
 impl AccelerationModel for Hnn {
@@ -116,12 +109,12 @@ impl AccelerationModel for Hnn {
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
-        self.fits(&samples)?;
+        coordinates_fit(&samples, self.n())?;
         Ok(Box::new(InBatches(Slopes::accelerations(self, &samples))))
     }
 
     fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
-        self.fits(&samples)?;
+        coordinates_fit(&samples, self.n())?;
         Ok(Box::new(InBatches(Slopes::rates(self, &samples))))
     }
 }

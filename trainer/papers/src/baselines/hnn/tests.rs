@@ -45,7 +45,7 @@ fn each(hnn: &Hnn, weights: &[f64], errors: impl Fn([&[f64]; 3], &[f64], &[f64])
 fn rates_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
     let hnn = hnn();
     let objective = hnn.training(samples()).unwrap();
-    check_normal_equations(&*objective, &hnn.initial_weights(3), |weights| {
+    check_normal_equations(&*objective, (&hnn.initial_weights(3), 1e-6), |weights| {
         each(&hnn, weights, |[q, v, a], h_q, h_p| {
             let convection = hnn.momenta.convection(q, v);
             let p_rate = hnn.momenta.momenta(q, a).into_iter().zip(convection).map(|(a, b)| a + b);
@@ -59,7 +59,7 @@ fn rates_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
 fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
     let hnn = hnn();
     let objective = hnn.objective(samples()).unwrap();
-    check_normal_equations(&*objective, &hnn.initial_weights(3), |weights| {
+    check_normal_equations(&*objective, (&hnn.initial_weights(3), 1e-6), |weights| {
         each(&hnn, weights, |[q, v, a], h_q, _| {
             let force: Vec<f64> =
                 h_q.iter().zip(hnn.momenta.convection(q, v)).map(|(h_q, c)| -h_q - c).collect();

@@ -19,23 +19,19 @@ use leastaction_programs::{Builder, Node};
 /// Glorot's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lgn {
-    sizes: GraphSizes,
     network: GraphNetwork,
     graph: NamedGraph,
 }
 
 impl Lgn {
-    /// Creates the model on the nodes, edges and rods of a graph.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] for dimensions other than 2, or if an edge ends at no node.
+    /// Creates the model on the nodes, edges and rods of a graph; an error in another dimension than 2, or if an edge ends at no node.
     pub fn new(sizes: GraphSizes, graph: NamedGraph) -> Result<Self, ModelError> {
         if sizes.dimension != 2 {
             return Err(ModelError::Shape { what: "dimensions", found: sizes.dimension, compiled: 2 });
         }
         let rods = graph.rods.iter().filter_map(|rod| Some([rod.from?, rod.to]));
         let ends = graph.edges.iter().map(|edge| edge.ends).chain(rods);
-        Ok(Self { sizes, network: GraphNetwork::new((sizes, 1), &graph, ends)?, graph })
+        Ok(Self { network: GraphNetwork::new((sizes, 1), &graph, ends)?, graph })
     }
 }
 
@@ -51,7 +47,7 @@ impl Energies for Lgn {
 
     /// Returns L and 0: the kinetic part of L is not known.
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
-        let (nodes, size) = (self.network.messages(builder, q, v), self.sizes.node);
+        let (nodes, size) = (self.network.messages(builder, q, v), self.network.sizes.node);
         let entries: Vec<usize> = (0..builder.length(nodes)).map(|entry| entry % size).collect();
         let sum = builder.scatter(nodes, &entries, size);
         [self.network.read_out(builder, 1, sum), builder.zeros(1)]
@@ -60,7 +56,7 @@ impl Energies for Lgn {
 
 impl AccelerationModel for Lgn {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        random_layers(self.sizes.layers(1), seed)
+        random_layers(self.network.layers(), seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {

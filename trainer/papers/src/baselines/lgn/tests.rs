@@ -2,12 +2,12 @@
 
 use super::*;
 use crate::baselines::oracle::{
-    self, ADAM, Dual, after_adam, assert_close, check_normal_equations, constant, equation, messages,
-    on_rods, random, squareplus, take,
+    self, ADAM, Dual, assert_close, check_accelerations, check_epochs, constant, equation, messages, on_rods,
+    random, squareplus, take,
 };
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::Rod;
-use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_graph, lgnn_set};
+use leastaction_ground_truth::{LgnnSystem, lgnn_graph};
 use leastaction_learning::training::AdamSettings;
 use leastaction_programs::{Row, System, WIDTH};
 use std::array::from_fn;
@@ -65,11 +65,8 @@ fn naive(weights: &[f64], rods: &[(Option<u16>, u16)], q: &[f64], v: &[f64]) -> 
 
 #[test]
 fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
-    let samples = samples();
-    let objective = lgn(AS_IS, &RODS).objective(samples.clone()).unwrap();
-    check_normal_equations(&*objective, &weights(), |weights| {
-        oracle::errors(&samples, |q, v| naive(weights, &RODS, q, v))
-    });
+    let (lgn, weights) = (lgn(AS_IS, &RODS), weights());
+    check_accelerations(&lgn, (&weights, &samples()), |w, q, v| naive(w, &RODS, q, v));
 }
 
 #[test]
@@ -114,15 +111,8 @@ fn nodes_in_another_order_have_the_same_lagrangian_and_the_accelerations_in_that
 #[test]
 fn a_few_epochs_lower_the_loss() {
     for system in [LgnnSystem::Spring(5), LgnnSystem::Pendulum(3)] {
-        let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(system, 3) };
-        let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
         let lgn = Lgn::new(SIZES, lgnn_graph(system)).unwrap();
-        let objective = lgn.objective(samples).unwrap();
-        let start = lgn.initial_weights(2);
-        let before = objective.loss(&start);
-        let settings = AdamSettings { learning_rate: 1e-3, ..ADAM };
-        let after = after_adam(&*objective, start, settings, 30);
-        assert!(after < 0.5 * before, "{system:?}: {after} {before}");
+        check_epochs(&lgn, (system, 1), (AdamSettings { learning_rate: 1e-3, ..ADAM }, 30));
     }
 }
 
