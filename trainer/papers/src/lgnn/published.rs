@@ -6,8 +6,8 @@ use leastaction_ground_truth::LgnnSystem::{self, Hybrid, Pendulum, Spring};
 /// Geometric means of rollout error and energy violation.
 pub type Published = published::Published<2>;
 
-/// Results for a model, a system, and whether it has drag or, a hybrid, is pulled by 10 N. `ours` stands for the authors' own network, trained
-/// on 3 pendulums or 5 springs (with drag if the system has it), for the hybrid the union of both. LGN diverged when we ran it.
+/// Results for a model, a system, and whether it has drag or, a hybrid, is pulled by 10 N. `ours` stands for the authors' own network,
+/// trained on 3 pendulums or 5 springs (with drag if the system has it), for the hybrid the union of both. LGN diverged when we ran it.
 const TABLE: [Row<(&str, LgnnSystem, bool), 2>; 24] = [
     (("ours", Pendulum(3), false), Some(694), [2.6e-4, 2.9e-6]),
     (("ours", Pendulum(4), false), Some(694), [1.4e-3, 2.3e-5]),

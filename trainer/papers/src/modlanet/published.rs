@@ -6,9 +6,9 @@ use leastaction_ground_truth::ManyBody::{self, Bodies, Pendulum};
 /// Mean squared error of accelerations on the test set, and the errors A_q and A_E of predictions in the authors' measures.
 pub type Published = published::Published<3>;
 
-/// Results for a system and a kind of model. ModLaNet trained on this system itself is that of Table 2; extended to it, that of section 5.3,
-/// with predictions of the pendulums by the authors' program over 100 and 40 starts. The models that it is compared with are those of Table 2;
-/// the light MLP is by the authors' program, whose losses of HNN and MLP are those of ṗ alone. Predictions that are left out fail.
+/// Results for a system and a kind of model. ModLaNet trained on the system itself is from Table 2; extended to it, from section 5.3, its
+/// predictions of pendulums by the authors' program over 100 and 40 starts. The compared models are from Table 2; the light MLP is by the
+/// authors' program, whose losses of HNN and MLP are those of ṗ alone. Predictions that are left out fail.
 const TABLE: [Row<(ManyBody, &str), 3>; 24] = [
     ((Pendulum(2), "trained"), Some(6_275), [3.47e-2, 1.28, 4.6e-2]),
     ((Bodies(3), "trained"), Some(6_307), [1.56e-5, 3.96e-2, 1.1e-3]),
