@@ -43,7 +43,7 @@ on_boards() {
         printf '{"board": "%s", "model": "%s", "scenario": %s, "seed": %s, "success": %s, "trace_hash": %s, "ticks": %s' "$board" \
             "$model" "$(value scenario)" "$(value seed)" "$(value success)" "$(value trace_hash)" "$(value ticks)"
         printf ', "tick_instructions": %s, "text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s' \
-            "$(value tick_instructions)" $(sections "$(program "$board" controller)")
+            "$(value tick_instructions)" $(sections "$(program "$board" "$image")")
         printf ', "milliseconds": %s}\n' $((($(date +%s%N) - begin) / 1000000))
     done
 }
