@@ -7,7 +7,7 @@ use leastaction_cost::processor::{Prediction, Processor};
 use leastaction_models::file::decode;
 use shapes::{Measured, RandomModel};
 
-/// Allowed relative error of a prediction, for models that nothing was fitted to.
+/// Allowed relative error of a prediction, for models that were held out when the predictor was fitted.
 const TOLERANCE: f64 = 0.1;
 
 /// Predicted and measured numbers, with their names.

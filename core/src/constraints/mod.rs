@@ -85,7 +85,7 @@ impl<'a, R: Real, const D: usize> Positions<'a, R, D> {
     }
 }
 
-/// a − b of values with carries, as value and remainder.
+/// Difference a − b of two numbers that each come as (value, carry); the result is again a value and its carry.
 #[inline(always)]
 fn difference<R: Real, const D: usize>(a: ([R; D], [R; D]), b: ([R; D], [R; D])) -> ([R; D], [R; D]) {
     let (mut d, mut rest) = ([R::zero(); D], [R::zero(); D]);

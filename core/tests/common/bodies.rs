@@ -1,4 +1,4 @@
-//! Trees of rigid bodies on joints with random numbers, and their energies by the printed formulas.
+//! Trees of rigid bodies with random or given parameters, and their energies computed naively, with velocities by central differences.
 
 use super::Random;
 use leastaction_core::energy::bodies::{

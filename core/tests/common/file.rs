@@ -20,7 +20,7 @@ use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
 use std::path::PathBuf;
 
-/// Bytes at an address that is a multiple of 16, as a linker section gives it.
+/// Bytes aligned to 16, like a model file placed in a linker section with that alignment.
 #[derive(Clone)]
 pub struct Aligned {
     block: Vec<u128>,

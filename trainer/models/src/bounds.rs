@@ -73,7 +73,8 @@ impl Range {
     }
 }
 
-/// Numbers of a weight block that have a range, single ones or the ten of a body; all others may take any value.
+/// The restricted numbers of a weight block: single numbers with a range, and the ten inertial numbers of each body, kept physically
+/// consistent together. All others may take any value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bounds {
     ranges: Vec<(usize, Range)>,

@@ -45,7 +45,7 @@ pub(crate) fn json(settings: &impl Serialize) -> String {
     serde_json::to_string(settings).unwrap_or_default()
 }
 
-/// Returns a function that tells the loss of every so many iterations, with words before and after their number.
+/// Returns a function that prints the loss of every `every`th iteration, with words before and after its number.
 pub(crate) fn watch<'t>(
     tell: &'t Tell,
     every: usize,

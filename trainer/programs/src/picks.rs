@@ -165,7 +165,8 @@ impl Pick {
     }
 }
 
-/// Returns the shift suggested by the first number of a row, and by the first number that it takes from another row.
+/// Returns the shift that a row would have to be: its first position gives the first source row and the offset, and the position at which
+/// a second source row would begin gives that row.
 fn shifted(row: &Places) -> Pick {
     let (first, by) = (row[0] / WIDTH as u32, row[0] as usize % WIDTH);
     let next = row.get(WIDTH - by).filter(|next| **next != NOWHERE);

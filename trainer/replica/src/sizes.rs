@@ -13,7 +13,8 @@ pub trait Visitor<'c> {
     /// Result of the visit.
     type Output;
 
-    /// Visits an inertia network, bodies or a tree. Other chips can be asked whether they have the same size.
+    /// Visits a system of N coordinates. The bound on [`Replica`] lets the visitor ask another replica for a system of the same N
+    /// ([`OfSize::of_size`]).
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
     where
         for<'f> Replica<'f>: OfSize<N>;

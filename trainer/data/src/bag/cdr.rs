@@ -5,7 +5,7 @@ use crate::error::Problem;
 /// Bytes before the first field, which hold the kind of encoding and options.
 const HEADER: usize = 4;
 
-/// Limit of the padding after the last field, bytes.
+/// Number of bytes after the last field that cannot be padding any more.
 const PADDING: usize = 8;
 
 /// A message; empty lists carry no data.

@@ -153,7 +153,7 @@ impl Machine {
         }
     }
 
-    /// Driven coordinates by default: all, but only the cart of the cart-pole.
+    /// Whether each coordinate is driven by default: all are, except that a cart-pole drives only its cart.
     pub fn driven(&self) -> Vec<bool> {
         match self {
             Self::Named(Mechanism::Cartpole) => vec![true, false],

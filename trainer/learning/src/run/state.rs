@@ -131,8 +131,8 @@ impl State {
         self.iteration += 1;
         self.in_stage += 1;
         let now = Best::new(stage, &self.optimiser, (self.iteration, self.best.validation));
-        // The first losses of a stage may be infinite; any finite loss is then better, and an infinite one never replaces a finite one. If
-        // none is finite, a warm-up ends with its last weights.
+        // The scores of a stage may be infinite at first. A lower score always wins; with a separate judge an equal one does, too, so that a
+        // stage in which all are infinite ends with its last weights.
         let (score, best) = (now.score(stage), self.best.score(stage));
         if score < best || (stage.judge.is_some() && score == best) {
             self.best = now.clone();

@@ -16,8 +16,8 @@ const RIDGE: f64 = 1e-6;
 const ROUNDS: usize = 4;
 /// Gauss–Newton iterations on all learned numbers after each linear fit.
 const ITERATIONS: usize = 15;
-/// Lower bound in a linear fit: a number that must be positive keeps at least this fraction of its value, and a body this fraction of its
-/// moment of inertia about the joint as moment about its own centre.
+/// Lower bound in a linear fit: a number that must be positive keeps at least this fraction of its value. The moment of inertia of a body
+/// about its centre of mass is at least this fraction of the one about its joint.
 const LEAST_PART: f64 = 0.05;
 
 /// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Another family keeps the initial

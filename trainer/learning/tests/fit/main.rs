@@ -103,7 +103,7 @@ fn known_friction_stays_and_the_rest_is_found() {
             assert!((found - truth).abs() < 0.01, "{found} {truth}");
         }
     }
-    // A fit with another smoothing uses another law.
+    // With the default smoothing instead of the true one, the fit assumes a different friction law, so its error is larger.
     let (usual, _) = error(&held[..4]);
     assert!(usual > 2.0 * known, "{usual} {known}");
     // A smoothing is learned as well as the rest if friction grows with the load.

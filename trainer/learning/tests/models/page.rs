@@ -1,4 +1,4 @@
-//! The pages on models, whose examples are run.
+//! Helpers of the tests that run the examples on the book's pages about models.
 
 use leastaction_learning::run::{Monitor, Row};
 

@@ -224,7 +224,8 @@ const TRAJECTORIES: usize = 100;
 /// Number of iterations of fine-tuning.
 const FINE_TUNING: usize = 30;
 
-/// Splits off the last trajectories, one in `one_in`, to judge the rest; if there is only one trajectory, splits off its last rows.
+/// Holds back the last 1/`one_in` of the trajectories (at least one) for validation; of a single trajectory, the last 1/`one_in` of its
+/// rows. Returns the rest, then the held-back rows.
 fn held_back(rows: &ModlanetRows, one_in: usize) -> [ModlanetRows; 2] {
     let starts = rows.starts();
     let first = starts.get(starts.len() - (starts.len() / one_in).max(1)).copied().unwrap_or(0);

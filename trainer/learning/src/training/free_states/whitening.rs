@@ -1,4 +1,4 @@
-//! The covariances C = AAᵀ + σ² of rows side by side, and W with WᵀW = C⁻¹.
+//! Whitening matrices W with WᵀW = C⁻¹ for covariances C = AAᵀ + σ²1, one per lane of the rows.
 
 use leastaction_programs::{Row, WIDTH};
 
