@@ -100,10 +100,18 @@ impl Design {
     #[must_use]
     pub fn condition_of(&self, columns: &[usize]) -> f64 {
         let chosen = self.matrix.select_columns(columns);
-        let found = singular(&triangle(&scaled(&chosen, &norms(&chosen))));
-        let values = found.map_or(Vec::new(), |found| found.values);
-        let [Some(largest), Some(least)] = [values.first(), values.last()] else { return f64::INFINITY };
-        if *least > TOLERANCE * largest { largest / least } else { f64::INFINITY }
+        if chosen.is_empty() {
+            return 0.0;
+        }
+        // A search calls this for every candidate: eigenvalues of the small AᵀA take a fraction of the time of singular values.
+        let scaled = scaled(&chosen, &norms(&chosen));
+        let gram = scaled.transpose() * &scaled;
+        if gram.iter().any(|x| !x.is_finite()) {
+            return f64::INFINITY;
+        }
+        let squares = gram.symmetric_eigenvalues();
+        let (least, largest) = (squares.min(), squares.max());
+        if least > TOLERANCE * TOLERANCE * largest { (largest / least).sqrt() } else { f64::INFINITY }
     }
 
     /// The solution; `None` if a number is not finite.
