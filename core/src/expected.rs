@@ -1,7 +1,8 @@
 //! Values guaranteed by an earlier check.
 //!
-//! Code for a controller may not hold a panic, so indexing and slicing return options even if a constructor has made sure that they
-//! succeed. These functions take the value out: a debug build stops if it is missing, a release build goes on without it.
+//! Code for a controller may not contain a panic, so indexing and slicing return options even if a constructor has
+//! made sure that they succeed. These functions take the value out: a debug build stops if the value is missing, a
+//! release build goes on without it.
 
 /// The value of `option`, which is never `None`; a release build would go on with `fallback`.
 #[inline(always)]

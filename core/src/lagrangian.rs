@@ -91,8 +91,8 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         self.linearization(q, v).dynamics(v)
     }
-    /// First and second derivatives at (q, v) except L_qq: all that a step needs. A family implements it if that costs less than the
-    /// Hessian.
+    /// First and second derivatives at (q, v) except L_qq: all that a step needs. A family implements this method if
+    /// it costs less than the Hessian.
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         self.hessian(q, v).into()
     }

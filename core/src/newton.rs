@@ -11,7 +11,7 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton<R> {
-    /// Maximum number of updates; at least one is taken. 0 only checks the guess.
+    /// Maximum number of updates. At least one update is taken, except for 0, which only checks the guess.
     pub max_iterations: u8,
     /// Residual at which to stop early; 0 always takes `max_iterations`, for a constant running time.
     pub stop: R,
@@ -20,10 +20,10 @@ pub struct Newton<R> {
 }
 
 impl<R: Real> Newton<R> {
-    /// At most 50 updates, stopping at 2 rounding units, accepting up to the square root of one.
+    /// Bounds of at most 50 updates, which stop at 2ε and accept residuals up to √ε, with ε the rounding unit.
     ///
-    /// Updates in f32 are one or two up to h = 10 ms and seldom more than four at 50 ms; in f64, three to four and five to ten. They become
-    /// many only far beyond, where the step is no longer of use.
+    /// A step in f32 takes one or two updates up to h = 10 ms and seldom more than four at 50 ms; a step in f64 takes
+    /// three to four, and five to ten. Only much longer steps, which are no longer of use, take many updates.
     pub fn new() -> Self {
         Self { max_iterations: 50, stop: R::constant(2.0) * R::EPSILON, accept: R::EPSILON.sqrt() }
     }

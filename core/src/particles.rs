@@ -27,7 +27,7 @@ pub trait Particles<R: Real, const D: usize> {
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D];
     /// M_i = ∂²T_i/∂v_i² of one node, kg: symmetric.
     fn mass(&self, node: usize, v: &[R; D]) -> [[R; D]; D];
-    /// Q_i(v_i), N, of one node, for each component of v on its own; drag opposes v.
+    /// Q_i(v_i), N, of one node. Each component depends on the same component of v only; drag opposes v.
     fn drag(&self, node: usize, v: &[R; D]) -> [R; D];
     /// ∂Q_i/∂v_i, component by component, N s/m.
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D];

@@ -61,7 +61,7 @@ pub fn acceleration<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, const
 /// [`continuous::inverse_dynamics`] at vectors: the control force, N or N m, that gives the acceleration.
 ///
 /// # Errors
-/// An error if the forces leave no such control.
+/// An error if no such control force can be computed.
 pub fn inverse_dynamics<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
     system: &System<L, F>,
     q: &SVector<R, N>,

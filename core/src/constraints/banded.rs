@@ -4,15 +4,16 @@ use core::num::NonZero;
 /// A band matrix with `band` diagonals on either side of the main one, in the caller's workspace; [`Banded::factor`] replaces it by its LU
 /// factors.
 ///
-/// Rows are stored one after another: the 2 `band` + 1 entries around the diagonal, then the size of the diagonal entry before elimination.
-/// Elimination does not pivot: A₁ M⁻¹ A₀ᵀ is symmetric positive definite if both Jacobians are taken at one position, and its symmetric
-/// part stays so as long as a step turns no constraint by much; the factors of a symmetric matrix are LDLᵀ.
+/// Rows are stored one after another. Each row holds the 2 `band` + 1 entries around the diagonal, then the
+/// size of the diagonal entry before elimination. Elimination does not pivot: A₁ M⁻¹ A₀ᵀ is symmetric positive
+/// definite if both Jacobians are taken at the same position, and its symmetric part stays positive definite as
+/// long as no constraint turns by much within a step. For a symmetric matrix the factors are LDLᵀ.
 pub(crate) struct Banded<'a, R> {
     band: usize,
     entries: &'a mut [R],
 }
 
-/// Number of numbers in a row, 2 `band` + 2; never 0, so no division by it can fail.
+/// Length of a stored row, 2 `band` + 2. Never 0, so no division by it can fail.
 const fn width(band: usize) -> NonZero<usize> {
     NonZero::<usize>::MIN.saturating_add(band.saturating_mul(2).saturating_add(1))
 }
@@ -47,10 +48,11 @@ impl<'a, R: Real> Banded<'a, R> {
         }
     }
 
-    /// Factors the matrix in place. Fails with the row whose pivot is mere rounding, or not finite.
+    /// Factors the matrix in place. Fails with the index of the row whose pivot is no more than rounding error,
+    /// or is not finite.
     pub fn factor(&mut self) -> Result<(), usize> {
         let (band, width) = (self.band, width(self.band));
-        // Elimination leaves a few rounding units of the diagonal entry in a redundant row.
+        // A redundant row is left with a pivot of a few rounding units of its diagonal entry.
         let smallest = R::constant(64.0) * R::EPSILON;
         for k in 0..self.entries.len() / width {
             let Some((upper, lower)) = self.entries.split_at_mut_checked((k + 1) * width.get()) else {

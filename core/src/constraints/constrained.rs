@@ -29,7 +29,7 @@ where
         Ok(Self { system, constraints, band: band(constraints), scalar: PhantomData })
     }
 
-    /// A system whose constraints and band [`Constrained::new`] has already checked and found.
+    /// Wraps a system whose constraints [`Constrained::new`] has already checked and whose band it has found.
     pub(crate) const fn known(system: &'a S, constraints: &'a C, band: usize) -> Self {
         Self { system, constraints, band, scalar: PhantomData }
     }
@@ -76,7 +76,7 @@ pub(crate) fn check_length<R, T>(slice: &[T], expected: usize) -> Result<(), Con
     if given == expected { Ok(()) } else { Err(ConstraintError::Shape { expected, given }) }
 }
 
-// Called once per start: small rather than fast.
+// Called once per start, so optimised for size, not speed.
 #[inline(never)]
 fn check<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
     constraints: &C,

@@ -116,7 +116,7 @@ fn minus<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> [R; D] {
     core::array::from_fn(|i| a[i] - b[i])
 }
 
-/// Component `axis` of x, which exists: an equation with any other axis has size 0 and is refused.
+/// Component `axis` of x. It always exists: an equation with any other axis has size 0 and is refused.
 #[inline(always)]
 fn component<R: Real, const D: usize>(x: &[R; D], axis: usize) -> R {
     debug_assert!(axis < D, "axis {axis} of {D}");
@@ -137,7 +137,7 @@ fn stretch<R: Real, const D: usize>((d, rest): ([R; D], [R; D]), length: R) -> R
     (high + low).half() / length
 }
 
-/// An equation of the list, which exists: callers count up to [`Constraints::equations`].
+/// Equation number `equation` of the list. It always exists: callers count up to [`Constraints::equations`].
 #[inline(always)]
 fn equation_of<R, const D: usize>(list: &[Holonomic<R, D>], equation: usize) -> Option<&Holonomic<R, D>> {
     debug_assert!(equation < list.len(), "equation {equation} of {}", list.len());

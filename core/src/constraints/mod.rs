@@ -27,8 +27,8 @@ use core::fmt;
 
 /// Holonomic constraints φ_k(q) = 0, each on a few nodes in `D` dimensions.
 ///
-/// φ is scaled to a length near φ = 0: its gradient with respect to a node is about a unit vector. Then A M⁻¹ Aᵀ is well
-/// scaled and λ is a force in newtons.
+/// Near φ = 0, φ is scaled to a length: its gradient with respect to a node is about a unit vector. Then A M⁻¹
+/// Aᵀ is well scaled and λ is a force in newtons.
 pub trait Constraints<R: Real, const D: usize> {
     /// Number of equations.
     fn equations(&self) -> usize;
@@ -46,8 +46,9 @@ pub trait Constraints<R: Real, const D: usize> {
 
 /// Positions q + carry; the carry is the part of q lost to rounding.
 ///
-/// A step divides φ by h, so a rounding error of φ appears in the velocity, multiplied by 1/h. φ should therefore use both parts and keep
-/// more digits than R has if it can ([`Positions::between`] does so for differences); at least φ(q) + A carry.
+/// A step divides φ by h, so a rounding error of φ appears in the velocity, multiplied by 1/h. φ should
+/// therefore use both parts and, if it can, keep more digits than R has ([`Positions::between`] does so for
+/// differences). At the least it should be φ(q) + A carry.
 #[derive(Clone, Copy, Debug)]
 pub struct Positions<'a, R, const D: usize> {
     q: &'a [[R; D]],
@@ -194,7 +195,8 @@ impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
 
 impl<R: fmt::Debug + fmt::Display> core::error::Error for ConstraintError<R> {}
 
-/// The vector of a node, which exists: [`Constrained::new`] checks the nodes of constraints, and every entry point its slices.
+/// The vector of a node. The node always exists: [`Constrained::new`] checks the nodes of the constraints, and
+/// every entry point checks its slices.
 #[inline(always)]
 pub(crate) fn at<R: Real, const D: usize>(x: &[[R; D]], node: usize) -> [R; D] {
     debug_assert!(node < x.len(), "node {node} of {}", x.len());

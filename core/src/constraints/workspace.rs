@@ -11,7 +11,8 @@ impl<'a, R> Workspace<'a, R> {
         if given < needed { Err(ConstraintError::Workspace { needed, given }) } else { Ok(Self(workspace)) }
     }
 
-    /// Takes the next numbers, which exist: [`Workspace::new`] was told how many are needed.
+    /// Takes the next `count` numbers. There are always enough: [`Workspace::new`] has checked the total
+    /// length.
     pub fn numbers(&mut self, count: usize) -> &'a mut [R] {
         let workspace = core::mem::take(&mut self.0);
         debug_assert!(count <= workspace.len(), "{count} numbers of {}", workspace.len());

@@ -7,7 +7,8 @@ use crate::scalar::{Real, all_finite};
 
 /// Feedback that drives a continuous simulation back to its constraints: φ̈ = −2ζω φ̇ − ω² φ (Baumgarte 1972).
 ///
-/// Only explicit integrators need it, which let φ grow. [`crate::discrete::rattle::Rattle`] keeps φ = 0 by itself.
+/// Only explicit integrators need this feedback, because they let φ grow. [`crate::discrete::rattle::Rattle`]
+/// keeps φ = 0 by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baumgarte<R> {
     /// Rate ω ≥ 0, rad/s; useless beyond about 1/h.
@@ -94,9 +95,9 @@ where
     check_finite(acceleration, lambda)
 }
 
-/// Writes the external force u = M a − L_q − Q on each node, N, that gives the acceleration a, m/s², without help from the constraints:
-/// inverse dynamics. If a satisfies the constraints, they then carry no load; any other force with the same effect differs from u by some
-/// Aᵀλ.
+/// Writes the external force u = M a − L_q − Q on each node, N, that gives the acceleration a, m/s², without
+/// help from the constraints (inverse dynamics). If a satisfies the constraints, they then carry no load. Any
+/// other force with the same effect differs from u by some Aᵀλ.
 ///
 /// The workspace is that of [`constrained_acceleration`]. After an error the output has no meaning.
 pub fn constrained_inverse_dynamics<R, S, C, const D: usize>(

@@ -44,9 +44,10 @@ fn finite<R: Real, const N: usize>(x: [R; N]) -> Result<[R; N], SolveError> {
 
 /// The control force τ that produces the acceleration v̇ (inverse dynamics): τ + Q(q, v, τ) = M v̇ − L_q + L_vq v.
 ///
-/// If Q depends on τ, the equation is implicit. It has exactly one solution if friction grows more slowly than the load, |∂Q/∂τ| < 1.
-/// [`Forces::control`] gives it if a single law depends on τ; Newton's method with ∂Q/∂τ starts there. It takes at least one update, which
-/// removes rounding errors, and at most 16, for the case that several laws depend on τ.
+/// If Q depends on τ, the equation is implicit. It has exactly one solution if friction grows more slowly than
+/// the load, |∂Q/∂τ| < 1. [`Forces::control`] gives this solution if a single law depends on τ, and Newton's
+/// method with ∂Q/∂τ starts from it. At least one update is made, to remove rounding errors. If several laws
+/// depend on τ, up to 16 updates are made.
 ///
 /// # Errors
 /// An error if 1 + ∂Q/∂τ is singular, a number is not finite, or 16 updates do not solve the equation.

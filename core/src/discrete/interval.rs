@@ -38,7 +38,8 @@ impl<R: Real, const N: usize> Balance<R, N> {
         core::array::from_fn(|i| self.impulse[i] - self.d1_ld[i])
     }
 
-    /// Adds the share of a Gauss point. The step h multiplies last, so no constant such as h(1 − c) is rounded once for all steps.
+    /// Adds the share of a Gauss point. h is multiplied last, so no constant such as h(1 − c) repeats the same
+    /// rounding error in all steps.
     #[inline(always)]
     fn add(&mut self, point: &GaussPoint<R>, h: R, force: &[R; N], l_v: &[R; N], bubble: bool) {
         let (b, early) = (point.weight, R::one() - point.c);
@@ -63,8 +64,8 @@ pub struct Linearised<R: Real, P: Path, const N: usize> {
     /// Derivatives that a bubble adds, if the path has one.
     pub bubble: P::Bubbles<BubbleDerivatives<R, N>>,
     /// Σ b [Σ_j |M_ij| (|v_j| + √ε |q_j|/h) + Σ_j |∂L_v,i/∂q_j q_j|] + h Σ b (|L_q,i| + |Q_i| + |τ_i| + Σ_j |∂Q_i/∂q_j q_j|): the size of
-    /// the terms that rounding acts on, even if they cancel. The term with √ε accepts a residual that would move the system by no more than
-    /// the rounding of its position: at rest no other term is left.
+    /// the terms that rounding acts on, even if they cancel. The term with √ε accepts a residual that would
+    /// move the system by no more than the rounding of its position; at rest it is the only term left.
     ///
     /// Every term has the unit of the momentum p_i, whatever the units of the coordinates.
     pub scale: [R; N],
@@ -105,13 +106,15 @@ impl<R: Real> Variation<R> {
         Self { force: h * (R::one() - point.c), momentum: -R::one() }
     }
 
-    /// D₂, variation of the end position; also the change of position and velocity at the point with w.
+    /// D₂, variation of the end position; also the derivative of position and velocity at the point with
+    /// respect to w.
     #[inline(always)]
     pub fn end(point: &GaussPoint<R>, h: R) -> Self {
         Self { force: h * point.c, momentum: R::one() }
     }
 
-    /// D_m, variation of the bubble; also the change of position and velocity at the point with s.
+    /// D_m, variation of the bubble; also the derivative of position and velocity at the point with respect to
+    /// s.
     #[inline(always)]
     pub fn bubble(point: &GaussPoint<R>, h: R) -> Self {
         Self { force: h * point.bubble(), momentum: point.bubble_rate() }
@@ -193,8 +196,8 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         Self { w: add_scaled(&self.w, part, dw), s: add_scaled(&self.s, part, ds), ..*self }
     }
 
-    /// The part of a change (dw, ds) after which Newton's method evaluates again, as the laws of force limit it by the velocities at the
-    /// Gauss points that `at` selects.
+    /// The fraction of a change (dw, ds) that Newton's method takes before it evaluates again. The force laws
+    /// limit it by the velocities at the Gauss points that `at` selects.
     #[inline(always)]
     pub(super) fn trusted_part<F: Forces<R, N>>(
         &self,

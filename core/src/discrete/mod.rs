@@ -18,9 +18,10 @@
 //! The matrix of the two equations leaves out L_qq. The missing part has a relative size of (hω)²/4, with ω the fastest rate at which the
 //! system oscillates, and an update multiplies the error by about that. In return, one evaluation of [`Lagrangian::linearization`] gives
 //! both the residual after an update and the matrix of the next; the acceleration of up to two coordinates takes the same evaluation; and
-//! no family needs second derivatives of its potential on a controller. Measured on the exact systems of
-//! [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links ([`modular`](crate::energy::modular)), at
-//! speeds up to 10 rad/s, order 2; number of updates down to rounding, mean and maximum:
+//! no family needs second derivatives of its potential on a controller. The table gives the number of updates
+//! down to rounding, mean and maximum, at order 2 and speeds up to 10 rad/s. It was measured on the exact
+//! systems of [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links
+//! ([`modular`](crate::energy::modular)):
 //!
 //! | h | with L_qq, f32 | without, f32 | with L_qq, f64 | without, f64 |
 //! |---|---|---|---|---|
@@ -30,9 +31,10 @@
 //! | 10 ms, learned links | 1.0, 2 | 1.2, 3 | 2.1, 3 | 4.0, 8 |
 //! | 50 ms, learned links | 2.0, 5 | 2.9, 8 | 3.2, 6 | 7.5, 33 |
 //!
-//! "Exact" gives the cart-pole where the systems differ; the worst of the three needs 6.2 updates on average instead of 5.9, with the same
-//! maximum. A fixed number of updates leaves a larger error at long steps: for the learned links in f32, two updates leave 9e-6 (relative
-//! to w) at 10 ms, and 7e-4 at 20 ms, where three should be taken.
+//! Where the three exact systems differ, the table shows the cart-pole; the worst of the three needs 6.2
+//! updates on average instead of 5.9, with the same maximum. A fixed number of updates leaves a larger error at
+//! long steps: for the learned links in f32, two updates leave 9e-6 (relative to w) at 10 ms, and 7e-4 at 20
+//! ms, where three should be taken.
 //!
 //! For a cart-pole of 2 × 32 units on a Cortex-M4F (`firmware-sim/chip/README.md`), two updates of order 2 take 54,500 instructions,
 //! 1.9 kB of stack and, in an image with nothing else, 14.6 kB of code; with L_qq in the first of two updates they took 58,500, 3.1 kB and
@@ -40,19 +42,21 @@
 //!
 //! # Friction
 //!
-//! Forces Q(q, v, τ) are taken at the Gauss points, f⁻ = h Σ b_i (1 − c_i) Q_i and f⁺ = h Σ b_i c_i Q_i: at order 2 once, at the mean
-//! velocity w. A step therefore never gains energy by friction, but under stiff friction the velocity decays too slowly. Near rest, a
-//! midpoint step turns v into v(1 − a)/(1 + a), a = h c (M⁻¹)_ii/(2ε) ([`Coulomb::stiffness`](crate::forces::Coulomb::stiffness)): for a >
-//! 1 the sign changes at every step, the velocity rings. A step of order 4 turns v into v(1 − a + a²/3)/(1 + a + a²/3), which keeps its
-//! sign and is smallest at a = √3. The increment w, and with it the position, stays near 0 as it should; the momentum, and any velocity
-//! computed from it, does not for a ≫ 1. If these are used, as in control, keep a ≤ 1 (order 4: a ≤ 3) by a shorter step or a wider change
-//! of sign, ε ≥ h c (M⁻¹)_ii/2.
+//! Forces Q(q, v, τ) are evaluated at the Gauss points, f⁻ = h Σ b_i (1 − c_i) Q_i and f⁺ = h Σ b_i c_i Q_i; at
+//! order 2 this is once, at the mean velocity w. A step therefore never gains energy by friction, but under
+//! stiff friction the velocity decays too slowly. Near rest, a midpoint step turns v into v(1 − a)/(1 + a), a =
+//! h c (M⁻¹)_ii/(2ε) ([`Coulomb::stiffness`](crate::forces::Coulomb::stiffness)). If a > 1, the sign changes at
+//! every step: the velocity rings. A step of order 4 turns v into v(1 − a + a²/3)/(1 + a + a²/3), which keeps
+//! its sign and is smallest at a = √3. The increment w, and with it the position, stays near 0 as it should.
+//! The momentum, and any velocity computed from it, does not for a ≫ 1. If momentum or velocity is used, as in
+//! control, keep a ≤ 1 (order 4: a ≤ 3) by a shorter step or a wider change of sign, ε ≥ h c (M⁻¹)_ii/2.
 //!
-//! Newton's method alone fails at the change of sign from about a = 2 on: tanh is flat on both sides, and updates jump between them
-//! forever. An update that reverses a velocity therefore ends at rest ([`Forces::trusted_part`]), from where the method converges for any
-//! a. The table gives the number of updates down to rounding, mean and maximum, of steps in which a velocity changes its sign (4 s from six
-//! starts, coordinate 0 driven; friction of 0.5 N m for a pendulum, of 0.3 N and 0.02 N m for a cart-pole; the larger number of the two
-//! systems):
+//! Newton's method alone fails at the change of sign from about a = 2 on: tanh is flat on both sides, and
+//! updates jump between them forever. An update that would reverse a velocity is therefore cut short where that
+//! velocity is 0 ([`Forces::trusted_part`]); from there the method converges for any a. The table gives the
+//! number of updates down to rounding, mean and maximum, over the steps in which a velocity changes its sign.
+//! The runs are 4 s long, from six starts, with coordinate 0 driven. Friction is 0.5 N m for a pendulum, and
+//! 0.3 N and 0.02 N m for a cart-pole; each entry is the larger number of the two systems:
 //!
 //! | h, a | order 2, f32 | order 4, f32 | order 2, f64 | order 4, f64 |
 //! |---|---|---|---|---|
@@ -68,9 +72,10 @@
 //! | 50 ms, 1 | 3.3, 5 | 3.3, 5 | 6.9, 9 | 6.3, 9 |
 //! | 50 ms, 5 | 3.4, 5 | 3.3, 6 | 7.0, 10 | 6.4, 9 |
 //!
-//! [`Del::start`] at order 4 solves another equation, for the bubble alone between two given positions. Friction at the early Gauss point
-//! helps that bubble grow, and from about a = 3.5 on the equation turns back where friction bends; updates then leave out the derivative of
-//! that friction, and reach a solution.
+//! [`Del::start`] at order 4 solves another equation, for the bubble alone between two given positions.
+//! Friction at the early Gauss point helps that bubble grow. From about a = 3.5 on, the residual is therefore
+//! no longer monotonic in the bubble where friction bends sharply; updates then leave out the derivative of the
+//! early friction, and reach a solution.
 //!
 //! At a = 50, the maximum is 7 updates in f32 and 10 in f64. Without friction, or away from rest, the numbers are those of the first table.
 //! The bound on updates ([`Newton::max_iterations`]) stays a bound: a step that is not solved within it is an error. With friction of a ≤

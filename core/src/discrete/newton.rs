@@ -64,7 +64,7 @@ impl<R: Real> Newton<R> {
         self.solve_target(system, guess, &Target { p0: *p0, left: Residual::zero() })
     }
 
-    /// [`Newton::solve_step`] with the residual that the previous step left.
+    /// [`Newton::solve_step`] with the residual that the previous step left over.
     pub(super) fn solve_target<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -141,9 +141,10 @@ where
 {
     /// The change ds between two given ends.
     ///
-    /// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point therefore works against it,
-    /// as inertia does, but friction at the early point works for it: where friction bends sharply, the equation turns back, and an update
-    /// may lead the wrong way. It is then repeated without the derivative of the early friction, which leads the right way, if less
+    /// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point
+    /// therefore works against the bubble, as inertia does, but friction at the early point works for it. Where
+    /// friction bends sharply, the residual is no longer monotonic, and an update may lead the wrong way. The
+    /// update is then repeated without the derivative of the early friction, which leads the right way, if less
     /// quickly.
     fn between_ends(&self) -> Result<[R; N], SolveError> {
         let right = self.left.bubble.map(|r| -r);
@@ -209,9 +210,10 @@ impl<R: Real, const N: usize> Residual<R, N> {
     }
 }
 
-/// Starting data of a step: p₀, and additions to the two equations: the rounding error of p₀, and the residual that Newton's method left in
-/// the step before. Carried over to the next step, these errors do not add up; dropped, they have the sign of the force at every step, and
-/// over 10⁶ steps in f32 the energy drifts.
+/// Starting data of a step: p₀, and additions to the two equations, namely the rounding error of p₀ and the
+/// residual that Newton's method left in the previous step. Carried over to the next step, these errors do not
+/// add up. If they were dropped, they would have the sign of the force at every step, and over 10⁶ steps in f32
+/// the energy would drift.
 pub(super) struct Target<R, const N: usize> {
     pub p0: [R; N],
     pub left: Residual<R, N>,

@@ -12,7 +12,7 @@ const HISTORY: usize = 3;
 pub struct State<R, const N: usize> {
     q: [Compensated<R>; N],
     p: [Compensated<R>; N],
-    /// Increment and bubble of the last steps, newest first; only the first `known` are real.
+    /// Increment and bubble of the last steps, newest first; only the first `known` entries are valid.
     history: [Increment<R, N>; HISTORY],
     known: u8,
     /// Residual that Newton's method left in the last step.
@@ -42,7 +42,7 @@ impl<R: Real, const N: usize> State<R, N> {
     }
 
     /// Creates an unknown state: position and momentum are NaN, and every step is refused.
-    // Called once per program: small rather than fast.
+    // Called once per program, so optimised for size, not speed.
     #[inline(never)]
     pub(crate) fn unknown() -> Self {
         let unknown = [Compensated::new(R::constant(f64::NAN)); N];
@@ -81,7 +81,8 @@ impl<R: Real, const N: usize> State<R, N> {
         self.history[0].w
     }
 
-    /// Guess of the next path: increment and bubble extrapolated by the polynomials through the last ones.
+    /// Guess of the next path: increment and bubble, each extrapolated by the polynomial through its last
+    /// values.
     pub(super) fn initial_guess<P: Path>(&self, h: R, u: &Control<R, N>) -> Interval<R, P, N> {
         let [a, b, c] = &self.history;
         let w = core::array::from_fn(|i| self.extrapolated(a.w[i], b.w[i], c.w[i]));

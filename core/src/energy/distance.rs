@@ -1,5 +1,5 @@
-//! Features of a distance r = |d| that networks see: one definition for the pairs of [`modular`](super::modular) and the edges of
-//! [`graph`](super::graph).
+//! Features of a distance r = |d| that are inputs of networks, defined once for the pairs of
+//! [`modular`](super::modular) and the edges of [`graph`](super::graph).
 
 use crate::network::Jet;
 use crate::scalar::Scalar;
@@ -34,7 +34,8 @@ impl DistanceFeature {
         }
     }
 
-    /// z of a difference d, and (∂z/∂r)/r, which times d is ∂z/∂d; both with tangents along those of d.
+    /// z of a difference d, and (∂z/∂r)/r, which gives ∂z/∂d when multiplied by d; both with tangents along
+    /// those of d.
     #[inline(always)]
     pub fn of_difference<S: Scalar, const T: usize, const D: usize>(
         self,

@@ -1,5 +1,5 @@
-//! Families of energies, each with a [`Lagrangian`](crate::lagrangian::Lagrangian). Derivatives in the weights are not part of them:
-//! training takes those from programs of the same energies.
+//! Families of energies, each of which implements [`Lagrangian`](crate::lagrangian::Lagrangian). They give no
+//! derivatives with respect to the weights: training takes those from programs of the same energies.
 //!
 //! - [`inertia_network`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
 //! - [`bodies`]: trees of rigid bodies on joints in the plane, given by masses, lengths and inertias;

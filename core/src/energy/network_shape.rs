@@ -83,13 +83,13 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
     }
 
     /// Whether the network with this number exists and has the given numbers of inputs and outputs.
-    // Not generic, so there is one copy of the code: it is called for every use of a network.
+    // Not generic: one copy of the code serves every use of a network.
     #[inline(never)]
     pub fn serves(&self, network: u8, inputs: usize, outputs: usize) -> bool {
         self.get(network).is_some_and(|network| network.serves(inputs, outputs))
     }
 
-    /// Name of the first invalid part, whatever the use of the networks; `None` if all is valid.
+    /// Name of the first invalid part, whatever the networks are used for; `None` if all are valid.
     pub fn invalid_part(&self) -> Option<&'static str> {
         let invalid = [
             (self.has_gap(), "list of networks"),

@@ -35,7 +35,8 @@ impl<W: WeightFormat, const H: usize, const L: usize> Mlp<'_, W, H, L> {
         self.adjoint(&tape, bar(y).as_ref(), x_bar);
     }
 
-    /// [`Mlp::pull_back`] with an adjoint pass that is compiled once for all callers: less code in a program with several.
+    /// [`Mlp::pull_back`] with an adjoint pass that is compiled once for all callers: a program with several callers
+    /// is smaller.
     #[inline(always)]
     pub(super) fn pull_back_apart<S: Scalar<Weight = W::Wide>, const T: usize, B: AsRef<[Jet<S, T>]>>(
         &self,

@@ -114,7 +114,8 @@ impl<const N: usize> Trigonometric<'_, N> {
     }
 }
 
-/// ½ v_i v_j for an entry on the diagonal, v_i v_j for one below it, which stands for two.
+/// ½ v_i v_j for an entry on the diagonal, v_i v_j for an entry below it, which stands for itself and its mirror
+/// entry.
 fn kinetic_weight<S: Scalar, const N: usize>(v: &[S; N], i: usize, j: usize) -> S {
     let product = v[i] * v[j];
     if i == j { product.half() } else { product }

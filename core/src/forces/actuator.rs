@@ -15,8 +15,8 @@ pub enum ControlKind {
 
 /// Actuator of every coordinate, from the command u to the acting force τ: τ(t) = g u(t − d) + o.
 ///
-/// The delay d is a fraction of a step h here, 0 ≤ d/h ≤ 1. A longer delay is whole steps, for which the caller takes older commands, plus
-/// this fraction. g = 1, o = 0 and d = 0 is no actuator at all.
+/// Here the delay d is at most one step h, 0 ≤ d/h ≤ 1. For a longer delay, the caller takes older commands for the
+/// whole steps and leaves the remaining fraction to the actuator. g = 1, o = 0 and d = 0 mean no actuator at all.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuator<R, const N: usize> {
@@ -46,9 +46,10 @@ impl<R: Real, const N: usize> Actuator<R, N> {
 
     /// The force over the step that begins when `u` is commanded, with `before` commanded one step earlier; both are held.
     ///
-    /// The force jumps at t + d; the step sees the linear force of the same impulse ∫τ dt and moment ∫tτ dt. For a smooth command this
-    /// keeps order 2. A step of order 4 keeps order 3 (4 without a jump inside the step), and order 2 under a law nonlinear in τ, such as
-    /// friction that grows with the load. If that matters, take two steps, of d and of h − d.
+    /// The force jumps at t + d. The step uses the linear force with the same impulse ∫τ dt and moment ∫tτ dt
+    /// instead. For a smooth command this keeps order 2. A step of order 4 keeps order 3 (order 4 without a jump
+    /// inside the step), but only order 2 if a law is nonlinear in τ, such as friction that grows with the load. If
+    /// that matters, take two steps, of d and of h − d.
     pub fn held(&self, before: &[R; N], u: &[R; N]) -> Control<R, N> {
         let (early, late) = (self.output(before), self.output(u));
         let d = self.delay;

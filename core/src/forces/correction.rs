@@ -9,11 +9,12 @@ use crate::scalar::{Scalar, WeightFormat};
 /// A potential V_c(q) of a few coordinates from a network, beside the potential of the Lagrangian: Q = −∂V_c/∂q, N or N m. It corrects what
 /// the energies lack: a cable, a spring, the ripple of a drive.
 ///
-/// It is a force like all laws, so every family can have it, and models without it pay nothing. A step uses forces wherever it uses L_q, so
-/// it remains the variational step of L − V_c. [`Forces::potential`] is V_c, J.
+/// It is a force like all other laws, so every family can have it, and models without it pay nothing. A step uses
+/// forces wherever it uses L_q, so a step with V_c remains the variational step of L − V_c. [`Forces::potential`]
+/// returns V_c, J.
 ///
-/// Inputs of the network are the positions of the seen coordinates: lengths, then the cosines of all angles, then their sines. It has at
-/// most `L` hidden layers of at most `H` units.
+/// Inputs of the network are the positions of the seen coordinates: lengths, then the cosines of all angles, then
+/// their sines. The network has at most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
 pub struct PotentialCorrection<'a, W, const N: usize, const H: usize, const L: usize> {
     of: Option<Acting<'a, W, N, H, L>>,

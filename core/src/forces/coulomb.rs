@@ -8,10 +8,10 @@ use crate::scalar::{Real, Scalar};
 /// It only dissipates, v·Q ≤ 0, and does not stick: below ε a coordinate creeps under a constant force. True stiction is a set-valued law,
 /// out of reach of a smooth solver.
 ///
-/// A step of order 2 sees the friction at the mean velocity, and so turns v into v(1 − a)/(1 + a) near v = 0, with a = h c (M⁻¹)_ii/(2ε):
-/// for a > 1 the velocity (not the increment) changes its sign at every step, and the larger a is, the more slowly it decays.
-/// [`Coulomb::stiffness`] computes a; keep it at most 1 (3 at order 4) by a shorter step or a larger width. Energy is lost for any a: see
-/// [`crate::discrete`].
+/// A step of order 2 evaluates the friction at the mean velocity. Near v = 0 it therefore turns v into v(1 − a)/(1 +
+/// a), with a = h c (M⁻¹)_ii/(2ε): for a > 1 the velocity (not the increment) changes its sign at every step, and the
+/// larger a is, the more slowly it decays. [`Coulomb::stiffness`] computes a; keep it at most 1 (3 at order 4) by a
+/// shorter step or a larger width. Energy is lost for any a: see [`crate::discrete`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb<S, const N: usize> {
     /// The friction of each coordinate.
@@ -78,7 +78,8 @@ impl<R: Real> DryFriction<R> {
     ///
     /// With k = c_load tanh(v/ε), ρ = total + c tanh(v/ε) and σ = ρ − kτ_s, the equation is τ = σ + k√(τ² + τ_s²), squared
     /// (1 − k²)τ² − 2στ + σ² − k²τ_s² = 0. Its roots are (σ ± kr)/(1 − k²) with r = √(σ² + (1 − k²)τ_s²); the root with + is the solution.
-    /// If kσ < 0 it is computed as ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots over the other root, so nothing cancels.
+    /// If kσ < 0, the solution is computed as ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots divided by the other
+    /// root, so nothing cancels.
     fn control(&self, v: R, total: R) -> R {
         let direction = self.direction(v);
         let (k, rho, s) = (self.load * direction, total + self.constant * direction, self.smoothing);
@@ -109,7 +110,8 @@ impl<S: Scalar, const N: usize> Coulomb<S, N> {
 }
 
 impl<R: Real, const N: usize> Coulomb<R, N> {
-    /// a_i = h c_i (M⁻¹)_ii/(2ε_i) at the load τ, with c_i as grown by the load: the stiffness of friction for steps of h seconds.
+    /// a_i = h c_i (M⁻¹)_ii/(2ε_i) at the load τ, with c_i increased by the load: the stiffness of friction for steps
+    /// of h seconds.
     ///
     /// # Errors
     /// [`SolveError`] if M is singular or a number is not finite.

@@ -13,7 +13,7 @@ use crate::scalar::{Scalar, WeightFormat};
 /// their sines) and then the velocities, each divided by a scale s > 0, m/s or rad/s. The m(m + 1)/2 outputs are L row by row, lower
 /// triangular, √(N s/m) or √(N m s/rad). It does not stick: Q = 0 at rest.
 ///
-/// At most `L` hidden layers of at most `H` units.
+/// The network has at most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
 pub struct Dissipation<'a, W, const N: usize, const H: usize, const L: usize> {
     of: Option<Acting<'a, W, N, H, L>>,

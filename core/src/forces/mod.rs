@@ -40,14 +40,15 @@ pub trait Forces<S: Scalar, const N: usize> {
     /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: used by inverse dynamics, where τ is the unknown.
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N>;
 
-    /// Potential energy that the force stores, J: V of a force Q = −∂V/∂q, 0 of any other force.
+    /// Potential energy that the force stores, J: V for a force Q = −∂V/∂q, 0 for any other force.
     #[inline(always)]
     fn potential(&self, _q: &[S; N]) -> S {
         S::zero()
     }
 
-    /// A τ with τ + Q(q, v, τ) = `total`, from which inverse dynamics starts: total − Q(q, v, 0), which is exact if Q does not depend on τ.
-    /// A law that does depend on τ returns its own solution, which stays exact beside laws that do not.
+    /// A guess of the τ that solves τ + Q(q, v, τ) = `total`, from which inverse dynamics starts. The default, total
+    /// − Q(q, v, 0), is exact if Q does not depend on τ. A law that depends on τ returns its own solution, which
+    /// stays exact beside laws that do not depend on τ.
     fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
     where
         S: Real,
@@ -55,8 +56,8 @@ pub trait Forces<S: Scalar, const N: usize> {
         add_scaled(total, -S::one(), &self.force(q, v, &[S::zero(); N]))
     }
 
-    /// The part of a change dv of the velocity, in (0, 1], after which Newton's method evaluates again: 1, except for a law that bends so
-    /// sharply that its derivatives would overshoot the solution forever.
+    /// The fraction, in (0, 1], of a change dv of the velocity that Newton's method takes before it evaluates again.
+    /// It is 1, except for a law that bends so sharply that full updates would overshoot the solution forever.
     #[inline(always)]
     fn trusted_part(&self, _v: &[S; N], _dv: &[S; N]) -> S
     where

@@ -2,7 +2,7 @@ use crate::energy::SizeError;
 use crate::energy::inertia_network::{Coordinate, feature_count};
 use crate::expected::expected;
 
-/// Coordinates, out of N, that the network of a law sees and acts on: a few, in order.
+/// The few of N coordinates that a law's network sees and acts on, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Seen<const N: usize> {
     /// Kinds of the seen coordinates; unseen ones are [`Coordinate::Cyclic`].

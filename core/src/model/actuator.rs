@@ -43,7 +43,7 @@ impl<'a> ActuatorBytes<'a> {
         expected(take_f32(&mut bytes).ok(), 0.0)
     }
 
-    /// Splits the delay at steps of h seconds: the number of whole steps that a command is late, and the remaining fraction of a step.
+    /// Splits the delay into the number of whole steps of h seconds and the remaining fraction of a step.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for a delay of more than 65,535 steps.
@@ -56,11 +56,11 @@ impl<'a> ActuatorBytes<'a> {
         Ok((whole, steps - f32::from(whole)))
     }
 
-    /// Returns the number of whole steps of h seconds that a command is late, and the actuator with the remaining delay.
+    /// Returns the delay's number of whole steps of h seconds, and the actuator with the remaining delay.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] if the actuator has another number of coordinates, [`ModelError::OutOfRange`] for a delay of more than 65,535
-    /// steps.
+    /// [`ModelError::Shape`] if the actuator has a different number of coordinates, [`ModelError::OutOfRange`] for a
+    /// delay of more than 65,535 steps.
     pub fn at_step<const N: usize>(&self, h: f32) -> Result<(u16, Actuator<f32, N>), ModelError> {
         let mut actuator = Actuator::ideal();
         if self.n() != N {

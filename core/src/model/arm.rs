@@ -14,12 +14,12 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ArmHeader<'a> {
-    /// Two bytes a body ([`TreeBody::to_bytes`]).
+    /// Two bytes per body ([`TreeBody::to_bytes`]).
     pub bodies: &'a [u8],
 }
 
-/// Tolerance of the orthonormality check, by bits of a weight: how far dot products of a rotation's rows and of a joint's axis may be off,
-/// no more than what rounding to single or half precision leaves.
+/// Tolerance of the orthonormality check, by bits of a weight: the error that rounding to single or half precision
+/// may leave in the dot products of a rotation's rows and of a joint's axis.
 const ROUNDING: [(u8, f32); 2] = [(32, 1e-5), (16, 4e-3)];
 
 impl<'a> ArmHeader<'a> {
@@ -60,7 +60,7 @@ impl<'a> ArmHeader<'a> {
 
     pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
         match self.tree::<0>() {
-            // Any number of bodies will do.
+            // Any number of bodies is valid here.
             Ok(_) | Err(ModelError::Tree(TreeError::Coordinates { .. })) => {}
             Err(error) => return Err(error),
         }
@@ -72,7 +72,7 @@ impl<'a> ArmHeader<'a> {
 
 /// A tree of N rigid bodies on joints in space.
 ///
-/// `W` and `F` are those of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` and `F` are as in [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type ArmModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<ArmBodies<'a, W, N>, F>>;
 

@@ -18,7 +18,7 @@ const DIMENSIONS: u8 = 2;
 pub struct BodiesHeader<'a> {
     /// Dimensions of space: 2.
     pub dimensions: u8,
-    /// Two bytes a body ([`TreeBody::to_bytes`]).
+    /// Two bytes per body ([`TreeBody::to_bytes`]).
     pub bodies: &'a [u8],
 }
 
@@ -26,8 +26,8 @@ impl TreeBody {
     /// Bytes of a body in a model file.
     pub const BYTES: usize = 2;
 
-    /// The body in a model file: the joint (0 revolute, 1 prismatic), then 0 if it sits on the ground or 1 + the index of its parent.
-    /// `None` if the parent is body 255, which no byte can hold.
+    /// Converts the body to its bytes in a model file: the joint (0 revolute, 1 prismatic), then 0 if the body sits
+    /// on the ground or 1 + the index of its parent. `None` if the parent is body 255, which no byte can hold.
     pub fn to_bytes(self) -> Option<[u8; Self::BYTES]> {
         let parent = match self.parent {
             None => 0,
@@ -48,7 +48,7 @@ impl TreeBody {
 }
 
 impl<'a> BodiesHeader<'a> {
-    /// A tree in the plane, of two bytes a body.
+    /// Wraps a tree in the plane, with two bytes per body.
     pub const fn planar(bodies: &'a [u8]) -> Self {
         Self { dimensions: DIMENSIONS, bodies }
     }
@@ -93,7 +93,7 @@ impl<'a> BodiesHeader<'a> {
 
     pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
         match self.tree::<0>() {
-            // Any number of bodies will do.
+            // Any number of bodies is valid here.
             Ok(_) | Err(ModelError::Tree(TreeError::Coordinates { .. })) => {}
             Err(error) => return Err(error),
         }
@@ -104,7 +104,7 @@ impl<'a> BodiesHeader<'a> {
 
 /// A tree of N rigid bodies on joints in the plane.
 ///
-/// `W` and `F` are those of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` and `F` are as in [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<PlanarBodies<'a, W, N>, F>>;
 

@@ -8,7 +8,7 @@ use core::ffi::CStr;
 /// A reason for refusing a file, in the form known to programs in other languages and on other processors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// Number of the reason, never given another meaning.
+    /// Number of the reason; it is never given another meaning.
     pub code: u8,
     /// Name, one word.
     pub name: &'static str,

@@ -50,7 +50,7 @@ pub enum ModelError {
         /// Weights that the shape needs.
         needed: usize,
     },
-    /// The weights are of the other precision.
+    /// The program was compiled for weights of the other precision.
     Precision {
         /// Bits of a weight in the file: 16 or 32.
         found: u8,
@@ -76,12 +76,12 @@ pub enum ModelError {
         /// Named things: element types or trees; node types, edge types or graphs.
         of: &'static str,
     },
-    /// The file holds no tree of the name asked for.
+    /// The file holds no tree with the requested name.
     NoSuchTree {
         /// Number of trees in the file.
         trees: usize,
     },
-    /// The file holds no graph of the name asked for.
+    /// The file holds no graph with the requested name.
     NoSuchGraph {
         /// Number of graphs in the file.
         graphs: usize,
@@ -96,7 +96,7 @@ pub enum ModelError {
         /// Number of the section.
         number: u8,
     },
-    /// The file lacks a section that every file has.
+    /// The file lacks a section that every file must have.
     MissingSection {
         /// Name of the section.
         what: &'static str,
@@ -115,7 +115,7 @@ pub enum ModelError {
         /// Value of the parameter.
         value: f32,
     },
-    /// The file does not say a step and an order: the model was not trained for one.
+    /// The file states no step and order: the model was not trained for one.
     NoStep,
     /// The model was trained with an integrator of another order.
     Order {

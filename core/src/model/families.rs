@@ -24,8 +24,9 @@ macro_rules! families {
                 }
             }
 
-            /// Number of groups of coordinates with numbers of their own for each law: coordinates of inertia networks, of bodies and of
-            /// arms, element types of modular models, node types of graphs.
+            /// Number of groups of coordinates; every law of friction has separate parameters for each group. Groups
+            /// are the coordinates of inertia networks, bodies and arms, the element types of modular models and the
+            /// node types of graphs.
             pub fn groups(&self) -> usize {
                 match self {
                     $(Self::$variant(shape) => shape.groups(),)*

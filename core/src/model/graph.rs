@@ -56,7 +56,8 @@ impl Rod {
     /// Bytes of a rod in a model file.
     pub const BYTES: usize = 8;
 
-    /// The rod in a model file; `None` for a rod from node 65,535, whose number stands for the origin.
+    /// Converts the rod to its bytes in a model file; `None` for a rod from node 65,535, whose number stands for the
+    /// origin.
     pub fn to_bytes(self) -> Option<[u8; Self::BYTES]> {
         if self.from == Some(ORIGIN) {
             return None;
@@ -125,7 +126,7 @@ impl Edge {
     /// Bytes of an edge in a model file.
     pub const BYTES: usize = 5;
 
-    /// The edge in a model file.
+    /// Converts the edge to its bytes in a model file.
     pub const fn to_bytes(self) -> [u8; Self::BYTES] {
         let ([a0, a1], [b0, b1]) = (self.ends[0].to_le_bytes(), self.ends[1].to_le_bytes());
         [self.kind, a0, a1, b0, b1]
@@ -182,7 +183,8 @@ impl<'a> GraphHeader<'a> {
         self.shape.nodes.len()
     }
 
-    /// Number of coordinates that laws may name, which every mechanism of a file would have: 0, since no law of graphs names coordinates.
+    /// Number of coordinates that every mechanism of a file has and that laws may therefore name: 0, since no law of
+    /// graphs names coordinates.
     pub(super) fn common_coordinates(&self) -> usize {
         0
     }
@@ -195,7 +197,7 @@ impl<'a> GraphHeader<'a> {
     /// Returns the types over a weight block of any format: f32 as shipped, f64 on the host.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] if they do not have the compiled sizes.
+    /// [`ModelError::Shape`] if the types do not fit the compiled sizes.
     pub fn types<'w, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         weights: &'w [W],
@@ -256,7 +258,7 @@ impl<'a> GraphHeader<'a> {
 
 /// A graph in `D` dimensions with its rods: at most `K` networks of at most `L` hidden layers of at most `H` units.
 ///
-/// `W` is that of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` is as in [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> =
     Model<'a, GraphSystem<'a, D, K, H, L, W>>;
 

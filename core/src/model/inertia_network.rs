@@ -91,7 +91,8 @@ impl<'a> InertiaNetworkHeader<'a> {
         self.letters().flatten().map(|kind| feature_count(&[kind])).sum()
     }
 
-    /// The kind of every coordinate, `None` for an unknown letter. Reads bytes: decoding characters takes code.
+    /// The kind of every coordinate, `None` for an unknown letter. Reads bytes, since decoding characters would take
+    /// more code.
     fn letters(&self) -> impl Iterator<Item = Option<Coordinate>> {
         self.coordinates.as_bytes().iter().map(|letter| Coordinate::from_letter(char::from(*letter)))
     }

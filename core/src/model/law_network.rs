@@ -26,7 +26,7 @@ const UNSEEN: char = '-';
 
 impl LawNetwork<'_> {
     /// The kind of every coordinate, `None` for an unseen one; an error for an unknown letter.
-    // Reads bytes: decoding characters takes code.
+    // Reads bytes, since decoding characters would take more code.
     fn letters(&self) -> impl Iterator<Item = Result<Option<Coordinate>, ModelError>> {
         self.coordinates.as_bytes().iter().map(|letter| match char::from(*letter) {
             UNSEEN => Ok(None),

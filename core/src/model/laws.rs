@@ -123,10 +123,12 @@ impl<'a> Laws<'a> {
         Self { present: self.present | Law::Potential.bit(), potential: Some(network), ..self }
     }
 
-    /// Reads the laws of a model file: one byte per law, rising; the shape of its network, if any, follows the byte.
+    /// Reads the laws of a model file: one byte per law, in ascending order. The shape of the law's network, if any,
+    /// follows the byte.
     ///
     /// # Errors
-    /// [`ModelError::Law`] for an unknown law, [`ModelError::Malformed`] if the numbers do not rise or a shape is malformed.
+    /// [`ModelError::Law`] for an unknown law, [`ModelError::Malformed`] if the numbers do not ascend or a shape is
+    /// malformed.
     pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
         Self::known(bytes, |_| true)
     }
@@ -286,16 +288,17 @@ impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
         (present != 0).then(|| present.trailing_zeros() as u8)
     }
 
-    /// Returns an error if a law is left, for which the program was not compiled.
+    /// Returns an error if a law is left; the program was not compiled for that law.
     pub(super) fn finish(self) -> Result<(), ModelError> {
         self.next().map_or(Ok(()), |number| Err(ModelError::Law { number }))
     }
 }
 
-/// Forces that a program is compiled for; they take the laws of a model file that they know, in the order of the file.
+/// Forces that a program is compiled for. They take those laws of a model file that they know, in the order of the
+/// file.
 ///
-/// A pair `(A, B)` takes the laws of A, then those of B, so laws must stand in it in the rising order of their numbers. A law missing from
-/// the file is left out; a law that the program does not have is a loading error.
+/// A pair `(A, B)` takes the laws of A, then those of B, so a program must list its laws in the ascending order of
+/// their numbers. A law missing from the file is left out; a law that the program does not have is a loading error.
 ///
 /// The numbers of networks stay in place: `'w` is the lifetime of the weight block, `W` its number type.
 pub trait LoadForces<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize>:
@@ -328,7 +331,7 @@ where
     Ok(forces)
 }
 
-/// Spreads the numbers of the groups over the coordinates.
+/// Gives every coordinate the number of its group.
 fn of_groups<S: Scalar, W: WeightFormat<Wide = S::Weight>, const N: usize>(
     numbers: &[W],
     groups: &[u8; N],

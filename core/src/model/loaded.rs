@@ -25,7 +25,8 @@ pub struct Model<'a, M> {
 }
 
 impl<'a, M> Model<'a, M> {
-    /// Loads a file, as all families do: `system` makes the family's system from it and says whether that is the first of the file.
+    /// Loads a file of any family. `system` builds the family's system from the file, and says whether that system is
+    /// the file's first.
     pub(super) fn read<H: ShapeHeader<'a>, W: FileWeightFormat>(
         bytes: &'a [u8],
         knows: impl Fn(Law) -> bool,
@@ -70,7 +71,7 @@ impl<'a, M> Model<'a, M> {
     /// Actuator between command and force; `None`: the command is the force.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] if one of its numbers is.
+    /// [`ModelError::OutOfRange`] if one of the actuator's numbers is out of range.
     pub fn actuator(&self) -> Result<Option<ActuatorBytes<'a>>, ModelError> {
         self.sections.actuator()
     }
@@ -78,7 +79,7 @@ impl<'a, M> Model<'a, M> {
     /// Range of this system's training data, if the file has it.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] if one of its numbers is.
+    /// [`ModelError::OutOfRange`] if one of the range's numbers is out of range.
     pub fn range(&self) -> Result<Option<TrainingRange<'a>>, ModelError> {
         if self.covered { self.sections.range() } else { Ok(None) }
     }

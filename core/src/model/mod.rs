@@ -72,7 +72,7 @@ const CRC_BYTES: usize = 4;
 const MAX_PADDING: usize = 3;
 const PREFIX_BYTES: usize = MAGIC.len() + 1;
 
-/// The checksum that closes a file with all other bytes in `body`.
+/// Computes the checksum at the end of a file, from all bytes before it.
 pub fn checksum(body: &[u8]) -> u32 {
     CRC.checksum(body)
 }

@@ -33,7 +33,7 @@ pub struct TreeHeader<'a> {
 
 /// A tree of elements in N coordinates: at most `E` element types, networks of at most `L` hidden layers of at most `H` units.
 ///
-/// `W` and `F` are those of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+/// `W` and `F` are as in [`InertiaNetworkModel`](super::InertiaNetworkModel).
 pub type ModularModel<
     'a,
     const N: usize,

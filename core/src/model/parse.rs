@@ -17,7 +17,7 @@ pub trait ShapeHeader<'a>: Deserialize<'a> {
 
     /// Length of the energies' part of the weight block, in numbers.
     fn parameters(&self) -> Result<usize, ModelError>;
-    /// Number of groups of coordinates with numbers of their own for each law.
+    /// Number of groups of coordinates; every law of friction has separate parameters for each group.
     fn groups(&self) -> usize;
     /// Number of coordinates that every mechanism of the file has and laws may name; 0 if laws may name none.
     fn coordinates(&self) -> usize;
@@ -50,7 +50,7 @@ pub struct ParsedAs<'a, H, W> {
 }
 
 impl<'a, H: ShapeHeader<'a>, W: FileWeightFormat> ParsedAs<'a, H, W> {
-    /// Reads everything that a program may leave unread, and joins it to the header.
+    /// Reads the sections that a program may leave unread, and completes the header with them.
     fn whole(self, family: impl Fn(H) -> Family<'a>) -> Result<Parsed<'a>, ModelError> {
         let Self { shape, laws, trained_step, weights, sections } = self;
         let header = Header {

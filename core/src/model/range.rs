@@ -47,7 +47,7 @@ impl CoordinateRange {
     /// Length in a model file, bytes: least and most of q, v and u, then the period, four bytes each.
     pub const BYTES: usize = 28;
 
-    /// The range in a model file.
+    /// Converts the range to its bytes in a model file.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
         let Self { q, v, u, period } = self;
         let numbers = [q.least, q.most, v.least, v.most, u.least, u.most, period];
@@ -129,7 +129,7 @@ impl<'a> TrainingRange<'a> {
     /// should not trust it. NaN lies outside.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] if the range has another number of coordinates.
+    /// [`ModelError::Shape`] if the range has a different number of coordinates.
     pub fn outside<const N: usize>(
         &self,
         q: &[f32; N],

@@ -4,7 +4,8 @@ use super::ModelError;
 
 /// Kind of a section; its number precedes the section in the file.
 ///
-/// A reader refuses an unknown section below [`Section::OPTIONAL`], which may change the physics; it skips an unknown one above.
+/// A reader refuses an unknown section with a number below [`Section::OPTIONAL`], because the section may change the
+/// physics. It skips unknown sections from that number on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Section {
@@ -56,7 +57,7 @@ impl Section {
     }
 }
 
-/// The sections of a file, checked: numbers rise, lengths fit, and no mandatory section is unknown.
+/// The sections of a file, checked: numbers ascend, lengths fit, and no mandatory section is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sections<'a>(&'a [u8]);
 
@@ -84,7 +85,7 @@ impl<'a> Sections<'a> {
     }
 
     /// Returns the content of a section, if the file has it.
-    // Not generic, so there is one copy of the code: a loader asks for every section.
+    // Not generic: a loader asks for every section, and one copy of the code serves all calls.
     #[inline(never)]
     pub fn get(&self, section: Section) -> Option<&'a [u8]> {
         let mut rest = self.0;
@@ -97,7 +98,7 @@ impl<'a> Sections<'a> {
         None
     }
 
-    /// Returns the content of a section that every file has.
+    /// Returns the content of a section that every file must have.
     pub(super) fn required(&self, section: Section) -> Result<&'a [u8], ModelError> {
         self.get(section).ok_or(ModelError::MissingSection { what: section.name() })
     }

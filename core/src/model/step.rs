@@ -6,8 +6,8 @@ use crate::forces::ControlKind;
 use crate::scalar::Real;
 use serde::{Deserialize, Serialize};
 
-/// The step that a model was trained with. With another step it is less accurate: a model of a discrete Lagrangian absorbs the error of its
-/// integrator.
+/// The step that a model was trained with. With another step the model is less accurate, because a model trained as a
+/// discrete Lagrangian has absorbed the error of its integrator.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrainedStep {
@@ -23,7 +23,7 @@ impl TrainedStep {
     /// Length in a model file, bytes: the order, h, the kind of control.
     pub const BYTES: usize = 6;
 
-    /// The step in a model file.
+    /// Converts the step to its bytes in a model file.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
         let [a, b, c, d] = self.h.to_le_bytes();
         [self.order.number(), a, b, c, d, self.control as u8]

@@ -10,7 +10,7 @@ use serde::Serialize;
 pub enum WriteError {
     /// The memory is too short for the file.
     TooShort,
-    /// A section is longer than its length field can say.
+    /// A section is longer than its length field can express.
     TooLong,
 }
 
@@ -119,8 +119,8 @@ impl<'m> File<'m> {
         Ok(())
     }
 
-    /// Appends the weights behind their padding: the number of zeros, then the zeros that bring the weights to a multiple of 4 from the
-    /// start of the file.
+    /// Appends the padding and then the weights. The padding is the number of zeros, then the zeros, which bring the
+    /// weights to a multiple of 4 bytes from the start of the file.
     fn weights(&mut self, weights: &[u8]) -> Result<(), WriteError> {
         let first = self.length + 1;
         let padding = first.next_multiple_of(ALIGNMENT) - first;

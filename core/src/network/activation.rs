@@ -166,7 +166,8 @@ fn curves<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &mut [S], slopes: &mut [S
     }
 }
 
-/// Applies σ to a full block: its length is known to the compiler and it has its own arrays, so it becomes vector instructions.
+/// Applies σ to a full block. The compiler knows the block's length, and the block has arrays of its own, so the loop
+/// becomes vector instructions.
 #[inline(always)]
 fn block<S: Scalar>(
     sigma: impl Fn(S) -> Curve<S>,

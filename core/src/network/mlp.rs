@@ -64,7 +64,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         Some(Self { hidden, output, activation })
     }
 
-    /// Length of such a network in the weight block, in numbers; `None` on overflow.
+    /// Length of a network of these sizes in the weight block, in numbers; `None` on overflow.
     pub fn parameters(inputs: usize, widths: &[usize], outputs: usize) -> Option<usize> {
         let (mut fan_in, mut sum) = (inputs, 0usize);
         for width in widths.iter().chain([&outputs]) {

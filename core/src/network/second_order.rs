@@ -38,7 +38,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let records = tape.slopes.iter_mut().zip(&mut tape.curvatures);
         for (layer, (slopes, curvatures)) in self.hidden().zip(records) {
             layer.forward_from(below, slopes);
-            // The layer has already read the units below, which its own units may replace.
+            // The layer has already read the units below, so its own units may replace them.
             self.activation().apply_second_order(slopes, &mut units, curvatures);
             below = Vectors::Units(&units);
         }

@@ -93,7 +93,7 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
     }
 }
 
-/// Number of jets of which a component is gathered at a time; a multiple of the widest panel.
+/// Number of jets from which a component is gathered at a time; a multiple of the widest panel.
 const GATHERED: usize = 32;
 
 /// P jets as vector registers hold them: their values side by side, and the tangents along each direction side by side.
@@ -104,8 +104,8 @@ pub(super) struct Panel<S, const T: usize, const P: usize> {
 
 /// Source of a layer: vectors with T tangents.
 pub(super) trait Source<S, const T: usize> {
-    /// Visits component k (0: the values, then the tangents) in parts: the index of the first number, and as many numbers as lie side by
-    /// side or are gathered at a time.
+    /// Visits component k (0: the values, then the tangents) in parts. A part is the index of its first number, and
+    /// the numbers that lie side by side or are gathered at a time.
     fn parts(&self, k: usize, visit: impl FnMut(usize, &[S]));
     /// Every jet.
     fn each(&self) -> impl Iterator<Item = Jet<S, T>>;
@@ -113,8 +113,8 @@ pub(super) trait Source<S, const T: usize> {
 
 /// Sink of a layer: vectors with T tangents.
 pub(super) trait Sink<S, const T: usize> {
-    /// Visits component k of the `count` numbers to be written, each 0 before, in parts: the index of the first number, and as many numbers
-    /// as lie side by side or are scattered at a time.
+    /// Visits component k of the `count` numbers to be written, each 0 before, in parts. A part is the index of its
+    /// first number, and the numbers that lie side by side or are scattered at a time.
     fn parts(&mut self, k: usize, count: usize, visit: impl FnMut(usize, &mut [S]));
     /// Makes room for `count` numbers with their tangents.
     fn reserve(&mut self, count: usize);

@@ -33,7 +33,7 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
         self.pending.pop_front().unwrap_or(self.last)
     }
 
-    /// Assumes that all commands so far were this one.
+    /// Assumes that all earlier commands were equal to this one.
     pub fn take_past(&mut self, command: [R; N]) {
         self.last = command;
         self.pending.iter_mut().for_each(|pending| *pending = command);
@@ -45,7 +45,8 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
     }
 }
 
-/// Actuators as the observer mirrors them: from commands to the force over each step, with a delay of any part of a step.
+/// The observer's copy of the actuators. It turns commands into the force over each step, with a delay that need not
+/// be a whole number of steps.
 ///
 /// A delay of d steps is ⌊d⌋ steps in a [`DelayLine`] and the remaining fraction in an [`Actuator`], whose force over a step has the
 /// impulse of the two commands that act in it.
@@ -63,7 +64,7 @@ impl<R: Real, const N: usize> Commands<R, N> {
         Self { line: DelayLine::new(whole), actuator, before: [R::zero(); N] }
     }
 
-    /// Assumes that all commands so far were this one: a log begins in the middle of a motion.
+    /// Assumes that all earlier commands were equal to this one, as when a log begins in the middle of a motion.
     pub fn take_past(&mut self, command: [R; N]) {
         self.line.take_past(command);
         self.before = command;
@@ -82,7 +83,8 @@ impl<R: Real, const N: usize> Commands<R, N> {
         self.line.decided().map(move |now| self.force(&core::mem::replace(&mut before, *now), now))
     }
 
-    /// The fraction of a step by which the next command is late after the decided ones, and the force until then.
+    /// The fraction of a step that passes after the decided steps until the next command acts, and the force until
+    /// then.
     pub fn rest(&self) -> (R, [R; N]) {
         let last = self.line.decided().last().unwrap_or(&self.before);
         (self.actuator.delay, self.actuator.output(last))

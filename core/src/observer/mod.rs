@@ -1,5 +1,5 @@
-//! Observer: estimates the state of a mechanism (positions, velocities, and the encoders' zeros) from its encoders' readings alone, by the
-//! model.
+//! Observer: estimates the state of a mechanism (positions, velocities, and the encoders' zeros) with the model, from
+//! nothing but the readings of its encoders.
 //!
 //! Between samples the estimate moves by the model's discrete Euler–Lagrange step under the force of the actuators, whose delay
 //! [`Commands`] mirrors. A sample y corrects the estimate by its innovation
@@ -13,17 +13,18 @@
 //!
 //! # Zeros
 //!
-//! An encoder that is off by z shows the gravity of another place than the model's, which pushes all innovations one way. If zeros are to
-//! be learned, ẑ is the minimiser of Σ e² so far. It is found recursively from the derivative of the estimate, S = ∂(q̂, v̂)/∂ẑ, which is
-//! stepped and corrected along with it: with D = Q_v, K = L_qq + Q_q and ψ = −∂e_i/∂ẑ = 1_i + ∂q̂_i/∂ẑ,
+//! If an encoder is off by z, the model computes gravity at a wrong position, which pushes all innovations one way.
+//! If zeros are to be learned, ẑ is the minimiser of Σ e² so far. It is found recursively from the derivative of the
+//! estimate, S = ∂(q̂, v̂)/∂ẑ, which is stepped and corrected along with the estimate: with D = Q_v, K = L_qq + Q_q
+//! and ψ = −∂e_i/∂ẑ = 1_i + ∂q̂_i/∂ẑ,
 //!
 //! S_v ← S_v + h(M − hD)⁻¹(K S_q + D S_v),   S_q ← S_q + h S_v;   then at a sample   S_q,i ← S_q,i − αψ,   S_v,i ← S_v,i − βψ/h;
 //!
 //! δ = Pψ e/(σ² + ψᵀPψ),   ẑ ← ẑ + δ,   P ← P − Pψψᵀ P/(σ² + ψᵀPψ),   (q̂, v̂) ← (q̂, v̂) + Sδ,
 //!
-//! from P = σ_z² 1, with e limited to three of its standard deviations. Terms of S in the products of velocities are left out; e has them.
-//! A zero on which nothing depends, such as that of a cart on a level track, has ψ = 0 and stays 0. If the model's forces are off, the
-//! zeros take up what they can of the error.
+//! from P = σ_z² 1, with e limited to three of its standard deviations. The step of S leaves out the terms in
+//! products of velocities, although e contains them. A zero on which nothing depends, such as that of a cart on a
+//! level track, has ψ = 0 and stays 0. If the model's forces are off, the zeros take up what they can of the error.
 //!
 //! Sources: E. Brookner, "Tracking and Kalman Filtering Made Easy", 1998, section 1.2.10; L. Ljung and T. Söderström, "Theory and Practice
 //! of Recursive Identification", 1983, chapter 3.

@@ -10,7 +10,7 @@ use crate::scalar::{Real, all_finite};
 pub struct ZerosPrior<R> {
     /// Standard deviation σ_z > 0 of the zeros, rad or m.
     pub deviation: R,
-    /// Standard deviation σ > 0 of an innovation, rad or m; a larger one learns more slowly.
+    /// Standard deviation σ > 0 of an innovation, rad or m; with a larger one, the zeros are learned more slowly.
     pub innovation: R,
 }
 

@@ -35,7 +35,8 @@ impl<R: Real> Compensated<R> {
     #[must_use]
     pub fn plus(self, increment: R) -> Self {
         let (total, lost) = sum(self.sum, increment);
-        // `rest` is not larger than the total, unless that is 0: the shorter form gives the same two numbers (Dekker).
+        // `rest` is not larger than the total, unless the total is 0. Dekker's shorter form therefore gives the same
+        // two numbers.
         let rest = lost + self.carry;
         let sum = total + rest;
         Self { sum, carry: rest - (sum - total) }

@@ -1,7 +1,7 @@
 use super::{LANES, Lanes, Real, Scalar};
 
-/// A real number, evaluated several at a time if that is faster: the same operations in the same order, so every lane has the bits of its
-/// number alone.
+/// A real number type that is evaluated several numbers at a time where that is faster. Every lane takes the same
+/// operations in the same order as a single number would, and so has the same bits.
 pub trait Packed: Real {
     /// [`Packed::WIDTH`] numbers side by side.
     type Pack: Scalar<Weight = Self::Weight>;
@@ -10,7 +10,7 @@ pub trait Packed: Real {
 
     /// The pack with `lane(l)` in lane l.
     fn pack(lane: impl FnMut(usize) -> Self) -> Self::Pack;
-    /// One lane of a pack; the last lane for any number beyond.
+    /// One lane of a pack; the last lane if `lane` is out of range.
     fn lane(pack: &Self::Pack, lane: usize) -> Self;
 }
 

@@ -69,7 +69,7 @@ pub trait Actuation<const N: usize>: Sized {
     /// Whether a command is late by a further fraction of a step.
     fn has_rest(&self) -> bool;
 
-    /// The force of a command without its delay, N or N m.
+    /// The force of a command as if it had no delay, N or N m.
     fn output(&self, u: &[f32; N]) -> [f32; N];
 
     /// [`Actuator::held`].
@@ -185,7 +185,8 @@ impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N,
         K::force(&self.actuation, |steps| self.ago(whole + steps, u))
     }
 
-    /// The command `steps` steps ago; `u` is the present one. Whatever is returned beyond the memory is multiplied by 0.
+    /// The command `steps` steps ago; `u` is the present one. A command from beyond the memory may be any, since its
+    /// weight is 0.
     #[inline(always)]
     fn ago<'u>(&'u self, steps: usize, u: &'u [f32; N]) -> &'u [f32; N] {
         steps.checked_sub(1).and_then(|k| self.past.get(k)).unwrap_or(u)

@@ -7,13 +7,13 @@
 //!
 //! 1. The [`Drive`] computes the force τ over the step from u and the commands before it, τ(t) = g u(t − d) + o. [`Held`] commands act from
 //!    the beginning of the step; with [`Linear`] commands, u is the sample at the end of the step, and the previous command the sample at
-//!    its beginning. A delay d, in whole steps and a fraction, takes older commands, which the drive keeps.
+//!    its beginning. With a delay d (whole steps and a fraction), τ depends on older commands, which the drive keeps.
 //! 2. [`Del::step`] advances the state under τ.
 //!
 //! Graphs, whose particles may be held by rods, are stepped by RATTLE in a [`ParticleStepper`] with the same calls.
 //!
-//! Kind, actuator and number of kept commands are types, so an image has code and memory only for what its file needs; a file that needs
-//! something else is refused when it is loaded.
+//! The kind of control, the actuator and the number of kept commands are part of the stepper's type, so an image has
+//! code and memory only for what its file needs. A file that needs something else is refused when it is loaded.
 
 mod drive;
 mod particles;
@@ -28,8 +28,8 @@ use crate::model::{Model, ModelError, TrainedStep};
 
 /// A model `M` in N coordinates, stepped along paths of type `P` under the commands of a drive `D`.
 ///
-/// Before the start its position is NaN and steps are refused with [`StepError::NotFinite`]; all commands before the first are 0. An error
-/// leaves it unchanged.
+/// Before the start, the position is NaN and steps are refused with [`StepError::NotFinite`]; all commands before the
+/// first are 0. An error leaves the stepper unchanged.
 ///
 /// ```
 /// # use leastaction_core::discrete::Galerkin;
@@ -134,7 +134,8 @@ where
         Ok(())
     }
 
-    /// Takes a command without a step: one sent before the start, oldest first, or, for linear commands, the sample at the start.
+    /// Takes a command without a step: a command that was sent before the start (call this for each, oldest first)
+    /// or, for linear commands, the sample at the start.
     ///
     /// # Errors
     /// [`StepError::NotFinite`] if the force of the command is not finite.
@@ -147,8 +148,8 @@ where
     /// Takes one step under the command `u`.
     ///
     /// # Errors
-    /// See [`Del::step`]. If the cause is a past command, the next step is refused for the same reason: [`Stepper::commanded`] moves past
-    /// it, and [`Stepper::start`] begins anew.
+    /// See [`Del::step`]. If a past command is the cause, the next step is refused for the same reason:
+    /// [`Stepper::commanded`] moves past that command, and [`Stepper::start`] begins anew.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, StepError<f32>> {
         self.drive.check(&u)?;
         let report = self.del.step(&self.model.system, &mut self.state, &self.drive.force(&u))?;

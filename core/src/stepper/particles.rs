@@ -1,4 +1,5 @@
-//! Stepper of graphs of particles under rods, like that of all other models, in memory that the caller owns.
+//! Stepper of graphs of particles with rods. It has the calls of the stepper for all other models, and works in
+//! memory that the caller owns.
 
 use super::{Actuation, Drive, Kind};
 use crate::constraints::{Constrained, ConstraintError, Holonomic};
@@ -45,11 +46,11 @@ impl<const D: usize, const EDGES: usize, const RODS: usize, const NUMBERS: usize
     }
 }
 
-/// A graph model `M` of particles in `D` dimensions, stepped by RATTLE under the commands of a drive `C`. The N coordinates are those of
-/// node after node.
+/// A graph model `M` of particles in `D` dimensions, stepped by RATTLE under the commands of a drive `C`. The N
+/// coordinates are listed node by node.
 ///
-/// The force of a step is the mean of the drive's force over it. Before the start its positions are NaN and steps are refused with
-/// [`ConstraintError::NotFinite`]; all commands before the first are 0.
+/// The force of a step is the mean of the drive's force over the step. Before the start, the positions are NaN and
+/// steps are refused with [`ConstraintError::NotFinite`]; all commands before the first are 0.
 #[derive(Debug)]
 pub struct ParticleStepper<'a, M, C, const D: usize, const N: usize> {
     model: M,

@@ -10,10 +10,10 @@
 //! together: if the kinetic energy is quadratic, only φ is nonlinear, and the second line is linear.
 //!
 //! Positions and momenta are summed with compensation, and φ is evaluated at position and carry
-//! ([`Positions`](crate::constraints::Positions)): the step divides φ by h.
+//! ([`Positions`](crate::constraints::Positions)), because the step divides φ by h.
 //!
-//! Order 4 is Suzuki's composition of five such steps. It is symmetric like the step itself, and so a method of even order that keeps
-//! constraints, momentum and reversibility.
+//! Order 4 is Suzuki's composition of five such steps. The composition is symmetric like the step itself. Its
+//! order is therefore even, and it keeps constraints, momentum and reversibility.
 //!
 //! Sources: Andersen, "Rattle", J. Comput. Phys. 1983; Marsden and West, Acta Numerica 2001, section 3.5; Hairer, Lubich,
 //! Wanner, "Geometric Numerical Integration", sections VII.1.4 and V.3.2.
@@ -47,15 +47,17 @@ impl<R: Real> Rattle<R> {
         Self::with_newton(h, order, Self::default_newton())
     }
 
-    /// Default bounds of Newton's method: at most 12 updates, down to the limit of rounding (a quarter of ε), because the remaining φ has
-    /// one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
+    /// Default bounds of Newton's method: at most 12 updates, down to the limit of rounding (a quarter of ε). A
+    /// φ left by fewer updates would have the same sign at every step, and over 10⁶ steps in f32 the energy
+    /// would drift.
     pub fn default_newton() -> Newton<R> {
         let stop = R::EPSILON * R::constant(0.25);
         Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() }
     }
 
-    /// Creates an integrator with the caller's bounds of Newton's method. Residuals are relative: those of momenta to the terms of their
-    /// sums, those of constraints, φ/h or A v, to the largest velocity.
+    /// Creates an integrator with the caller's bounds of Newton's method. Residuals are relative: those of the
+    /// momenta to the size of the terms in their sums, those of the constraints (φ/h or A v) to the largest
+    /// velocity.
     pub const fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
         Self { h, order, newton }
     }
@@ -94,7 +96,8 @@ impl<R: Real> Rattle<R> {
 
     /// Advances `state` by one step under an external force on each node, N, constant over the step.
     ///
-    /// The report has the largest number of updates of a stage and the largest remaining residual. An error leaves the state unchanged.
+    /// The report holds the largest number of updates that a stage took and the largest remaining residual. An
+    /// error leaves the state unchanged.
     pub fn step<S, C, const D: usize>(
         &self,
         mechanism: &Constrained<R, S, C, D>,
@@ -117,9 +120,10 @@ impl<R: Real> Rattle<R> {
         Ok(report)
     }
 
-    /// Returns the state at q₁, m, one step after a state at q₀, from two positions h apart, which both satisfy the constraints, and the
-    /// external force between them, N. No velocity is needed. `state` is the memory of the state ([`ParticleState::workspace`]);
-    /// `workspace` is used only during the call.
+    /// Returns the state at q₁ from q₀ and q₁, m, the positions at the start and the end of one step, and the
+    /// external force during that step, N. Both positions must satisfy the constraints. No velocity is needed.
+    /// `state` is the memory of the state ([`ParticleState::workspace`]); `workspace` is used only during the
+    /// call.
     ///
     /// # Errors
     /// See [`ConstraintError`]; `NotConverged` if no velocity is found because h is too long for this motion.
@@ -184,7 +188,7 @@ impl<R: Real> Rattle<R> {
 impl Order {
     /// Lengths, s, of the steps of order 2 that make up one step of length h, in order; they add up to h.
     pub fn substeps<R: Real>(self, h: R) -> impl Iterator<Item = R> {
-        // γ = 1/(4 − ∛4), and 1 − 4γ, which is exact as it is computed: the five lengths add up to h.
+        // γ = 1/(4 − ∛4) and 1 − 4γ. The second is computed from the first, so the five lengths add up to h.
         let outer = h * R::constant(0.414_490_771_794_375_7);
         let middle = h - R::constant(4.0) * outer;
         let (lengths, count) = match self {

@@ -28,7 +28,7 @@ pub(super) fn add<R: Real, const D: usize>(value: &mut [R; D], carry: &mut [R; D
     }
 }
 
-/// Copies as many vectors as both slices have.
+/// Copies vectors up to the end of the shorter slice.
 pub(super) fn copy<R: Real, const D: usize>(to: &mut [[R; D]], from: &[[R; D]]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
 }
@@ -83,8 +83,9 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         2 * Points::<R, D>::workspace(nodes, equations)
     }
 
-    /// Creates a state at positions q, m, that satisfy the constraints, with velocities v, m/s. The first step removes the remaining φ, up
-    /// to √ε of its length; impulses of the constraints remove at once the part of v that violates A v = 0.
+    /// Creates a state at positions q, m, that satisfy the constraints, with velocities v, m/s. The first step
+    /// removes a remaining φ of up to √ε of its length. The part of v that violates A v = 0 is removed at once,
+    /// by impulses of the constraints.
     ///
     /// `state` is the memory of the state ([`ParticleState::workspace`]); `workspace` is used only during the call ([`Rattle::workspace`]).
     pub fn new<S, C>(
@@ -146,7 +147,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(())
     }
 
-    /// Lays an unfilled state over `state`.
+    /// Lays an uninitialised state over the memory `state`.
     pub(super) fn over<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         state: &'a mut [R],
@@ -166,8 +167,9 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Points::<R, D>::workspace(nodes, equations)
     }
 
-    /// Writes the present state as numbers from which [`ParticleState::resume`] continues with the same bits: q (m) and its carry, p (kg
-    /// m/s) and its carry, v (m/s), L_q(q) + Q(v) (N), each node after node, then λ (N).
+    /// Writes the present state as numbers from which [`ParticleState::resume`] continues with the same bits: q
+    /// (m) and its carry, p (kg m/s) and its carry, v (m/s), L_q(q) + Q(v) (N), each of them node by node, then
+    /// λ (N).
     ///
     /// # Errors
     /// [`ConstraintError::Shape`] unless `numbers` has the length [`ParticleState::saved`].
@@ -234,7 +236,8 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         self.now.lambda
     }
 
-    /// Copies the present state to the memory of the next step and returns that; an error if the state belongs to another system.
+    /// Copies the present state to the memory of the next step and returns that memory; an error if the state
+    /// belongs to another system.
     pub(super) fn copied<S, C>(
         &mut self,
         mechanism: &Constrained<R, S, C, D>,

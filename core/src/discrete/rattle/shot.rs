@@ -10,8 +10,9 @@ use crate::scalar::Real;
 
 /// Search for the velocity at q₀ from which a step arrives at q₁.
 ///
-/// A step moves by about h times that velocity, so an update adds the miss divided by h: Newton's method with h for ∂q₁/∂v₀. The miss falls
-/// by a factor of (hω)²/6 per update, with ω, rad/s, the fastest rate of the system.
+/// A step moves the positions by about h times their velocity, so an update adds the miss divided by h:
+/// Newton's method with ∂q₁/∂v₀ ≈ h. The miss falls by a factor of (hω)²/6 per update, with ω, rad/s, the
+/// fastest rate of the system.
 pub(super) struct Shot<'e, 'm, 'r, 'a, R, S, C: ?Sized, const D: usize> {
     rattle: &'e Rattle<R>,
     solver: Solver<'m, 'r, R, S, C, D>,

@@ -16,7 +16,7 @@ pub(super) const BLOCK: usize = 8;
 
 impl<R: Real> Stage<R> {
     /// Writes p + ½h Q(v) − L_v(v) for a block of nodes, and the size of its terms.
-    // One copy of the code for all solvers.
+    // Not inlined, so that all solvers share one copy of the code.
     #[inline(never)]
     pub fn imbalances<S: Particles<R, D>, const D: usize>(
         self,

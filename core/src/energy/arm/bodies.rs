@@ -9,8 +9,8 @@ use crate::scalar::{Scalar, WeightFormat};
 pub type ArmBodies<'a, W, const N: usize> = Bodies<'a, W, ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, N>;
 
 impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
-    /// Computes the force of the drives that gives the acceleration v̇ at (q, v): M v̇ + L_vq v − L_q, N m or N, without friction. O(n), by
-    /// the recursion of Newton and Euler.
+    /// Computes the drive forces that give the acceleration v̇ at (q, v): M v̇ + L_vq v − L_q, N m or N,
+    /// without friction. O(n), by the recursive Newton–Euler algorithm.
     pub fn inverse_dynamics<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
@@ -42,14 +42,15 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         force
     }
 
-    /// Computes the force of the drives that holds against gravity, V_q, N m or N.
+    /// Computes the drive forces that hold the arm against gravity, V_q, N m or N.
     pub fn gravity_torque<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [S; N] {
         let gravity = self.gravity();
         let motion = Motion::new(self, q, &[S::zero(); N]);
         core::array::from_fn(|k| -motion.unit(k).along(gravity))
     }
 
-    /// Computes M(q), symmetric, from the composite inertias of all that a joint carries, without velocities.
+    /// Computes M(q), symmetric, from the composite inertia of all that each joint carries. Velocities are not
+    /// needed.
     pub fn mass_matrix<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
         let base = Frame::base();
         let (mut frames, mut inertias) = ([base; N], [BodyInertia::zero(); N]);

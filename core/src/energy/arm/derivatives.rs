@@ -1,4 +1,4 @@
-//! Derivatives of the drive forces in positions and velocities.
+//! Derivatives of the drive forces with respect to positions and velocities.
 
 use super::motion::{Carried, Frame};
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale};
@@ -102,8 +102,8 @@ fn crossed<S: Scalar>(v: &Twist<S>, x: &Twist<S>) -> Twist<S> {
     Twist { angular: cross(v.angular, x.angular), linear }
 }
 
-/// ψ = A × S + V × (V × S): change of the acceleration of all that a joint carries with the joint's coordinate. A is the spatial
-/// acceleration, p̈ − ω × ṙ at the origin.
+/// ψ = A × S + V × (V × S): the derivative, with respect to a joint's coordinate, of the acceleration of all
+/// that the joint carries. A is the spatial acceleration, r̈ − ω × ṙ at the origin.
 #[inline(always)]
 fn acceleration_bend<S: Scalar>(frame: &Frame<S>, bend: &Twist<S>, acceleration: &Twist<S>) -> Twist<S> {
     let Twist { angular, linear } = frame.velocity;

@@ -59,7 +59,7 @@ impl<S: Scalar> BodyInertia<S> {
         }
     }
 
-    /// Moves the inertia to another point, from which this point is at `step`.
+    /// Expresses the inertia about another point; `step` leads from that point to this one.
     #[inline(always)]
     pub(super) fn about(&self, step: Vector<S>) -> Self {
         let moment = add(self.moment, scale(self.mass, step));
@@ -88,8 +88,9 @@ impl<S: Scalar> BodyInertia<S> {
         }
     }
 
-    /// The force that gives a body of angular velocity ω = `spin` an angular acceleration and an acceleration of the point: the momentum at
-    /// these accelerations, plus (ω × Iω, ω × (ω × mc)).
+    /// The force that gives a body with angular velocity ω = `spin` the angular acceleration and the
+    /// acceleration of the point in `acceleration`: the momentum at these accelerations, plus (ω × Iω, ω × (ω ×
+    /// mc)).
     #[inline(always)]
     pub(super) fn force(&self, spin: Vector<S>, acceleration: &Twist<S>) -> Wrench<S> {
         let turning = Wrench {

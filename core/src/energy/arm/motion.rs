@@ -32,7 +32,7 @@ impl<S: Scalar> Space<S, ARM_PARAMETERS> for Vector<S> {
 }
 
 impl<S: Scalar> Frame<S> {
-    /// Places the frame of a body that stands on this one; its velocity is left 0.
+    /// Places the frame of a body that stands on this one; the velocity of the new frame is left at 0.
     #[inline(always)]
     pub fn placed(&self, joint: Joint, numbers: &ArmParameters<S>, q: S) -> Self {
         let rotation = product(&self.rotation, &numbers.rotation);
@@ -45,8 +45,9 @@ impl<S: Scalar> Frame<S> {
         Self { joint, rotation, axis, step, velocity: Twist::zero() }
     }
 
-    /// Angular acceleration of the body of this frame, and acceleration of its origin; `spin` is the parent's angular velocity, `parent`
-    /// its acceleration, `v` and `a` are those of the joint.
+    /// Angular acceleration of the body of this frame, and acceleration of its origin. `spin` is the parent's
+    /// angular velocity and `parent` its acceleration; `v` and `a` are the velocity and acceleration of the
+    /// joint.
     #[inline(always)]
     pub fn accelerated(&self, spin: Vector<S>, parent: &Twist<S>, v: S, a: S) -> Twist<S> {
         let Twist { angular, linear } = *parent;
@@ -129,7 +130,7 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     }
 }
 
-/// Rotor inertia J of a joint's drive, reflected to the joint; the rotor turns on the joint's axis alone.
+/// Rotor inertia J of a joint's drive, reflected to the joint; the rotor turns about the joint's axis only.
 #[derive(Clone, Copy, Debug)]
 pub struct Rotor<S>(S);
 

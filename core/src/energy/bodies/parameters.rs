@@ -2,7 +2,7 @@
 
 use super::Vector;
 
-/// Components of the acceleration of gravity γ, m/s², which come first in the weight block.
+/// Number of components of the acceleration of gravity γ, m/s², which come first in the weight block.
 pub const GRAVITY_PARAMETERS: usize = 2;
 /// Number of [`BodyParameters`] of a body.
 pub const BODY_PARAMETERS: usize = 9;

@@ -65,7 +65,7 @@ pub enum GraphError {
         /// The node type, from 0.
         kind: usize,
     },
-    /// A member of a union names another number of nodes than its graph has.
+    /// A member of a union names a different number of nodes than its graph has.
     MemberNodes {
         /// The member, from 0.
         member: usize,
@@ -74,7 +74,7 @@ pub enum GraphError {
         /// Number of nodes of the member's graph.
         needed: usize,
     },
-    /// The nodes that a member of a union names do not ascend, or a named node does not exist.
+    /// A member of a union does not name its nodes in ascending order, or names a node that does not exist.
     MemberOrder {
         /// The member, from 0.
         member: usize,

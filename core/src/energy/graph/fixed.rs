@@ -22,7 +22,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     /// Wraps a graph, which must have N coordinates.
     ///
     /// # Errors
-    /// [`GraphError::Coordinates`] if it has another number.
+    /// [`GraphError::Coordinates`] if the graph has a different number.
     pub fn new(graph: Graph<'a, W, D, K, H, L>) -> Result<Self, GraphError> {
         let found = graph.nodes.len() * D;
         if found == N { Ok(Self { graph }) } else { Err(GraphError::Coordinates { found, compiled: N }) }
@@ -33,7 +33,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         &self.graph
     }
 
-    /// The type of every node, with its part of x.
+    /// The type of every node, with the node's part of x.
     #[inline(always)]
     fn nodes<'x, S>(&self, x: &'x [S; N]) -> impl Iterator<Item = (u8, &'x [S; D])> {
         self.graph.nodes.iter().copied().zip(vectors(x))
@@ -45,7 +45,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         self.graph.edges.iter().filter_map(|edge| Some((edge, across(vectors(q), edge)?)))
     }
 
-    /// Applies `of` to the type of every node and its part of x, in the order of the nodes.
+    /// Applies `of` to each node's type and its part of x, in the order of the nodes.
     fn each<S: Scalar<Weight = W::Wide>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
         let mut y = [S::zero(); N];
         for (slot, (kind, x)) in y.as_chunks_mut::<D>().0.iter_mut().zip(self.nodes(x)) {
@@ -102,7 +102,8 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         l_qq
     }
 
-    /// Potential V of the messages; `gradient` receives ∂V/∂(x_a − x_b) of one edge at a time, in parts.
+    /// Potential V of the messages. `gradient` receives ∂V/∂(x_a − x_b) of one edge at a time, in parts that
+    /// add up.
     fn messages<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[[Jet<S, T>; D]; N],
@@ -111,7 +112,8 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         self.graph.round(&mut MovingNodes::new(x), gradient)
     }
 
-    /// Adds the messages' part of L_qq, one column of blocks at a time: the derivatives of the gradients in the position of node j.
+    /// Adds the messages' part of L_qq, one column of blocks at a time: the derivatives of the gradients with
+    /// respect to the position of node j.
     fn add_messages<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
         for j in 0..self.graph.nodes.len() {
             let mut x = placed::<S, D, D, N>(q);

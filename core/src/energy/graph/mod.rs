@@ -5,9 +5,9 @@
 //!
 //! L = Σ_i T_i(|v_i|²) − Σ_i V_i(x_i) − Σ_edges U(s_ab) − V_messages,
 //!
-//! The drag on a node depends on its own velocity; [`MessageShape`] defines V_messages. Every term sees one node, or one edge with its
-//! ends, so values and derivatives take time and memory in proportion to nodes and edges; L_vq = 0, and the mass matrix has one block per
-//! node.
+//! The drag on a node depends on its own velocity; [`MessageShape`] defines V_messages. Every term depends on
+//! one node, or on one edge with its ends, so values and derivatives take time and memory in proportion to the
+//! number of nodes and edges. L_vq = 0, and the mass matrix has one block per node.
 //!
 //! [`Graph`] implements [`Particles`](crate::particles::Particles) for any number of nodes; [`Fixed`] implements
 //! [`Lagrangian`](crate::lagrangian::Lagrangian) for a compiled number of nodes, with all derivatives, for training and for the discrete

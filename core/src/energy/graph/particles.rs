@@ -154,7 +154,8 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         potential
     }
 
-    /// Potential V of the messages; `gradient` receives ∂V/∂(x_a − x_b) of edges in lanes, in parts.
+    /// Potential V of the messages. `gradient` receives ∂V/∂(x_a − x_b) of edges in lanes, in parts that add
+    /// up.
     fn messages<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],

@@ -1,5 +1,5 @@
-//! One round of messages over a whole graph: the four passes over its nodes and edges, for nodes at rest, evaluated side by side, and for
-//! moving nodes.
+//! One round of messages over a whole graph: the four passes over its nodes and edges. Nodes at rest are
+//! evaluated side by side, moving nodes one by one.
 
 use super::messages::{Embedding, Messaging};
 use super::shape::MAX_EMBEDDING;
@@ -9,7 +9,7 @@ use crate::network::Jet;
 use crate::scalar::{Packed, Scalar, WeightFormat};
 use core::iter;
 
-/// A quantity of a node with as many numbers as an embedding.
+/// A quantity of a node that is as long as an embedding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NodeQuantity {
     /// n, the sum of the node's embedding and the messages to it.
@@ -96,7 +96,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         Messaging::new(&self.types, self.nodes)
     }
 
-    /// Potential V of the messages. `gradient` receives ∂V/∂(x_a − x_b) of edges, in parts.
+    /// Potential V of the messages. `gradient` receives ∂V/∂(x_a − x_b) of edges, in parts that add up.
     pub(super) fn round<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         states: &mut M,

@@ -14,7 +14,7 @@ pub const MAX_NETWORKS: usize = 12;
 pub const MAX_NODE_TYPES: usize = 6;
 /// Maximum number of edge types of a model.
 pub const MAX_EDGE_TYPES: usize = 6;
-/// Number of numbers of an edge type: c₁ and c₂ of its law.
+/// Number of parameters of an edge type: c₁ and c₂ of its law.
 pub const EDGE_NUMBERS: usize = 2;
 /// Maximum length of an embedding.
 pub const MAX_EMBEDDING: usize = 8;
@@ -156,14 +156,14 @@ impl GraphShape {
         })
     }
 
-    /// Number of numbers of a node type, without its networks.
+    /// Number of parameters of a node type, not counting its networks.
     #[inline(always)]
     pub fn numbers(&self) -> usize {
         let field_and_embeddings = [self.dimension, self.kinetic_embedding, self.embedding].map(usize::from);
         2 + field_and_embeddings.iter().sum::<usize>()
     }
 
-    /// Number of numbers of all node types and edge types, which follow the networks in the weight block.
+    /// Number of parameters of all node types and edge types, which follow the networks in the weight block.
     pub fn all_numbers(&self) -> usize {
         self.numbers() * self.nodes.len() + EDGE_NUMBERS * self.edges.len()
     }

@@ -11,7 +11,7 @@ use crate::scalar::{Packed, WeightFormat};
 pub struct Member<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     /// The graph, with its own numbering of nodes.
     pub graph: Graph<'a, W, D, K, H, L>,
-    /// The number in the union of each of the graph's nodes, in ascending order.
+    /// Each graph node's number in the union, in ascending order.
     pub nodes: &'a [u16],
 }
 
@@ -31,8 +31,9 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     /// Creates a union of `nodes` nodes.
     ///
     /// # Errors
-    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] if a member does not name its nodes in ascending order,
-    /// [`GraphError::Ownerless`] for a node of no member, [`GraphError::Empty`].
+    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] if a member does not name its nodes in
+    /// ascending order, [`GraphError::Ownerless`] if a node belongs to no member, [`GraphError::Empty`] if
+    /// there are no nodes.
     pub fn new(members: &'a [Member<'a, W, D, K, H, L>], nodes: usize) -> Result<Self, GraphError> {
         let union = Self { members, nodes };
         if nodes == 0 {
@@ -45,7 +46,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
     }
 
-    /// The members that have a node, each with its type for the node.
+    /// The members that have a node, each with the type that the node has there.
     #[inline(always)]
     fn holders(&self, node: usize) -> impl Iterator<Item = (&'a Member<'a, W, D, K, H, L>, u8)> {
         self.members.iter().filter_map(move |member| Some((member, member.kind(node)?)))
@@ -156,7 +157,7 @@ impl<
 impl<W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Union<'_, W, D, K, H, L>
 {
-    /// Sums over all members the `part` of drag or slope, axis by axis.
+    /// Sums over all members the number that `part` picks from a member's drag and slope, axis by axis.
     fn sum<R: Packed<Weight = W::Wide>>(
         &self,
         node: usize,

@@ -16,7 +16,8 @@ pub enum PairInput {
     Difference,
     /// The distance: U(|a − b|). Conserves linear and angular momentum; not differentiable where the positions coincide.
     Distance,
-    /// The inverse distance: U(1/|a − b|), for forces that fall off with distance: distant elements lie near 0, not beyond all data.
+    /// The inverse distance: U(1/|a − b|), for forces that fall off with distance. The input of distant
+    /// elements is then near 0, not beyond all data.
     InverseDistance,
 }
 

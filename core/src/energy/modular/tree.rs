@@ -147,8 +147,8 @@ impl<const N: usize> Tree<N> {
         self.elements.iter().enumerate().filter_map(|(e, element)| Some((e, element.as_ref()?)))
     }
 
-    /// Maps the displacement that each coordinate adds to everything its element carries, to the displacement of every element's centre:
-    /// the sum along the path from the ground, in which the element's own part counts `centre[e]` times.
+    /// Maps the displacements that the coordinates add to the displacement of every element's centre: the sum
+    /// along the path from the ground, in which the element's own part is multiplied by `centre[e]`.
     #[inline]
     pub(super) fn centres<S: Scalar>(&self, centre: &[S; N], moved: &[Vector<S>; N]) -> [Vector<S>; N] {
         let mut tips = [[S::zero(); SPACE]; N];

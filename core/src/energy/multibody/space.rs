@@ -52,7 +52,7 @@ pub trait Wrench<S: Scalar>: Copy {
     /// A direction.
     type Vector;
 
-    /// Moves the wrench to another joint, from which this joint is at `step`.
+    /// Expresses the wrench about another joint; `step` leads from that joint to this one.
     fn about(self, step: Self::Vector) -> Self;
     /// The linear part along a direction.
     fn along(&self, direction: Self::Vector) -> S;
@@ -89,6 +89,7 @@ pub trait Rotor<S: Scalar, F: Frame<S>>: Copy {
     fn momentum(&self, v: S) -> S;
     /// ∂/∂q̇ of the rotor's part of p.
     fn inertia(&self) -> S;
-    /// The momentum `unit` of a unit velocity of the joint, as the joints below see it: with the rotor's momentum added.
+    /// Adds the rotor's momentum to `unit`, the momentum at a unit velocity of the joint, as the joints below
+    /// see it.
     fn below(&self, unit: F::Wrench) -> F::Wrench;
 }

@@ -13,7 +13,7 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Solves block by block; nothing couples nodes.
+    /// Solves the nodes block by block, since nothing couples them.
     #[inline(never)]
     pub(super) fn solve_nodes(
         &self,

@@ -126,9 +126,10 @@ struct Coupled<'e, 'm, 'r, 'p, R, S, C: ?Sized, const D: usize> {
     stage: Stage<R>,
     /// `None` before the first update.
     scale: Option<Scale<R>>,
-    /// Whether the next update keeps the matrix: for velocities as long as the residual falls, since their equations are linear if the
-    /// energies are quadratic; never for positions, where the residual left by an old matrix has one sign, and in f32 the energy drifts ten
-    /// times as far.
+    /// Whether the next update keeps the matrix. For velocities it does as long as the residual falls, since
+    /// their equations are linear if the energies are quadratic. For positions it never does: the residual that
+    /// an old matrix leaves has the same sign at every step, and in f32 the energy would drift ten times as
+    /// far.
     keeps_matrix: bool,
     /// The last residual.
     before: R,

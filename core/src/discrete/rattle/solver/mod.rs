@@ -15,7 +15,7 @@ pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
     mechanism: &'m Constrained<'m, R, S, C, D>,
     newton: &'m Newton<R>,
     scratch: &'r mut [R],
-    /// Positions of A₁, at which the constraints are to hold: q + hv, which then becomes the new q.
+    /// Positions q + hv, at which A₁ is taken and the constraints must hold; they then become the new q.
     trial: &'r mut [[R; D]],
     trial_carry: &'r mut [[R; D]],
     /// Residual of L_v(v), then the change of v that follows from it.
