@@ -7,7 +7,7 @@ use leastaction_core::forces::{Actuator, Coulomb, DryFriction, System, Viscous};
 use leastaction_core::observer::{Commands, Integrator, Observer, Tuning, ZerosPrior};
 
 const H: f64 = 0.01;
-/// Number of sub-steps of the truth in a step.
+/// Number of sub-steps of the true motion in a step.
 const FINE: u32 = 10;
 
 type Rubbing = System<Trigonometric<'static, 2>, (Viscous<f64, 2>, Coulomb<f64, 2>)>;
@@ -26,8 +26,8 @@ fn observer(
     Observer::new(system, integrator, [true; 2], Tuning { memory: 5, patience: 25, zeros })
 }
 
-/// Runs 20 s under sines, whose commands take effect 0.6 steps late: the estimate's largest error of velocity in the last 10 s, and the
-/// zeros.
+/// Runs 20 s under sinusoidal commands that take effect 0.6 steps late. Returns the largest error of the estimated
+/// velocity in the last 10 s, and the zeros.
 fn run(zeros: [f64; 2], learn: Option<ZerosPrior<f64>>, known: f64) -> (f64, [f64; 2]) {
     let system = rubbing();
     let mut observer = observer(&system, learn);

@@ -1,4 +1,4 @@
-//! nalgebra's vectors and matrices carry the numbers of our arrays, rows as rows. With the feature `nalgebra`.
+//! nalgebra's vectors and matrices carry the numbers of our arrays, rows as rows. Needs the feature `nalgebra`.
 #![cfg(feature = "nalgebra")]
 
 mod common;
@@ -18,7 +18,7 @@ fn rows_stay_rows() {
     let m = matrix(&of_rows);
     assert_eq!((m[(0, 2)], m[(1, 0)]), (3.0, 4.0));
     assert_eq!(rows(&m), of_rows);
-    // nalgebra itself takes the rows for columns.
+    // nalgebra's own conversion reads the rows as columns.
     assert_eq!(SMatrix::<f64, 3, 2>::from(of_rows), m.transpose());
 }
 

@@ -37,7 +37,7 @@ impl<W: Plain> Network<W> {
         Self { block: (0..length).map(|_| next()).collect(), widths }
     }
 
-    /// The mechanism with these weights, in their scalar or another.
+    /// The mechanism with these weights, in their scalar or another one.
     pub fn system<S: Real<Weight = W>>(&self) -> CartPole<'_, S> {
         let inertia_network = InertiaNetwork::take(&mut self.block.as_slice(), &shape(self.widths));
         System::conservative(inertia_network.expect("a block of this length"))
@@ -71,7 +71,7 @@ where
     continuous::acceleration(system, q, v, u).unwrap_or([invalid; N])
 }
 
-/// A trajectory under way: it has the steps from which a step extrapolates.
+/// A trajectory under way. It has taken the steps from which the initial guess of a step extrapolates.
 pub fn moving<R: Real, L: Lagrangian<R, N>, const N: usize>(
     system: &System<L, Viscous<R, N>>,
     [q, v, _]: &Point<R, N>,
@@ -100,7 +100,7 @@ pub fn tanh<S: Scalar>(angles: &mut [S; 64]) {
     angles.iter_mut().for_each(|x| *x = x.tanh());
 }
 
-/// sin x cos x in place, so both are needed.
+/// sin x cos x in place, so that neither can be left out.
 pub fn sin_cos<S: Scalar>(angles: &mut [S; 64]) {
     for x in angles {
         let (sin, cos) = x.sin_cos();

@@ -1,4 +1,4 @@
-//! A chosen number of calls and nothing else, for a program that counts instructions.
+//! A chosen number of calls and nothing else, to be run under a program that counts instructions.
 
 use crate::cases::{acceleration, del_step, moving};
 use crate::chain::{Links, STEP, point};

@@ -1,4 +1,4 @@
-//! The table after divan's: counts and the share of the peak.
+//! The table after divan's: operation counts, and the share of the peak.
 
 use crate::WIDTHS;
 use crate::cases::{self, CARTPOLE_STEP, Network, Plain, Point, point};
@@ -17,7 +17,7 @@ const TANH_F64: u64 = 37;
 /// Multiplications and additions of one `sin_cos` in f32; in f64 it is libm's.
 const SIN_COS_F32: u64 = 28;
 
-/// Measured calls are bundled, so the clock's own time vanishes.
+/// Measured calls are bundled, so that the time of reading the clock is negligible.
 const BUNDLE: u32 = 100;
 const REPETITIONS: u32 = 200;
 
@@ -104,7 +104,8 @@ fn pendulums<const N: usize>(peak: f64) {
     );
 }
 
-/// A row for the acceleration and for a step of each order, counted on the same system in a counting scalar.
+/// Prints a row for the acceleration and for a step of each order. Operations are counted on the same system in a
+/// counting scalar.
 fn system<R: Plain, L, C, const N: usize>(
     name: &str,
     system: &System<L, Viscous<R, N>>,

@@ -99,7 +99,7 @@ pub(crate) fn output(pointer: *mut f32, argument: usize) -> Result<Given<Vector>
 /// The mechanism that is loaded in a model's storage.
 ///
 /// # Safety
-/// `model` is storage as the header asks for, with which nothing else is done meanwhile.
+/// `model` is storage as the header requires, and nothing else uses it meanwhile.
 pub(crate) unsafe fn loaded<'a>(model: *const Model) -> Result<&'a Mechanism, Error> {
     let pointer = Given::new(model, 1)?.pointer().cast::<Loaded>();
     // SAFETY: a word of the caller's storage, which is larger and as aligned.
@@ -120,7 +120,7 @@ pub(crate) fn place(state: *const State, argument: usize) -> Result<Given<Starte
 /// The state that was started in a storage.
 ///
 /// # Safety
-/// `state` is storage as the header asks for.
+/// `state` is storage as the header requires.
 pub(crate) unsafe fn started(state: *const State, argument: usize) -> Result<Started, Error> {
     let place = place(state, argument)?;
     // SAFETY: every bit pattern of the caller's storage is a `Started`: numbers only.
@@ -138,7 +138,7 @@ pub(crate) fn finite<const K: usize>(x: [f32; K]) -> Result<[f32; K], Error> {
     if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(Status::NotFinite.into()) }
 }
 
-/// Runs a call, and tells the caller how it went.
+/// Runs a call and reports the outcome to the caller.
 ///
 /// # Safety
 /// `error` is NULL or can be written to.

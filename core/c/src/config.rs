@@ -52,8 +52,8 @@ pub const LEASTACTION_RODS: usize = 0;
 #[cfg(not(any(feature = "bodies", feature = "arm")))]
 const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 
-// Sizes fit a model where pointers have 32 bits, with 2 words to spare; with 64 bits a model takes fewer words. A build fails if a model no
-// longer fits (`contents.rs`).
+// The sizes fit a model with 2 words to spare where pointers have 32 bits; where they have 64 bits, a model takes
+// fewer words. The build fails if a model no longer fits (`contents.rs`).
 
 /// Words of dry friction: four numbers per coordinate.
 #[cfg(not(feature = "graph"))]

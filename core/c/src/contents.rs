@@ -24,7 +24,7 @@ pub(crate) struct Started {
 /// Tag of a storage that holds a state.
 pub(crate) const STARTED: u32 = 0x5354_4154;
 
-/// Tag of a storage at this address that holds a model: a copy elsewhere does not have it.
+/// Tag of a storage at this address that holds a model; a copy at another address has the wrong tag.
 pub(crate) fn loaded_tag(storage: *const Loaded) -> usize {
     storage.addr() ^ 0x4d4f_4445
 }

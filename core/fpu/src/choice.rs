@@ -23,7 +23,8 @@ pub struct Target<'a> {
 /// apart; a nightly compiler's list of features does.
 ///
 /// # Errors
-/// An error for a value of the option other than `arm` and `portable`, and for `arm` if the processor passes no numbers in those registers.
+/// An error for a value of the option other than `arm` and `portable`, and for `arm` if the target passes no numbers
+/// in the registers of the floating-point unit.
 pub fn choose(target: &Target<'_>, option: Option<&str>) -> Result<bool, String> {
     let registers = target.architecture == "arm" && target.abi == "eabihf";
     let microcontroller = ["thumbv7em-", "thumbv8m.main-", "thumbv8.1m.main-"]

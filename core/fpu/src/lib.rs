@@ -1,10 +1,11 @@
 //! The innermost loops of leastaction-core, in f32: products with panels of a matrix, the square root, sine and cosine.
 //!
 //! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l, in single precision
-//! ([`single`]) or in half precision, widened as they are read ([`half`]). On a Cortex-M with a floating-point unit the loops are
-//! written in its instructions, because a compiler loads weight after weight where one instruction loads sixteen: 36 instructions
-//! for 16 multiply-adds, 53 with weights in half precision. Elsewhere they are plain Rust. Multiplications and additions are the
-//! same in the same order, each rounded, and widening is exact: the bits are the same everywhere.
+//! ([`single`]) or in half precision, widened as they are read ([`half`]). On a Cortex-M with a floating-point unit,
+//! the loops are written in its instructions, because a compiler loads the weights one by one where a single
+//! instruction loads sixteen: 36 instructions for 16 multiply-adds, 53 with weights in half precision. Elsewhere the
+//! loops are plain Rust. Multiplications and additions are the same in the same order, each rounded, and widening is
+//! exact, so the bits are the same everywhere.
 //!
 //! The instructions need a unit that converts numbers in half precision. A stable compiler does not say whether the processor
 //! has one (`rustc --print cfg` lists no feature of ARM's), so the build script goes by the target:
@@ -85,7 +86,8 @@ macro_rules! loops {
         pub mod $precision {
             use crate::chosen::$precision as chosen;
 
-            /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; as many inputs as both `rows` and `x` have.
+            /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; the shorter of `rows` and `x` sets the number
+            /// of inputs.
             pub fn accumulate_8(rows: &[[$weight; 8]], x: &[f32], sum: &mut [f32; 8]) {
                 chosen::accumulate_8(rows, x, sum);
             }

@@ -1,4 +1,4 @@
-//! Rounding mode of the floating-point unit, on which equal bits everywhere rest.
+//! Rounding mode of the floating-point unit. Results have the same bits everywhere only in the default mode.
 
 use core::fmt;
 use core::hint::black_box;
@@ -9,16 +9,17 @@ use core::hint::black_box;
 pub enum FpuError {
     /// The unit does not round to nearest, ties to even (ARM: FPSCR bits 22 and 23, RMode, are not 0).
     Rounding,
-    /// The unit takes numbers below 2⁻¹²⁶ for 0, or flushes them to 0 (ARM: FPSCR bit 24, FZ, is 1; x86: MXCSR bits 6 and 15).
+    /// The unit treats numbers below 2⁻¹²⁶ as 0, or flushes them to 0 (ARM: FPSCR bit 24, FZ, is 1; x86: MXCSR bits 6
+    /// and 15).
     FlushToZero,
-    /// The unit gives one NaN for all (ARM: FPSCR bit 25, DN, is 1).
+    /// The unit returns one NaN in place of all others (ARM: FPSCR bit 25, DN, is 1).
     DefaultNan,
     /// The unit reads numbers in half precision without infinities (ARM: FPSCR bit 26, AHP, is 1).
     AlternativeHalf,
 }
 
 impl FpuError {
-    /// Number of the error, for programs without words: 1 and up.
+    /// Number of the error, from 1, for programs that print no words.
     pub const fn code(self) -> u8 {
         match self {
             Self::Rounding => 1,
@@ -46,8 +47,9 @@ impl core::error::Error for FpuError {}
 
 /// Checks that the floating-point unit works as IEEE 754 prescribes by default, and reports the first deviation.
 ///
-/// FPSCR is read as well on a Cortex-M whose loops are in its instructions. An interrupt's handler does not inherit FPSCR: the processor
-/// gives it the bits of FPDSCR (0xE000EF3C). Call this where steps are taken. It takes some thirty instructions.
+/// On a Cortex-M with the instruction loops, FPSCR is read as well. An interrupt handler does not inherit FPSCR: the
+/// processor gives it the bits of FPDSCR (0xE000EF3C). Call this function in the context that takes the steps. It
+/// takes some thirty instructions.
 ///
 /// # Errors
 /// [`FpuError`] for the first deviation.

@@ -1,4 +1,5 @@
-//! Sine and cosine in single precision only: libm's run soft doubles on a Cortex-M4F (1,200–2,100 instructions).
+//! Sine and cosine in single precision only: libm's functions compute in soft doubles on a Cortex-M4F (1,200–2,100
+//! instructions).
 //!
 //! Cody–Waite reduction by π/2 in four parts, then the minimax polynomials on [−π/4, π/4] of Cephes `sinf`/`cosf` (S. Moshier). The error
 //! is at most 2 ulp for |x| ≤ 8192, except next to a multiple of π/2, where the result itself vanishes: at most 1.2e-7 there. Beyond

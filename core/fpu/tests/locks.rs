@@ -50,7 +50,7 @@ fn host_and_firmware_have_one_version_of_what_bits_depend_on() {
     let host = versions(&host);
     for (file, text) in files.iter().zip(&texts) {
         let versions = versions(text);
-        // Two versions of one crate on the host never both belong to us: ours is then the version that all lock files have.
+        // If the host has two versions of a crate, the version that all lock files have is ours.
         for name in NUMBERS.iter().chain(&FILES) {
             for version in versions.get(name).into_iter().flatten() {
                 assert!(

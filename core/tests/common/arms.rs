@@ -1,4 +1,5 @@
-//! Trees of rigid bodies in space with random numbers, and their energies as sums over the point masses that they are made of.
+//! Trees of rigid bodies in space with random numbers. Every body is made of point masses, and the energies are sums
+//! over these.
 
 use super::Random;
 use super::bodies::body;
@@ -19,7 +20,7 @@ pub struct Arm<const N: usize> {
 }
 
 impl<const N: usize> Arm<N> {
-    /// Bodies of five points, on joints that stand askew, under gravity that points anywhere.
+    /// Bodies of five points, on joints with arbitrary axes, under gravity in an arbitrary direction.
     pub fn random(bodies: [TreeBody; N], seed: u64) -> Self {
         let mut random = Random(seed);
         let points = core::array::from_fn(|_| {
@@ -133,7 +134,7 @@ pub fn rotation(axis: Vector<f64>, angle: f64) -> Rotation<f64> {
     ]
 }
 
-/// The ten inertial numbers of points.
+/// The ten inertial parameters of a set of points.
 pub fn inertia(points: &[Point]) -> [f64; INERTIAL_PARAMETERS] {
     let mut sums = [0.0; INERTIAL_PARAMETERS];
     for (mass, [x, y, z]) in points {

@@ -32,7 +32,7 @@ impl<R: Real> Case<R> {
         }
     }
 
-    /// Two bobs on rods, two more on springs between them and the first: gravity on all.
+    /// Two bobs on rods, and two more that springs join to each other and to the first two; gravity acts on all.
     pub fn hybrid() -> Self {
         let mut system = Exact::under_gravity(&[1.0, 1.5, 0.7, 1.2], 10.0);
         let spring = |a, b| Spring { nodes: [a, b], stiffness: R::constant(30.0), rest: R::constant(0.9) };
@@ -54,7 +54,7 @@ impl<R: Real> Case<R> {
         Self { system, constraints: rods(&lengths, false), start: (q, v), force: None }
     }
 
-    /// The case with a hard kinetic energy, drag and a force.
+    /// The case with a kinetic energy that is not quadratic, drag and a force.
     pub fn forced(mut self) -> Self {
         let push = |node: usize| [R::constant(3.0 - 2.0 * node as f64), R::constant(0.7)];
         self.force = Some((0..self.system.nodes()).map(push).collect());

@@ -32,7 +32,7 @@ impl Aligned {
         Self::shifted(bytes, 0)
     }
 
-    /// The bytes at an address `shift` bytes further on.
+    /// The bytes at an address that is `shift` bytes further on.
     pub fn shifted(bytes: &[u8], shift: usize) -> Self {
         let padded: Vec<u8> = [&vec![0; shift], bytes].concat();
         let block = padded
@@ -68,7 +68,7 @@ pub const HEADER: Header<'static> = Header {
 
 pub const STEP: TrainedStep = TrainedStep { order: Order::Four, h: 0.05, control: ControlKind::Held };
 
-/// Weights that are exact in any text, damping last.
+/// Weights that any text represents exactly, damping last.
 pub fn weights(header: &InertiaNetworkHeader) -> Vec<f32> {
     [exact(header.parameters().unwrap()), vec![0.125; header.n()]].concat()
 }
@@ -98,7 +98,7 @@ pub fn of_networks() -> Vec<f32> {
     [vec![0.5, 2.0], exact(27), exact(17)].concat()
 }
 
-/// The file with laws of every kind, of these numbers of networks.
+/// The file with laws of every kind, given the numbers of the two network laws.
 pub fn with_networks(header: Header, networks: &[f32]) -> Vec<u8> {
     write(header, &[&weights(&CARTPOLE), FRICTION.as_flattened(), networks].concat())
 }
@@ -213,8 +213,8 @@ pub fn golden_web() -> Vec<u8> {
     write(web_header(web()), &web_weights(WEB_NUMBERS))
 }
 
-/// The file of a header and a weight block given as bytes, closed with a valid checksum: written here apart from core's own
-/// writer, which must give the same.
+/// The file of a header and a weight block given as bytes, closed with a valid checksum. It is written here without
+/// core's own writer, which must give the same bytes.
 pub fn write_raw(header: Header, padding: Option<&[u8]>, weights: &[u8]) -> Vec<u8> {
     let mut file = [&MAGIC[..], &[FORMAT_VERSION]].concat();
     for (section, content) in before_weights(&header) {
@@ -234,7 +234,7 @@ pub fn section_of(section: Section, content: &[u8]) -> Vec<u8> {
     [&[section as u8], &(content.len() as u32).to_le_bytes()[..], content].concat()
 }
 
-/// Beginning and end of the content of a section in a file.
+/// Start and end of the content of a section in a file.
 pub fn place(file: &[u8], section: Section) -> [usize; 2] {
     let mut start = 5;
     loop {
@@ -246,7 +246,7 @@ pub fn place(file: &[u8], section: Section) -> [usize; 2] {
     }
 }
 
-/// The file with another content of a section, closed anew.
+/// The file with the content of a section replaced, and a new checksum.
 pub fn with_section(file: &[u8], section: Section, content: &[u8]) -> Vec<u8> {
     let [start, end] = place(file, section);
     let rest = &file[end..file.len() - 4];
@@ -386,7 +386,7 @@ pub fn assert_changes_are_refused(file: &[u8]) {
     }
 }
 
-/// A file as text: hexadecimal bytes, with the name of each part of the given length before it.
+/// A file as text: hexadecimal bytes in parts of the given lengths, each part after its name.
 pub fn text(file: &[u8], parts: &[(usize, &str)]) -> String {
     let mut text = String::from("# A model file, written by core/tests; see core/FORMAT.md.\n");
     let mut rest = file;

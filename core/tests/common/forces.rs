@@ -1,4 +1,4 @@
-//! Laws of force that see positions, velocities and the load, and an actuator.
+//! Laws of force that depend on positions, velocities and the load, and an actuator.
 
 use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Forces, Viscous};
 use leastaction_core::linear::Matrix;

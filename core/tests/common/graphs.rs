@@ -40,7 +40,7 @@ impl<const D: usize> Model<D> {
         for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes.len()) {
             numbers[..2].iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
         }
-        // Squares of squares of distances would drown all other terms.
+        // Fourth powers of distances would drown all other terms.
         let laws = weights.len() - EDGE_NUMBERS * shape.edges.len();
         weights[laws..].iter_mut().for_each(|x| *x *= 0.01);
         Self { shape, nodes: nodes.to_vec(), edges: edges.to_vec(), weights }
@@ -234,7 +234,7 @@ pub fn talking() -> Model<2> {
     Model::new(with_messages(2), &[1, 0, 2, 1], &edges, 3)
 }
 
-/// A graph with messages and one node type: both ends of an edge are sent the same.
+/// A graph with messages and one node type, so an edge sends the same message to both ends.
 pub fn alike() -> Model<2> {
     let shape = with_messages(2);
     let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::None };

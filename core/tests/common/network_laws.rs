@@ -8,7 +8,7 @@ use leastaction_core::model::{Law, LawNetwork};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::WeightFormat;
 
-/// Compiled for more layers and units than there are.
+/// Compiled limits above the layers and units that the networks have.
 const H: usize = 6;
 const L: usize = 3;
 const WIDTHS: [u16; MAX_HIDDEN] = [5, 4, 0, 0];
@@ -25,7 +25,7 @@ pub struct NetworkLaws {
 }
 
 impl NetworkLaws {
-    /// Laws of `n` coordinates; no two counts in them are equal.
+    /// Laws of `n` coordinates in which no two sizes are equal.
     pub fn of(n: usize, seed: u64) -> Self {
         let letters = [("a", "t"), ("ca", "-a"), ("t-a", "-at"), ("-act", "a-t")];
         let (dissipation, potential) = letters[n - 1];
@@ -43,7 +43,7 @@ impl NetworkLaws {
         Self { dissipation, potential, of_dissipation, of_potential }
     }
 
-    /// The laws with the weights of networks `c` times as large: dissipation grows with the square.
+    /// The laws with the weights of their networks multiplied by `c`; dissipation grows with the square of `c`.
     pub fn scaled(mut self, c: f64) -> Self {
         let of_network = self.of_dissipation.iter_mut().skip(self.dissipation.count());
         of_network.chain(&mut self.of_potential).for_each(|weight| *weight *= c);

@@ -1,5 +1,5 @@
-//! Properties of the energies of every family: they are the printed formulas, and all derivatives are those of the energies (num-dual and
-//! finite differences). A family joins by [`Learned`].
+//! Properties of the energies of every family: they equal the printed formulas, and all derivatives are those of the
+//! energies (checked by num-dual and finite differences). A family joins by implementing [`Learned`].
 
 use super::dual::{self, Dual};
 use super::{Random, assert_close, assert_matrices_close, assert_vectors_close};

@@ -46,7 +46,7 @@ impl<R: Real, const D: usize> Exact<R, D> {
         ring
     }
 
-    /// This system with s and drag that are not zero.
+    /// This system with nonzero s and drag.
     pub fn hard(mut self) -> Self {
         self.stiffening = R::constant(0.3);
         self.drag = [R::constant(0.2), R::constant(0.05)];

@@ -22,7 +22,7 @@ pub fn split(file: &[u8]) -> Vec<(u8, Vec<u8>)> {
     sections
 }
 
-/// A file of sections, its weights aligned anew.
+/// Joins sections to a file and aligns its weights anew.
 pub fn join(sections: &[(u8, Vec<u8>)]) -> Vec<u8> {
     let mut file = file::golden()[..5].to_vec();
     for (number, content) in sections {
@@ -39,7 +39,7 @@ pub fn join(sections: &[(u8, Vec<u8>)]) -> Vec<u8> {
     file::with_checksum(&file)
 }
 
-/// The file with another content of a section, its weights aligned anew.
+/// The file with the content of a section replaced, and its weights aligned anew.
 pub fn with_content(file: &[u8], section: Section, content: &[u8]) -> Vec<u8> {
     let mut sections = split(file);
     sections.iter_mut().filter(|(n, _)| *n == section as u8).for_each(|(_, c)| *c = content.to_vec());

@@ -43,7 +43,7 @@ fn moved<const D: usize>(q: &[[f64; D]], c: f64, v: &[[f64; D]]) -> Vec<[f64; D]
     q.iter().zip(v).map(|(q, v)| core::array::from_fn(|i| q[i] + c * v[i])).collect()
 }
 
-/// φ is quadratic in q: differences over any step are exact.
+/// φ is quadratic in q, so central differences over any step are exact.
 #[test]
 fn derivatives_are_those_of_the_value() {
     let (list, mut random) = (one_of_each(), Random(3));
@@ -85,7 +85,8 @@ fn the_value_is_the_stretch_of_a_rod() {
     }
 }
 
-/// φ in f32, from positions with their carries, is right to 1e-13 m: from positions alone it would be 1e-7 m off.
+/// φ in f32 is right to 1e-13 m if it is computed from positions with their carries. Computed from positions alone,
+/// it would be 1e-7 m off.
 #[test]
 fn the_value_is_twice_as_precise_as_its_scalar() {
     let mut random = Random(17);
@@ -167,7 +168,8 @@ fn assert_dense<const D: usize>(
     }
 }
 
-/// Springs, rods, an anchor and a held node, hard masses, drag and a force, off the constraints.
+/// Springs, rods, an anchor and a held node; a kinetic energy that is not quadratic, drag and a force; positions that
+/// violate the constraints.
 #[test]
 fn acceleration_solves_the_dense_system() {
     let mut random = Random(8);
@@ -187,7 +189,7 @@ fn acceleration_solves_the_dense_system() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
-    /// Chains in any order of the list, and so of any band.
+    /// Chains whose rods are listed in any order, so that the band varies.
     #[test]
     fn acceleration_of_chains_solves_the_dense_system(
         links in prop::collection::vec((0.3..2.0, -3.0..3.0, -4.0..4.0, 0.3..3.0), 1..8),
@@ -315,7 +317,7 @@ fn a_short_room_and_a_massless_node_are_refused() {
     assert_eq!(accelerate(&mechanism, &q, &v, &Drive::none()), Err(ConstraintError::Mass { node: 1 }));
 }
 
-/// A workspace for the chain alone suffices: rod k of 2,000 couples to its neighbours only.
+/// A workspace that suffices for a chain: rod k of 2,000 couples to its neighbours only.
 #[test]
 fn a_long_chain_takes_room_in_proportion() {
     let workspace = |links: usize| {
@@ -334,7 +336,7 @@ fn a_long_chain_takes_room_in_proportion() {
     assert_eq!(workspace(2_000), 2 * workspace(1_000));
 }
 
-/// The force that inverse dynamics finds gives the same acceleration, without load on the constraints.
+/// The force that inverse dynamics finds gives the original acceleration without load on the constraints.
 #[test]
 fn inverse_dynamics_unloads_the_constraints() {
     let lengths = [1.0, 0.7, 1.3];

@@ -79,7 +79,7 @@ fn a_singular_mass_matrix_is_an_error() {
     );
 }
 
-/// NaN is an error wherever it comes in, not a result.
+/// NaN is an error wherever it enters, not a result.
 #[test]
 fn what_is_not_finite_is_refused() {
     let system = System::conservative(CARTPOLE);

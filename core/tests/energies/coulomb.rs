@@ -12,7 +12,7 @@ fn size(random: &mut Random, decades: f64) -> f64 {
     10_f64.powf(random.symmetric(decades))
 }
 
-/// Friction of one coordinate, its numbers over many orders of magnitude, and c_load near 1 as often as not.
+/// Friction of one coordinate. Its numbers range over many orders of magnitude, and c_load is often near 1.
 fn any_friction<R: Real>(random: &mut Random, decades: f64) -> DryFriction<R> {
     let away = 10_f64.powf(-6.5 * random.symmetric(1.0).abs());
     DryFriction {
@@ -39,7 +39,7 @@ fn the_force_is_the_formula() {
     }
 }
 
-/// v·Q ≤ 0 in every coordinate whatever the numbers are, also after rounding and if squares underflow.
+/// v·Q ≤ 0 in every coordinate for any numbers, even after rounding and if squares underflow.
 #[test]
 fn power_is_never_positive() {
     fn check<R: Real>(decades: f64) {
@@ -92,8 +92,8 @@ fn the_closed_form_of_inverse_dynamics_is_exact() {
     check::<f64>(4.0);
 }
 
-/// The textbook root cancels if k = c_load tanh(v/ε) and σ have opposite signs; this one does not: its error against double precision is
-/// that of rounding even for k = 1 − 10⁻⁷.
+/// The textbook root cancels if k = c_load tanh(v/ε) and σ have opposite signs. The form used here does not: its
+/// error against double precision stays at rounding even for k = 1 − 10⁻⁷.
 #[test]
 fn the_closed_form_does_not_cancel() {
     let single = DryFriction { constant: 0.0, load: 1.0 - 1e-7_f32, smoothing: 0.1, width: 1e-3 };
@@ -108,7 +108,7 @@ fn the_closed_form_does_not_cancel() {
     }
 }
 
-/// The start of inverse dynamics is its solution if only one law sees the load, in whatever order the laws stand.
+/// The start of inverse dynamics is its solution if only one law depends on the load, whatever the order of the laws.
 #[test]
 fn the_start_of_inverse_dynamics_is_exact_for_one_law_that_sees_the_load() {
     fn check<F: Forces<f64, 3>>(law: F) {
@@ -132,7 +132,8 @@ fn the_start_of_inverse_dynamics_is_exact_for_one_law_that_sees_the_load() {
     check(((friction, more), &viscous));
 }
 
-/// A change of velocity is trusted unless it reverses the velocity from beyond half the width: it then ends at 0.
+/// A change of velocity is taken in full unless it reverses a velocity from beyond half the width; such a change ends
+/// at 0.
 #[test]
 fn a_change_of_sign_ends_at_rest() {
     let law = Coulomb { coordinates: [DryFriction { constant: 0.4, width: 0.2, ..DryFriction::none() }; 2] };

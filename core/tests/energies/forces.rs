@@ -66,7 +66,7 @@ fn derivatives_are_those_of_dual_numbers() {
     check::<3>(3);
 }
 
-/// All entries of ∂Q/∂x of the laws together differ from each other, so no index can be mistaken for another.
+/// All entries of ∂Q/∂x of the combined laws differ from each other, so no index can be mistaken for another.
 #[test]
 fn no_derivative_is_that_of_another_place() {
     let [q, v, tau] = [[0.3, 0.8, -1.1], [1.4, -0.6, 0.9], [2.0, -1.3, 0.7]];

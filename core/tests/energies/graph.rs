@@ -27,7 +27,7 @@ macro_rules! everywhere {
 
 oracle::family_tests!(everywhere);
 
-/// A ring with chords, its nodes and edges in runs longer and shorter than a pack.
+/// A ring with chords, whose nodes and edges come in runs longer and shorter than a pack.
 fn ring(shape: GraphShape, nodes: usize) -> Model<2> {
     let mut random = Random(11);
     let kinds: Vec<u8> = (0..nodes).map(|i| if i < 11 { 1 } else { (random.bits() % 3) as u8 }).collect();
@@ -45,7 +45,7 @@ fn state() -> ([[f64; 2]; NODES], [[f64; 2]; NODES]) {
     (core::array::from_fn(|_| random.array(3.0)), core::array::from_fn(|_| random.array(2.0)))
 }
 
-/// A workspace that already holds something.
+/// A workspace that already holds something, here NaN.
 fn workspace<R: Real>(graph: &impl Particles<R, 2>) -> Vec<R> {
     vec![R::constant(f64::NAN); graph.workspace()]
 }
@@ -133,7 +133,7 @@ fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
     }
 }
 
-/// Neighbours from a node in the middle on, across runs of types and past a whole pack.
+/// Neighbouring nodes, starting in the middle of the list, across runs of types and past a whole pack.
 #[test]
 fn neighbours_have_the_bits_of_one_after_another() {
     const FIRST: usize = 5;

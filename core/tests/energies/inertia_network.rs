@@ -1,4 +1,4 @@
-//! Inertia networks against its printed formulas, exact derivatives, and finite differences.
+//! Inertia networks against their printed formulas, exact derivatives, and finite differences.
 
 use crate::common::oracle::{self, at_states};
 use crate::common::shapes::{self, Model};

@@ -83,7 +83,8 @@ fn what_is_no_tree_is_refused() {
     assert_eq!(tree(&[node(1, None), node(2, Some(0))]), None);
 }
 
-/// Elements of N coordinates in all from any numbers: each of a type that exists, on the ground or on one before it.
+/// Elements with N coordinates in all, made from any numbers: each is of a type that exists, on the ground or on an
+/// earlier element.
 fn nodes_from<const N: usize>(raw: &[(u8, u8)], kinds: u8, free: bool) -> Vec<TreeElement> {
     let each = if free { 2 } else { 1 };
     let elements = raw.iter().take(N / each).enumerate();

@@ -61,8 +61,8 @@ fn derivatives_are_those_of_dual_numbers() {
     check::<4>(4);
 }
 
-/// The power of the dissipation is not positive except for the rounding of terms that cancel, and of a single coordinate not even for that,
-/// whatever the weights of the network.
+/// The power of the dissipation is not positive, whatever the weights of the network, except for the rounding of
+/// terms that cancel. With a single coordinate, not even rounding makes it positive.
 #[test]
 fn power_is_never_positive() {
     fn check<R: Real<Weight = R> + WeightFormat<Wide = R>, const N: usize>() {
@@ -111,7 +111,8 @@ fn inverse_dynamics_inverts_acceleration() {
     check_inverse_under(&ACROBOT, (dry::<f64, 2>(), (dissipation, potential)));
 }
 
-/// Sizes that do not fit are refused with their numbers, and networks of the wrong inputs or outputs are not taken.
+/// Sizes that do not fit are refused with their numbers, and networks with the wrong numbers of inputs or outputs are
+/// not taken.
 #[test]
 fn what_does_not_fit_is_refused() {
     use Coordinate::{Angle, Translation};
@@ -136,7 +137,7 @@ fn what_does_not_fit_is_refused() {
     assert!(PotentialCorrection::<f64, 2, 3, 1>::take(&mut rest, seen, &shape(2, 1)).unwrap().is_some());
 }
 
-/// L − V_c: the potential of the law taken into the Lagrangian.
+/// L − V_c: the potential of the law moved into the Lagrangian.
 struct Within<L, F>(System<L, F>);
 
 impl<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize> Lagrangian<f64, N> for Within<L, F> {
@@ -158,7 +159,8 @@ impl<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize> Lagrangian<f64, N
     }
 }
 
-/// The step of L with the law is the variational step of L − V_c, at both orders: it conserves the energy with V_c.
+/// The step of L with the law is the variational step of L − V_c at both orders: it conserves the energy that
+/// includes V_c.
 #[test]
 fn a_potential_beside_the_lagrangian_is_one_within() {
     fn check<P: Path>(oscillation: f64) {

@@ -11,7 +11,7 @@ use leastaction_core::linear;
 const EXACT: f64 = 1e-12;
 const G: f64 = 9.81;
 
-/// Three coordinates and waves of several of them, so no index can be swapped unseen.
+/// Three coordinates, and waves that depend on several of them, so that no swapped index goes unnoticed.
 const COUPLED: Trigonometric<'static, 3> = Trigonometric {
     inertia: &[
         (0, 0, Wave { amplitude: 5.0, wave: [0.0, 1.0, -2.0] }),

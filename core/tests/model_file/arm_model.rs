@@ -1,4 +1,4 @@
-//! The model file of arms: a right file loads, and everything else is a typed error.
+//! The model file of arms: a valid file loads, and everything else is a typed error.
 
 use crate::common::arms::{self, Arm};
 use crate::common::file::{self, Aligned};
@@ -122,7 +122,7 @@ fn numbers_of_a_body_are_in_range() {
     );
 }
 
-/// Arms of the other tests load too: whatever stands askew in f64 is orthonormal enough in f32.
+/// Arms of the other tests load too: arbitrary frames that are orthonormal in f64 are orthonormal enough in f32.
 #[test]
 fn an_arm_of_seven_joints_loads() {
     let header = Header {
@@ -137,7 +137,7 @@ fn an_arm_of_seven_joints_loads() {
     );
 }
 
-/// A tree's two bytes per body as they may stand in a file, mostly right.
+/// Two bytes for each body of a tree, as they may stand in a file; most are valid.
 fn tree_bytes() -> impl Strategy<Value = Vec<u8>> {
     let body = |index: usize| (0..=2_u8, 0..=index as u8 + 1);
     let bodies = (0..=6_usize).prop_flat_map(move |n| (0..n).map(body).collect::<Vec<_>>());
@@ -147,14 +147,15 @@ fn tree_bytes() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// Whether bytes are a tree by the words of the format page: revolute or prismatic joints, each on the ground or on an earlier body.
+/// Whether bytes are a tree as the format page defines it: revolute or prismatic joints, each on the ground or on an
+/// earlier body.
 fn is_tree(bytes: &[u8]) -> bool {
     let (bodies, rest) = bytes.as_chunks::<2>();
     let fits = |(index, [joint, parent]): (usize, &[u8; 2])| *joint <= 1 && usize::from(*parent) <= index;
     rest.is_empty() && !bodies.is_empty() && bodies.iter().enumerate().all(fits)
 }
 
-/// The weights for a number of bodies and dampers: every body is the one of the test.
+/// The weights for a number of bodies, each the same as in the test's tree, and as many dampers.
 fn weights_of(bodies: usize) -> Vec<f32> {
     let (gravity, body) = (&weights()[..3], &weights()[3..3 + ARM_PARAMETERS]);
     [gravity, &body.repeat(bodies), &vec![0.25; bodies]].concat()
@@ -190,7 +191,7 @@ proptest! {
         }
     }
 
-    /// Any value in a body's numbers is refused, or its arm moves: nothing panics.
+    /// Any value among a body's numbers is either refused or gives an arm that moves; nothing panics.
     #[test]
     fn any_number_is_refused_or_evaluated(at in 0_usize..3 + 3 * ARM_PARAMETERS, bits in any::<u32>()) {
         let mut weights = weights();

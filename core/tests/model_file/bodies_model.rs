@@ -1,4 +1,4 @@
-//! The model file of bodies: a right file loads, and everything else is a typed error.
+//! The model file of bodies: a valid file loads, and everything else is a typed error.
 
 use crate::common::bodies::{Bodies, body};
 use crate::common::crane::{self, CRANE, DAMPING, FRICTION, GRAVITY, HEADER, NUMBERS, weights};
@@ -181,7 +181,7 @@ proptest! {
         let _ = parse(Aligned::new(&file).bytes());
     }
 
-    /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
+    /// Several bytes of a valid file changed and the checksum corrected: whatever loads can be evaluated.
     #[test]
     fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((5usize..170, 0u8..12), 1..4)) {
         let file = crane::golden();

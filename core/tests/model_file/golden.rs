@@ -4,7 +4,7 @@ use crate::common::file::{self, CARTPOLE};
 use crate::common::{crane, manipulator};
 use leastaction_core::model::Section;
 
-/// Names of the parts before the weights, and of the parts behind them.
+/// Names of the parts before the weights, and of the parts of the weight block.
 struct Parts {
     before: Vec<(usize, &'static str)>,
     weights: Vec<(usize, &'static str)>,
@@ -13,7 +13,8 @@ struct Parts {
 const HEAD: &str = "length of the section, 4 bytes, little-endian";
 
 impl Parts {
-    /// All parts of a file in order, the sections of step, weights and provenance named here.
+    /// Text of all parts of a file in order. The parts of the sections for step, weights and provenance are named
+    /// here.
     fn text(&self, bytes: &[u8]) -> String {
         let [start, _] = file::place(bytes, Section::Weights);
         let padding = usize::from(bytes[start]);
@@ -217,7 +218,7 @@ fn crane_text(bytes: &[u8]) -> String {
     damped_text(bytes, Parts { before, weights }, friction)
 }
 
-/// Text of three damped coordinates, and of the dry friction in the file.
+/// Text of a file with three damped coordinates, and of the dry friction in the file.
 fn damped_text(
     bytes: &[u8],
     Parts { mut before, mut weights }: Parts,

@@ -1,4 +1,4 @@
-//! The model file of the graph family: a right file loads, and everything else is a typed error.
+//! The model file of the graph family: a valid file loads, and everything else is a typed error.
 
 use crate::common::file::{self, Aligned, WEB_NUMBERS, web, web_header, web_weights};
 use crate::common::graphs::{Model, edge};
@@ -19,7 +19,7 @@ use leastaction_core::particles::Particles;
 use leastaction_core::scalar::Weights;
 use proptest::prelude::*;
 
-/// The web in the sizes that fit it.
+/// The web, compiled with the sizes that just fit it.
 type Web<'a> = GraphModel<'a, 2, 6, 5, 1>;
 
 /// Placeholder for a rod that is not read yet.
@@ -371,7 +371,7 @@ proptest! {
         let _ = parse(Aligned::new(&file).bytes());
     }
 
-    /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
+    /// Several bytes of a valid file changed and the checksum corrected: whatever loads can be evaluated.
     #[test]
     fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((5usize..190, 0u8..12), 1..4)) {
         let file = file::golden_web();

@@ -1,4 +1,4 @@
-//! Weights in half precision: the same model, bit for bit, as the same numbers in single precision.
+//! Weights in half precision: the model equals, bit for bit, the model with the same numbers in single precision.
 
 use crate::common::file::{
     self, ARM_NUMBERS, Aligned, CARTPOLE, HEADER, WEB_NUMBERS, arm, arm_header, arm_weights, web, web_header,

@@ -1,4 +1,4 @@
-//! The model file: a right file loads, and everything else is a typed error.
+//! The model file: a valid file loads, and everything else is a typed error.
 
 use crate::common::assert_close;
 use crate::common::file::{self, Aligned, CARTPOLE, HEADER};
@@ -100,7 +100,7 @@ fn every_change_of_a_byte_is_an_error() {
 fn additional_bytes_are_an_error() {
     let file = file::golden();
     assert!(matches!(load_error(&[&file[..], &[0]].concat()), ModelError::Checksum { .. }));
-    // Closed with a checksum of its own: the bytes after the last section are no section.
+    // The file is closed with a valid checksum, but the bytes after the last section are no section.
     let longer = file::with_checksum(&[&file[..file.len() - 4], &[200, 1, 0]].concat());
     assert_eq!(load_error(&longer), ModelError::Malformed);
     // Bytes behind the shape, within its section.
@@ -206,7 +206,7 @@ fn header_fields_out_of_range_are_errors() {
         let file = file::write(header, &file::weights(&CARTPOLE));
         assert_eq!(load_error(&file), ModelError::OutOfRange { what }, "{header:?}");
     }
-    // Three inputs and two letters still, so that only the letters are wrong.
+    // There are still three inputs and two letters, so that only the letters are wrong.
     for (coordinates, what) in [("xa", "coordinate kind"), ("é", "coordinate kind")] {
         let inertia_network = InertiaNetworkHeader { coordinates, ..CARTPOLE };
         let file = file::write(with_family(inertia_network), &file::weights(&inertia_network));
@@ -315,7 +315,7 @@ proptest! {
         let _ = parse(Aligned::new(&file).bytes());
     }
 
-    /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
+    /// Several bytes of a valid file changed and the checksum corrected: whatever loads can be evaluated.
     #[test]
     fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((0usize..110, any::<u8>()), 1..4)) {
         let file = file::golden();

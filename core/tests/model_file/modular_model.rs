@@ -1,4 +1,4 @@
-//! The model file of the modular family: a right file loads, and everything else is a typed error.
+//! The model file of the modular family: a valid file loads, and everything else is a typed error.
 
 use crate::common::assert_close;
 use crate::common::file::{self, ARM_DAMPING, ARM_NUMBERS, Aligned, arm, arm_header, arm_weights};
@@ -18,7 +18,7 @@ use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
 use proptest::prelude::*;
 
-/// The arm in the sizes that fit it.
+/// The arm, compiled with the sizes that just fit it.
 type Arm<'a> = ModularModel<'a, 3, 3, 5, 2>;
 
 fn refusal(file: &[u8]) -> ModelError {
@@ -256,7 +256,8 @@ fn numbers_of_a_type_are_in_range() {
     }
 }
 
-/// Damping belongs to element types: elements of one type share it, in the order of the tree's coordinates.
+/// Damping belongs to element types: elements of one type share its number, and the numbers come in the order of the
+/// tree's coordinates.
 #[test]
 fn damping_is_that_of_the_element_types() {
     let with_damping = file::write(arm_header(with_tree(&[2, 0, 1, 1, 2, 2])), &arm_weights(ARM_NUMBERS));
@@ -317,7 +318,7 @@ proptest! {
         let _ = parse(Aligned::new(&file).bytes());
     }
 
-    /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
+    /// Several bytes of a valid file changed and the checksum corrected: whatever loads can be evaluated.
     #[test]
     fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((5usize..170, 0u8..12), 1..4)) {
         let file = file::golden_arm();

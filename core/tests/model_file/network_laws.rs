@@ -48,7 +48,8 @@ fn networks_are_what_was_written() {
     assert_eq!((first.len(), second.len()), (0, 0));
 }
 
-/// A program has to be compiled for the laws, in their order, and for their sizes; and a file need not have them.
+/// A program must be compiled for the laws of a file, in their order, and for their sizes. A file need not have all
+/// laws of the program.
 #[test]
 fn a_program_has_the_laws_and_sizes_that_it_is_compiled_for() {
     let whole = Aligned::new(&with_networks(NETWORKS_HEADER, &of_networks()));
@@ -83,7 +84,7 @@ fn networks_in_half_precision() {
     assert_eq!(halves.force(&q, &v, &v), singles.force(&q, &v, &v), "numbers that both hold");
 }
 
-/// Trees and bodies have such laws by the numbers of their coordinates.
+/// Trees and bodies have network laws too, with coordinates given by number.
 #[test]
 fn every_family_of_coordinates_has_them() {
     let network = LawNetwork { coordinates: "a", ..DISSIPATION };
@@ -177,7 +178,8 @@ fn hidden_layers_and_scales_that_cannot_be_are_refused() {
     }
 }
 
-/// Every cut and every change of a byte of the section is refused or another valid shape, without a panic.
+/// Every truncation of the section and every change of one of its bytes is refused or gives another valid shape,
+/// without a panic.
 #[test]
 fn damaged_shapes_are_refused() {
     let file = with_networks(NETWORKS_HEADER, &of_networks());

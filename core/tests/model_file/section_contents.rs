@@ -86,7 +86,7 @@ fn dry_friction_is_what_was_written() {
     let found = coordinates.map(|of| [of.constant, of.load, of.smoothing, of.width]);
     assert_eq!((viscous.coefficients, found), ([0.125; 2], FRICTION));
     assert_eq!(parse(whole.bytes()).unwrap().header, FRICTION_HEADER);
-    // The program has to be compiled for dry friction, and the laws of its pair rise.
+    // The program has to be compiled for dry friction, and the laws of its pair have to ascend.
     let refused = ModelError::Law { number: 1 };
     assert_eq!(Cartpole::load(whole.bytes()).map(|_| ()).unwrap_err(), refused);
     assert_eq!(

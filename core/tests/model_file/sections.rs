@@ -35,7 +35,7 @@ fn sections_rise() {
     }
 }
 
-/// An unknown section that may change the physics is refused, any other is skipped.
+/// An unknown section that may change the physics is refused; any other unknown section is skipped.
 #[test]
 fn unknown_sections() {
     let sections = split(&golden_whole());
@@ -94,7 +94,7 @@ fn lengths_that_lie_are_refused() {
     }
 }
 
-/// Contents that are cut off or have one more byte, with the right length, are refused.
+/// Contents that are cut off or one byte too long are refused, even if the section states their actual length.
 #[test]
 fn contents_of_a_wrong_length_are_refused() {
     let whole = golden_whole();

@@ -87,7 +87,8 @@ proptest! {
         prop_assert_eq!(found.is_none(), inside, "{}", q);
     }
 
-    /// Any range of positions, wrapped: a point is inside if some whole number of periods brings it in.
+    /// Any range of positions with a period: a point is inside if some whole number of periods brings it into the
+    /// range.
     #[test]
     fn ranges_with_periods(least in -9.0_f32..9.0, width in 0.0_f32..9.0, q in -20.0_f32..20.0) {
         let range = CoordinateRange { q: Interval { least, most: least + width }, ..file::RANGE[1] };

@@ -7,7 +7,7 @@ use leastaction_core::model::{
 };
 use proptest::prelude::*;
 
-/// The file that core writes of a header and a weight block.
+/// The file that core writes from a header and a weight block.
 fn written(header: &Header, weights: &[f32]) -> Vec<u8> {
     let mut memory = vec![0xaa; 8192];
     write(header, bytemuck::cast_slice(weights), &mut memory).unwrap().to_vec()

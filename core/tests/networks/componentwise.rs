@@ -1,4 +1,5 @@
-//! The layer loops of a controller, one component after another, on this machine in f32: bit for bit equal to f32 side by side.
+//! The layer loops of a controller, which take one component after another, run on this machine in f32. They equal
+//! the side-by-side loops bit for bit.
 
 use crate::common::Random;
 use crate::common::shapes::{self, Model};
@@ -8,7 +9,7 @@ use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use proptest::prelude::*;
 
-/// f32 as a controller evaluates it: equal operations, its layers taken apart.
+/// f32 as a controller evaluates it: the same operations, with layers evaluated component by component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Controller(f32);
 
@@ -135,7 +136,7 @@ fn weights<W>(random: &mut Random, count: usize, stored: fn(f32) -> W) -> Vec<W>
     (0..count).map(|_| stored(random.symmetric(1.5) as f32)).collect()
 }
 
-/// A layer with T tangents, forward and back, on both.
+/// Passes a layer with T tangents, forward and back, in both ways.
 fn layer<W: WeightFormat<Wide = f32>, const T: usize>(inputs: usize, outputs: usize, stored: fn(f32) -> W) {
     let random = &mut Random((inputs * 1_000 + outputs) as u64);
     let weights = weights(random, Dense::<W>::parameters(inputs, outputs).unwrap(), stored);
@@ -161,7 +162,8 @@ fn layer_of_any_tangents<W: WeightFormat<Wide = f32>>(inputs: usize, outputs: us
     layer::<W, 4>(inputs, outputs, stored);
 }
 
-/// Every width to beyond a panel of eight, one of four and single outputs, and across what is gathered at a time (32).
+/// Every width up to beyond a panel of eight, one of four and single outputs, and widths around the number gathered
+/// at a time (32).
 #[test]
 fn layers_of_every_small_shape() {
     for inputs in (1..=17).chain([31, 32, 33]) {
@@ -231,7 +233,7 @@ proptest! {
     }
 }
 
-/// All numbers that a model gives at (q, v), one after another.
+/// All numbers that a model returns at (q, v), one after another.
 fn evaluated<S: Scalar<Weight = f32> + Bits, const N: usize>(
     model: &Model<N>,
     q: [S; N],

@@ -15,7 +15,7 @@ use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Compensated, Scalar, all_finite, max_abs};
 use proptest::prelude::*;
 
-/// Any f32, with many from the edges.
+/// Any f32, with many at the edges of the range.
 fn extreme() -> impl Strategy<Value = f32> {
     let edges =
         [0.0, -0.0, 1e30, -1e30, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45, 65_536.0, 1.0, -3.1];

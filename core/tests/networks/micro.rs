@@ -1,4 +1,5 @@
-//! Errors of micromath's elementary functions beside those of ours, the table of core/README.md: the reason why evaluations do not use it.
+//! Errors of micromath's elementary functions beside ours: the table of core/README.md, which shows why evaluations
+//! do not use micromath.
 //! `cargo test -p leastaction-core --test micro -- --nocapture` prints the table.
 
 use leastaction_core::scalar::Scalar;

@@ -12,7 +12,7 @@ fn slopes_and_curvatures_are_the_derivatives() {
     const STEP: f64 = 1e-4;
     for activation in Activation::ALL {
         for k in -60..=60 {
-            // Not at 0, where the two branches of |z| meet and the oracle has no side.
+            // Avoids 0, where the two branches of |z| meet and the oracle has no side.
             let z = f64::from(k) * 0.25 + 0.01;
             let found = activation.curve(z);
             let exact = activation.curve(Dual::moving(z, [1.0; 2]));

@@ -6,8 +6,8 @@ use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::Lagrangian;
 
-/// Largest distance of the f32 trajectory from the f64 one over 3 s at 1 ms, per coordinate; both start at the same f32
-/// numbers and take the same f32 step.
+/// Largest distance of the f32 trajectory from the f64 one over 3 s at 1 ms, per coordinate. Both start at the same
+/// f32 numbers and take the same f32 step.
 fn precision_gap<P: Path, const N: usize>(
     single: impl Lagrangian<f32, N>,
     double: impl Lagrangian<f64, N>,

@@ -206,7 +206,7 @@ proptest! {
         }
     }
 
-    /// An angle that x − 2π⌊x/2π⌋ in floating point leaves within a turn has exactly that value.
+    /// An angle for which x − 2π⌊x/2π⌋ in floating point stays within a turn is wrapped to exactly that value.
     #[test]
     fn ordinary_angles_are_wrapped_by_the_plain_formula(x in -100.0_f32..100.0, y in -100.0_f64..100.0) {
         let plain = x - libm::floorf(x / TURN_F32) * TURN_F32;
@@ -216,7 +216,7 @@ proptest! {
     }
 }
 
-/// All numbers that a model gives at (q, v), one after another.
+/// All numbers that a model returns at (q, v), one after another.
 fn evaluated<S: Scalar<Weight = f64>, const N: usize>(model: &Model<N>, q: &[S; N], v: &[S; N]) -> Vec<S> {
     let inertia_network = model.in_f64();
     let (e, g, d, h) = (
@@ -271,7 +271,8 @@ fn compensated_sums_keep_what_a_large_increment_hides() {
     assert_eq!((back.value(), back.carry()), (1e-3, 0.0));
 }
 
-/// Two numbers of 24 digits, of any size: the returned parts of their sum and product are exact, in f64 and, by integers, in f32.
+/// Sums and products of two numbers of 24 digits of any size: the two returned parts are exact, in f64 and, checked
+/// by integers, in f32.
 #[test]
 fn sums_and_products_come_with_what_rounding_took() {
     let mut random = Random(41);

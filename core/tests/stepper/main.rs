@@ -1,4 +1,4 @@
-//! The stepper against the calls of which it is made.
+//! The stepper against the calls that it makes.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -64,7 +64,7 @@ fn begin<const N: usize>() -> [[f32; N]; 2] {
 /// State and report of a stepper, to the last bit.
 type Seen<const N: usize> = (State<f32, N>, Report<f32>);
 
-/// Steps by three calls by hand, under the given forces.
+/// Steps with three separate calls, under the given forces.
 fn by_hand<L, F, P, const N: usize>(model: &Model<System<L, F>>, forces: &[Control<f32, N>]) -> Vec<Seen<N>>
 where
     L: Lagrangian<f32, N>,
@@ -103,7 +103,7 @@ where
     commands.iter().map(step).collect()
 }
 
-/// The force over every step, from all commands so far.
+/// The force over every step, computed from all commands so far.
 fn naive<const N: usize>(
     kind: ControlKind,
     (whole, actuator): (usize, Actuator<f32, N>),
@@ -190,7 +190,7 @@ fn actuators_with_delays_are_a_naive_loop() {
     agree::<_, _, Galerkin, Held, 3, 2, 3>(Arm::load(tree(four, held).bytes(), "arm").unwrap());
 }
 
-/// A delay of whole steps keeps no command for a fraction of a step.
+/// With a delay of whole steps, no command is kept for a fraction of a step.
 #[test]
 fn a_delay_of_whole_steps_is_older_commands() {
     let bytes = cartpole(step(Order::Two, 0.125, ControlKind::Held), &actuator(0.25, &PAIRS[..2]));
@@ -221,7 +221,7 @@ fn two_positions_start_as_del_does() {
     let [q0, q1] = positions;
     assert_eq!(stepper.state(), &del.start(&system, &q0, &q1, &Control::held(u)).unwrap());
 
-    // The next step takes `u` for the last command.
+    // The next step treats `u` as the last command.
     let bytes = late();
     let model = Cartpole::load(bytes.bytes()).unwrap();
     let (whole, actuator) = model.actuator().unwrap().unwrap().at_step(0.05).unwrap();
@@ -252,7 +252,7 @@ fn velocities_come_back() {
     stepper.v().unwrap().iter().zip(v).for_each(|(found, v)| assert!((found - v).abs() < 1e-5));
 }
 
-/// Two steppers have equal states and equal commands on their way.
+/// Asserts that two steppers have equal states and equal pending commands.
 fn assert_same(mut a: Late, mut b: Late) {
     assert_eq!(a.state(), b.state());
     for u in [[0.5, -0.25], [0.125, 0.75], [-0.5, 0.0], [0.25, 1.0]] {

@@ -1,4 +1,4 @@
-//! Graphs under rods.
+//! Graphs with rods.
 
 use crate::common::file::{self, Aligned};
 use crate::{actuator, commands, naive, step, with};
@@ -34,7 +34,7 @@ fn flat(vectors: &[[f32; 2]]) -> [f32; 6] {
     vectors.as_flattened().try_into().unwrap()
 }
 
-/// Steps by hand under the given forces.
+/// Steps with separate calls under the given forces.
 fn by_hand(bytes: &[u8], forces: &[[f32; 6]]) -> Vec<Seen> {
     let (mut edges, mut rods) = ([Edge::default(); 3], [Holonomic::default(); 2]);
     let model = Web::load(bytes, "ring", &mut edges, &mut rods).unwrap();

@@ -87,8 +87,9 @@ impl Trend {
         assert!(self.drift.abs() < self.oscillation, "{name}: {self:?} drifts");
     }
 
-    /// Bound if the method oscillates less than rounding does: 10⁶ roundings of the energy's size in every coordinate, each at random half
-    /// a unit, walk √(10⁶ n) half units far. A rounding with a preferred sign would go a thousand times further.
+    /// Bound for a method that oscillates less than rounding does. In every coordinate, 10⁶ roundings of the energy's
+    /// size, each at random half a unit, make a random walk of √(10⁶ n) half units. A rounding with a preferred sign
+    /// would go a thousand times further.
     #[track_caller]
     fn assert_random_walk(&self, name: &str, bound: f64) {
         println!("{name}: {self:?}");
@@ -160,7 +161,8 @@ fn energy_of_bodies_over_a_million_steps_of_order_4_in_f32() {
         .assert_random_walk("geared double pendulum, order 4", 1e-5);
 }
 
-/// Seven joints that stand askew, under gravity that points anywhere, released at rest, in f32 at 2 ms: their motion is chaotic.
+/// Seven joints with arbitrary axes, under gravity in an arbitrary direction, released at rest, in f32 at 2 ms: their
+/// motion is chaotic.
 fn arm_trend<P: Path>() -> Trend {
     let arm = arms::chain_of_seven();
     let single = arm.single();
@@ -228,7 +230,8 @@ where
         del.step(&system, &mut state, &push(k)).unwrap();
     }
     assert_eq!(state.p()[cyclic], initial, "{name}, order {}", P::ORDER);
-    // The momentum from positions alone is conserved as well: they are up to 100 m, so 1 mm/s in f32.
+    // The momentum from positions alone is conserved as well. Positions reach 100 m, so their rounding is 1 mm/s in
+    // f32.
     let positions = del.start(&system, &before, &state.q(), &push(9_999)).unwrap();
     let error = (positions.p()[cyclic] - initial).abs().to_f64();
     let rounding = 2.0 * R::EPSILON.to_f64() * (1.0 + before[cyclic].abs().to_f64()) / 0.01;

@@ -7,15 +7,16 @@ use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 
-/// Speed, rad/s or m/s, beyond which a system is no robot.
+/// Speed, rad/s or m/s, beyond which a system no longer resembles a robot.
 const SPEED: f64 = 12.0;
 
-/// Random number between two of one sign, uniform in its logarithm.
+/// Random number between two numbers of the same sign, uniform in its logarithm.
 fn between(random: &mut Random, [least, most]: [f64; 2]) -> f64 {
     least * (most / least).powf(0.5 + random.symmetric(0.5))
 }
 
-/// A machine of a few hundred grams to a few kilograms; three joints in four turn, on the body before or on another.
+/// A machine of a few hundred grams to a few kilograms. Three joints in four turn, and each sits on the previous body
+/// or on another one.
 fn machine<const N: usize>(random: &mut Random) -> Bodies<N> {
     let tree = core::array::from_fn(|i| {
         let joint = if random.symmetric(1.0) < 0.5 { Joint::Revolute } else { Joint::Prismatic };
@@ -66,7 +67,7 @@ impl Steps {
         self.most = self.most.max(report.iterations);
     }
 
-    /// Follows a machine for 1 s with every drive to and fro.
+    /// Follows a machine for 1 s while every drive pushes to and fro.
     fn follow<R: Real, P: Path, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
     where
         L: Lagrangian<R, N>,
@@ -88,7 +89,7 @@ impl Steps {
         }
     }
 
-    /// Single steps near rest: from a momentum with a wrong guess, and from two positions with noise.
+    /// Takes single steps near rest: from a momentum with a wrong guess, and from two positions with noise.
     fn strike<R: Real, P: Path, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
     where
         L: Lagrangian<R, N>,

@@ -30,7 +30,7 @@ fn as_stiff<R: Real, L: Lagrangian<f64, N>, const N: usize>(
     }
 }
 
-/// Friction that trusts every change of velocity.
+/// Friction that lets Newton's method take every change of velocity in full.
 struct Trusting<S, const N: usize>(Coulomb<S, N>);
 
 impl<S: Scalar, const N: usize> Forces<S, N> for Trusting<S, N> {
@@ -69,8 +69,8 @@ impl Updates {
     }
 }
 
-/// 4 s from six starts, coordinate 0 driven to and fro: updates of the steps in which a velocity changes its sign, of all steps,
-/// and trajectories that ended in an error.
+/// Runs 4 s from six starts, with coordinate 0 driven to and fro. Returns the updates of the steps in which a
+/// velocity changes its sign, those of all steps, and the number of trajectories that ended in an error.
 fn follow<R: Real, P: Path, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
     system: &System<L, F>,
     h: f64,
@@ -98,7 +98,8 @@ fn follow<R: Real, P: Path, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize
     (turning, all, failures)
 }
 
-/// Checks the number of updates of one system, and returns how many trajectories fail if the law trusts every change.
+/// Checks the number of updates of one system, and returns how many trajectories fail if every change is taken in
+/// full.
 fn check_system<R, P, L, const N: usize>(name: &str, lagrangian: L, c: [f64; N], most: [u8; 3]) -> usize
 where
     R: Real,
@@ -138,8 +139,8 @@ fn newtons_method_converges_through_the_change_of_sign() {
     check_newton::<f64, Galerkin>("f64", [9, 9, 12]);
 }
 
-/// Three coordinates that turn at different times, learned and not. One of these systems has a step that fails; with friction, no step
-/// fails that does not fail without.
+/// Three coordinates that change direction at different times, learned and not. One of these systems has a step that
+/// fails; with friction, no step fails that does not also fail without friction.
 #[test]
 fn a_tree_converges_too() {
     fn check<P: Path>(tree: &trees::Tree<3>) {

@@ -1,4 +1,4 @@
-//! Orders of accuracy under forces that see the load, and behind an actuator with a delay.
+//! Orders of accuracy under forces that depend on the load, and behind an actuator with a delay.
 
 use crate::common::forces::{actuator, all, dry};
 use crate::common::log_log_slope;
@@ -76,7 +76,7 @@ fn stepped<P: Path, L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
     (state.q(), state.p())
 }
 
-/// Damping and friction that sees the load, under a control that is linear in time.
+/// Damping, and friction that depends on the load, under a control that is linear in time.
 fn check_forced_orders<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(name: &str, lagrangian: L, forces: F) {
     let system = System { lagrangian, forces };
     let tau = |t: f64| [4.0 - 9.0 * t, -1.0 + 5.0 * t];
@@ -97,14 +97,14 @@ fn check_forced_orders<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(name: &str, lag
 fn friction_that_sees_the_load_keeps_the_orders() {
     check_forced_orders("cart-pole", CARTPOLE, all());
     check_forced_orders("acrobot", ACROBOT, all());
-    // A change of sign so wide that these steps resolve it.
+    // Friction whose change of sign is so wide that these steps resolve it.
     let (viscous, mut friction) = dry::<f64, 2>();
     friction.coordinates.iter_mut().for_each(|friction| friction.width *= 4.0);
     check_forced_orders("cart-pole, dry", CARTPOLE, (viscous, friction));
     check_forced_orders("acrobot, dry", ACROBOT, (viscous, friction));
 }
 
-/// A step takes in the network of a potential as it does L, and the network of a dissipation as it does damping.
+/// A step treats the network of a potential like L, and the network of a dissipation like damping.
 #[test]
 fn laws_with_networks_keep_the_orders() {
     let laws = NetworkLaws::of(2, 4).scaled(0.25);
@@ -113,7 +113,8 @@ fn laws_with_networks_keep_the_orders() {
     check_forced_orders("acrobot, networks", ACROBOT, (all::<f64, 2>(), (dissipation, potential)));
 }
 
-/// The motion under the true signal of an actuator: a step in pieces, before and after the jump or bend.
+/// The motion under the true signal of an actuator: every step is taken in two pieces, before and after the jump or
+/// bend.
 fn delayed<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
     system: &System<L, F>,
     actuator: &Actuator<f64, 2>,
@@ -160,8 +161,9 @@ fn delayed_slopes<F: Forces<f64, 2> + Copy>(forces: F, delay: f64, held: bool) -
     ]
 }
 
-/// The linear force of the same impulse and moment keeps order 2, and order 4 if the command is linear between samples. For a held command,
-/// the step of order 4 keeps order 3, 4 if the jump is in the middle, and 2 under a law that is nonlinear in τ.
+/// The linear force with the same impulse and moment keeps order 2, and order 4 if the command is linear between
+/// samples. For a held command, the step of order 4 keeps order 3, order 4 if the jump is in the middle, and order 2
+/// under a law that is nonlinear in τ.
 #[test]
 fn orders_under_a_delayed_actuator() {
     let viscous = Viscous { coefficients: [0.4, 0.9] };

@@ -51,7 +51,7 @@ fn two_positions_determine_the_momentum() {
     check::<Galerkin>();
 }
 
-/// An angle-dependent damping, so no derivative of the force vanishes.
+/// A damping that depends on the angle, so that no derivative of the force vanishes.
 #[derive(Clone, Copy)]
 struct Drag;
 
@@ -182,7 +182,7 @@ fn the_balance_is_the_derivative_of_the_discrete_lagrangian() {
         let moved = |x: &[f64; 2], c: f64| add_scaled(x, c, &along);
         assert_close("D1", balance.d1_ld[i], slope(&|c| action(moved(&q0, c), q1, s)), 1e-8);
         assert_close("D2", balance.end_momentum()[i], slope(&|c| action(q0, moved(&q1, c), s)), 1e-8);
-        // The bubble moves the mid-point by hs; its equation is the derivative over h.
+        // The bubble moves the mid-point by hs; the bubble's equation is the derivative divided by h.
         assert_close("Dm", balance.dm_ld[i], slope(&|c| action(q0, q1, moved(&s, c))) / h, 1e-8);
     }
 }

@@ -10,8 +10,8 @@ use leastaction_core::scalar::{Real, WeightFormat};
 /// Steps that took 0, 1, 2, … updates.
 type Histogram = [usize; 51];
 
-/// 4 s from several starts, the last of them at rest, with SyMo's range of controls on coordinate `driven`; every step
-/// must end at its floor.
+/// Runs 4 s from several starts, the last of them at rest, with SyMo's range of controls on coordinate `driven`.
+/// Every step must end with a residual of a few rounding units.
 fn iterations<R: Real, P: Path, const N: usize>(
     lagrangian: impl Lagrangian<R, N>,
     driven: usize,
@@ -60,7 +60,8 @@ fn few_iterations_up_to_50_ms() {
     check_iterations::<f64, Galerkin>("f64", [3, 5, 9]);
 }
 
-/// A double pendulum of 1 m that falls from upright turns by half a radian in 50 ms: a few steps take longer.
+/// A double pendulum of 1 m that falls from upright turns by half a radian in 50 ms, so a few steps take more
+/// updates.
 fn check_tree_iterations<R: Real<Weight = R> + WeightFormat<Wide = R>, P: Path>(
     scalar: &str,
     most: [usize; 4],
@@ -96,7 +97,7 @@ fn a_stop_of_zero_takes_a_constant_number_of_iterations() {
     }
 }
 
-/// The part of L_qq in the matrix has a relative size of (hω)²/4: an update multiplies the residual by about that.
+/// The matrix leaves out L_qq, a part of relative size (hω)²/4: an update multiplies the residual by about that.
 #[test]
 fn an_update_divides_the_residual_by_the_square_of_the_step() {
     fn residual<P: Path>(h: f64, max_iterations: u8) -> f64 {
@@ -129,7 +130,8 @@ fn without_iterations_the_guess_is_judged() {
     assert_eq!(del.step(&system, &mut at_rest, &Control::none()).unwrap().iterations, 0);
 }
 
-/// Residuals relative to the sum of terms that cancel would never be small: no momentum, no force, no motion.
+/// Without momentum, force and motion, the terms of a residual cancel. A residual relative to their sum would never
+/// be small.
 #[test]
 fn systems_at_rest_step_too() {
     fn check<P: Path>() {
@@ -144,7 +146,7 @@ fn systems_at_rest_step_too() {
                 assert!(result.is_ok_and(|r| r.iterations <= 3), "step {k} from {q:?}: {result:?}");
             }
         }
-        // Gravity held by the control: only rounding is left of the force.
+        // The control balances gravity, so only rounding is left of the force.
         let mut held = State::<f32, 1>::new(&PENDULUM, [0.8], [0.0]).unwrap();
         for _ in 0..2_000 {
             let [force] = PENDULUM.gradient(&held.q(), &[0.0]).l_q;
@@ -164,7 +166,7 @@ fn a_learned_system_at_rest_steps_in_f32() {
         let inertia_network = model.over(&weights);
         let system = System { lagrangian: inertia_network, forces: Viscous { coefficients: [0.4, 0.4] } };
         let mut state = State::new(&inertia_network, [0.3, -0.2], [0.0, 0.0]).unwrap();
-        // Gravity held, at every step: forces and momenta are rounding errors.
+        // The control balances gravity at every step, so forces and momenta are rounding errors.
         for k in 0..2_000 {
             let l_q = inertia_network.gradient(&state.q(), &[0.0, 0.0]).l_q;
             let u = Control::held(l_q.map(|x| -x));
@@ -290,7 +292,8 @@ impl<L: Lagrangian<f32, N>, const N: usize> Lagrangian<f32, N> for Rescaled<L, N
     }
 }
 
-/// Metres or about millimetres, radians or about degrees: equal updates and equal residuals, bit for bit if the factors are powers of two.
+/// Coordinates in metres or about millimetres, radians or about degrees: the updates and residuals are equal, bit for
+/// bit if the factors are powers of two.
 #[test]
 fn units_of_coordinates_do_not_matter() {
     fn check<P: Path>(c: [f32; 2]) {

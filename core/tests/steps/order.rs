@@ -1,4 +1,4 @@
-//! Orders of accuracy, as slopes of the global error at a fixed time over the step, on nonlinear systems.
+//! Orders of accuracy: slopes of the global error at a fixed time against the step size, on nonlinear systems.
 
 use crate::common::{Random, arms, bodies, log_log_slope, trees};
 use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step, momentum, rk4_step};
@@ -31,7 +31,8 @@ where
         core::array::from_fn(|i| self.u[i] + self.u_rate[i] * t)
     }
 
-    /// Runge–Kutta with the control followed within the step, so finely that its error is rounding; returns (q, p) at the end.
+    /// Runge–Kutta that follows the control within the step, so finely that the remaining error is rounding; returns
+    /// (q, p) at the end.
     fn reference(&self) -> Point<N> {
         const FINE: usize = 4_000;
         let h = END / FINE as f64;

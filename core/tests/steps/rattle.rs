@@ -10,7 +10,8 @@ use leastaction_core::scalar::Real;
 use proptest::prelude::*;
 use std::time::Instant;
 
-/// Largest violations at every step, of rods and of A v = 0: rounding, whatever the lengths, masses, angles and order.
+/// Largest violations, over all steps, of the rods and of A v = 0: rounding only, whatever the lengths, masses,
+/// angles and order.
 #[derive(Debug)]
 struct Violations {
     rods: f64,
@@ -59,7 +60,8 @@ proptest! {
     }
 }
 
-/// Energy error of a long run in f64 of the state without its carries: the largest, and the means of its two halves, J.
+/// Energy error of a long run, in f64 from the state without its carries: the largest error, and the mean errors of
+/// its two halves, J.
 #[derive(Debug)]
 struct Energies {
     largest: f64,
@@ -104,7 +106,8 @@ fn energy_and_rods_over_a_hundred_thousand_steps_in_f32() {
         .assert_kept(6e-3, 1e-4, 1e-6);
 }
 
-/// A chaotic motion whose tightest swings cost a step some energy now and then, by up to 0.1 J; the motion of this test has none of them.
+/// A hybrid's motion is chaotic. Its tightest swings cost a step up to 0.1 J now and then, but this test's motion
+/// contains none of them.
 #[test]
 fn energy_and_rods_of_a_hybrid_in_f32() {
     Energies::during::<f32>(&Case::hybrid(), (0.0048, Order::Two), 20_000).assert_kept(3e-2, 3e-3, 1e-6);
@@ -132,7 +135,8 @@ fn energy_and_rods_over_a_million_steps_in_f32() {
     }
     during(&REGULAR, 4e-3, Order::Two).assert_kept(1.5e-3, 5e-4, 1e-6);
     during(&REGULAR, 1e-2, Order::Two).assert_kept(6e-3, 2e-4, 1e-6);
-    // The method oscillates less than rounding does: 5·10⁶ roundings of about 20 J, each at random half a unit, walk 3e-3 J far.
+    // The method oscillates less than rounding does: 5·10⁶ roundings of about 20 J, each at random half a unit, make
+    // a random walk of 3e-3 J.
     during(&REGULAR, 1e-2, Order::Four).assert_kept(3e-3, 3e-3, 1e-6);
 }
 
@@ -164,7 +168,7 @@ fn time_is_linear_in_springs() {
     check::<f64>("f64");
 }
 
-/// Forth, velocities turned round, and back.
+/// Error after stepping forth, reversing the velocities, and stepping back.
 fn return_error<R: Real>(case: &Case<R>, order: Order) -> f64 {
     let forth = case.run((0.01, order), 200, |_, _| ());
     let turned = forth.1.iter().map(|v| v.map(|v| -v.to_f64())).collect();

@@ -1,4 +1,4 @@
-//! Starts of RATTLE beside a position and a velocity: a saved state, and two positions.
+//! Other starts of RATTLE than a position and a velocity: a saved state, and two positions.
 
 use crate::common::file::{Aligned, golden_web};
 use crate::common::particles::{Exact, Spring, hanging, rods, rounded, workspaces};
@@ -47,7 +47,8 @@ impl<R: Real> Case<R> {
         saved(state)
     }
 
-    /// A motion that is resumed before every step has the bits of one that is not interrupted.
+    /// A motion that is resumed from a saved state before every step has the bits of a motion that is not
+    /// interrupted.
     fn resumes(&self, order: Order) {
         let (mechanism, rattle) = (self.mechanism(), Rattle::new(R::constant(H), order));
         let (mut numbers, mut work) = workspaces(&mechanism);
@@ -161,7 +162,8 @@ fn what_is_no_saved_state_is_refused() {
 fn two_positions_determine_the_state() {
     for order in [Order::Two, Order::Four] {
         Case::<f64>::new().starts_between(order, 1e-12);
-        // Positions of 2 m are known to 1.2e-7 m, 2.4e-5 m/s over a step, and each of three masses adds its share.
+        // Positions of 2 m are known to 1.2e-7 m, which is 2.4e-5 m/s over a step, and each of the three masses adds
+        // its share.
         Case::<f32>::new().starts_between(order, 2e-4);
     }
 }
@@ -187,7 +189,7 @@ fn two_positions_that_determine_none_are_refused() {
     assert_eq!(refused(&case, H, [&q, &q]), ConstraintError::Shape { expected: 3, given: 2 });
 }
 
-/// The workspace of any graph is enough for one with messages.
+/// The workspace for any graph is enough for a graph with messages.
 #[test]
 fn the_workspace_of_any_graph_is_enough() {
     let (file, mut edges, mut list) =

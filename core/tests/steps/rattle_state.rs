@@ -25,7 +25,7 @@ fn multipliers_are_the_forces_of_rods() {
     }
 }
 
-/// A pivot may be a node that is held instead of an anchor.
+/// A pivot can also be a held node instead of an anchor.
 #[test]
 fn a_held_node_is_an_anchor() {
     let anchored = Case::<f64>::pendulum(&[1.0, 0.4]);
@@ -41,7 +41,7 @@ fn a_held_node_is_an_anchor() {
     assert!(found.0[0].iter().all(|x| x.abs() < 1e-15));
 }
 
-/// Velocities along rods go at the start; what is consistent stays.
+/// Velocities along rods are removed at the start; the consistent part of the velocity stays.
 #[test]
 fn initial_velocities_are_projected() {
     let case = Case::<f64>::pendulum(&[0.5, -0.2]);

@@ -50,7 +50,8 @@ pub(crate) unsafe fn load(
     })
 }
 
-/// Refuses rods if the library has none: without them, the particles would be another mechanism than the learned one.
+/// Refuses a graph with rods if the library was built without them: without its rods, the graph would be another
+/// mechanism than the learned one.
 fn refused(error: ModelError) -> Error {
     match error {
         ModelError::Graph(GraphError::TooManyRods { needed, .. }) if RODS == 0 => {
@@ -67,7 +68,7 @@ mod alone {
     use leastaction_core::forces::System;
     use leastaction_core::model::Model;
 
-    /// Particles; the coordinates are those of node after node.
+    /// Particles; the coordinates are listed node by node.
     pub(crate) type Mechanism = Model<'static, Particles>;
 
     /// Returns the graph as a Lagrangian that is its own drag.
@@ -85,7 +86,7 @@ mod on_rods {
     use leastaction_core::energy::graph::Graph;
     use leastaction_core::model::GraphModel;
 
-    /// Particles with their rods; the coordinates are those of node after node.
+    /// Particles with their rods; the coordinates are listed node by node.
     pub(crate) type Mechanism = GraphModel<'static, D, K, H, L, Weight>;
 
     /// A graph in any number of coordinates.

@@ -14,7 +14,8 @@ use leastaction_core::particles::Particles;
 
 const NODES: usize = N / D;
 
-/// Workspace length for any evaluation, if the first and the last rod share a node. That of an acceleration is a part of it.
+/// Workspace length for any evaluation in the worst case, in which the first and the last rod share a node. An
+/// acceleration needs only a part of it.
 const WORK: usize = Rattle::<f32>::workspace_of::<D>(NODES, RODS, RODS - 1, AnyGraph::most_workspace(NODES));
 
 /// Workspace length of a state in motion.
@@ -89,7 +90,8 @@ const fn numbers(rods: usize) -> usize {
     ParticleState::<f32, D>::saved(NODES, rods)
 }
 
-/// The first numbers of an array, which exist: no graph is loaded that has more rods than the library was built for.
+/// The first `count` numbers of an array. They always exist: no graph is loaded that has more rods than the library
+/// was built for.
 fn first_mut(array: &mut [f32], count: usize) -> &mut [f32] {
     array.get_mut(..count).unwrap_or_default()
 }
@@ -99,7 +101,7 @@ fn nodes(x: &Vector) -> &[[f32; D]] {
     x.as_chunks().0
 }
 
-/// Mean over the step: the external force of a RATTLE step is constant.
+/// Mean of the control over the step, since the external force of a RATTLE step is constant.
 fn mean(control: &Control<f32, N>) -> Vector {
     control.at(0.5)
 }

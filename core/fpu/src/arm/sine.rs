@@ -14,7 +14,7 @@ extern "C" fn sin_cos_asm(x: f32) -> Pair {
         ".fpu vfpv2",
         "adr r1, 5f",
         "vldmia r1!, {{s2-s9}}",
-        // NaN, if beyond the limit or not a number.
+        // NaN if x is beyond the limit or not a number.
         "vabs.f32 s10, s0",
         "vcmp.f32 s10, s2",
         "vmrs APSR_nzcv, fpscr",

@@ -102,8 +102,8 @@ fn settings() -> Config {
     settings
 }
 
-/// Copies a source file with the functions under the names by which they are called, without a prefix: a header generator knows only names
-/// that are written out.
+/// Copies a source file in which the functions have the names by which they are called, without a prefix, because a
+/// header generator knows only names that are written out.
 fn written_out(file: &Path) -> Result<String, Box<dyn Error>> {
     let source = std::fs::read_to_string(file)?;
     let line = |line: &str| match line.contains("export_name") {

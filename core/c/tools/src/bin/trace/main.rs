@@ -63,7 +63,7 @@ trait Mechanism {
     fn between(&self, h: f32, order: Order, q: [&Vector; 2]) -> Result<Self::State, String>;
     /// Takes a step under a held force.
     fn step(&self, state: &mut Self::State, step: &Step, u: Vector) -> Result<Report<f32>, String>;
-    /// q, p, the last increment, and everything else that a state says.
+    /// q, p, the last increment, and everything else that a state reports.
     fn numbers(&self, state: &Self::State) -> Vec<f32>;
 }
 

@@ -21,7 +21,7 @@ pub struct Moving {
 }
 
 impl<S: Particles<f32, D>> OnRods<'_, S> {
-    /// Memory for one state, leaked: this program starts few.
+    /// Memory for one state. It is leaked, since this program starts few states.
     fn place(&self) -> &'static mut [f32] {
         let (nodes, equations) = (self.mechanism.system().nodes(), self.mechanism.equations());
         Box::leak(vec![0.0; ParticleState::<f32, D>::workspace(nodes, equations)].into())
