@@ -18,7 +18,7 @@ fn main() {
     shape(Path::new(&out));
 }
 
-/// Leaves the model for the image `shape`, and sets its configuration.
+/// Writes the source of the model for the image `shape`, and sets the image's configuration.
 fn shape(out: &Path) {
     println!("cargo:rerun-if-env-changed=LEASTACTION_SHAPE");
     println!("cargo:rerun-if-env-changed=LEASTACTION_SHAPE_ORDER");
@@ -26,7 +26,7 @@ fn shape(out: &Path) {
     let Ok(file) = env::var("LEASTACTION_SHAPE") else { return };
     println!("cargo:rerun-if-changed={file}");
     let source = fs::read_to_string(&file).expect("LEASTACTION_SHAPE names a file that export --rust wrote");
-    // An included source has no documentation of its own.
+    // A source that is included may not begin with module documentation.
     let lines: Vec<_> = source.lines().filter(|line| !line.starts_with("//!")).collect();
     fs::write(out.join("shape.rs"), lines.join("\n")).expect("the folder can be written to");
     if source.contains("GraphModel") {

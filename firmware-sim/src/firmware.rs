@@ -17,7 +17,8 @@ pub struct Outcome<const N: usize> {
     /// Estimated position and velocity now.
     #[serde(with = "StateWire")]
     pub estimate: ContinuousState<f32, N>,
-    /// Predicted readings of the encoders before the samples were taken in, zeros included; rad or m, not wrapped.
+    /// Readings that were predicted for the encoders before the samples were used, zeros included; rad or m, not
+    /// wrapped.
     #[serde(with = "array")]
     pub predicted: [f32; N],
     /// Learned zeros of the encoders, by which they read too much; rad or m.
@@ -49,7 +50,7 @@ impl<const N: usize> Outcome<N> {
 
 /// Elapsed ticks at the beginning of a log: longer than any patience.
 pub(crate) const FIRST_TICK: u32 = u32::MAX;
-/// Maximum number of ticks that the firmware goes through when it wakes: beyond any patience and any delay.
+/// Maximum number of ticks that the firmware simulates when it wakes: beyond any patience and any delay.
 const MOST_ELAPSED: u32 = 256;
 
 /// The program on the microcontroller: an observer, a controller, and its own record of the commands under way.
@@ -98,8 +99,8 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         self.give(outcome, command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe }))
     }
 
-    /// Runs on the samples and the command of a log, which replaces the controller's command. At the first tick of a recording, the command
-    /// is assumed to have stood before.
+    /// Runs on the samples and the command of a log; the logged command replaces the controller's. At the first tick
+    /// of a log, the same command is assumed for all ticks before.
     pub fn replay(&mut self, elapsed: u32, measured: &[Option<f32>; N], u: [f32; N]) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };
         let estimated = self.estimate(elapsed, measured, &mut outcome);

@@ -89,8 +89,9 @@ where
 
 /// A learned system with the step it was trained for, as in a model file.
 ///
-/// A model learned through a discrete step has absorbed the error of that step, and is less accurate with another: programs and predictions
-/// with another step or order are refused, unless [`OtherStep::Accepted`](crate::observer::OtherStep) is set.
+/// A model learned through a discrete step has absorbed the error of that step, and is less accurate with another
+/// step. Programs and predictions with another step or order are refused, unless
+/// [`OtherStep::Accepted`](crate::observer::OtherStep) is set.
 #[derive(Clone, Copy, Debug)]
 pub struct Trained<'a, L, F> {
     /// The Lagrangian with its forces.

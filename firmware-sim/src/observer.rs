@@ -25,7 +25,7 @@ pub struct ObserverConfig {
     pub newton: Newton<f32>,
     /// Maximum number of samples in memory, at least 1: a longer memory smooths the noise more and follows a wrong model longer.
     pub memory: u8,
-    /// Delay from a command to its effect, in ticks or any part of one, as far as the firmware knows; at most [`MAX_DELAY`].
+    /// Delay from a command to its effect that the firmware assumes, in ticks, whole or not; at most [`MAX_DELAY`].
     pub delay: f32,
     /// Number of samples of one encoder missing in a row, or of ticks slept through, after which the estimate is no longer trusted.
     pub patience: u8,
@@ -38,7 +38,7 @@ pub struct ObserverConfig {
 pub struct LearnZeros {
     /// Standard deviation of the zeros, rad or m, > 0.
     pub deviation: f32,
-    /// Standard deviation of an innovation, rad or m, > 0; a larger one learns more slowly.
+    /// Standard deviation of an innovation, rad or m, > 0; with a larger one, the zeros are learned more slowly.
     pub innovation: f32,
 }
 

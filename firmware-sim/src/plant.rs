@@ -25,7 +25,7 @@ impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
         &self.state
     }
 
-    /// Moves on for a time (s) under a held force; after an error it stays at the last finite state.
+    /// Moves on for a time (s) under a held force; after an error the plant stays at the last finite state.
     pub fn advance(&mut self, duration: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
         if duration <= 0.0 {
             return Ok(());

@@ -18,7 +18,7 @@ pub trait Processor<const N: usize> {
         measured: &[Option<f32>; N],
         target: &Target<N>,
     ) -> Result<Outcome<N>, Self::Error>;
-    /// Runs on the samples and the command of a log, which replaces the controller's command.
+    /// Runs on the samples and the command of a log; the logged command replaces the controller's.
     ///
     /// # Errors
     /// See [`Processor::run`].

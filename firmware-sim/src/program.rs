@@ -11,12 +11,12 @@ use crate::wire::array;
 use leastaction_core::lagrangian::Lagrangian;
 use serde::{Deserialize, Serialize};
 
-/// Everything that the firmware is told about a scenario, wherever it runs.
+/// Everything that the firmware knows about a scenario, wherever the firmware runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Program<const N: usize> {
     /// The tick h > 0, s.
     pub tick: f32,
-    /// Flags of the encoders that measure angles, and wrap their readings.
+    /// Flags of the encoders that measure angles and therefore wrap their readings.
     #[serde(with = "array")]
     pub angle: [bool; N],
     /// Limits of the actuators, and their gain and offset as far as the firmware knows; `observer` has their delay.
@@ -138,7 +138,7 @@ impl<const N: usize> Program<N> {
         Ok(self.firmware(model, controller))
     }
 
-    /// Creates the controller over a model; `swing_up` makes the controller that brings it upright.
+    /// Creates the controller over a model; `swing_up` makes the controller that brings the mechanism upright.
     fn controller<M: Mechanism<N>, P>(
         &self,
         model: &M,
@@ -206,7 +206,8 @@ impl Program<1> {
 }
 
 impl Program<2> {
-    /// Creates the firmware over a model of a cart and its pole, q = (x, θ); for any other task, of any two coordinates.
+    /// Creates the firmware over a model of a cart and its pole, q = (x, θ). For tasks other than a swing-up, the
+    /// model may have any two coordinates.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models

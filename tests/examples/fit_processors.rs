@@ -61,8 +61,9 @@ impl Equations {
     }
 }
 
-/// Approximate number of instructions of an operation on a processor with a floating-point unit, as counted by `src/bin/kernels.rs` of the
-/// chip and shown by a trace of the emulator: where shapes do not distinguish two operations, their numbers stay near these.
+/// Approximate number of instructions of an operation on a processor with a floating-point unit, as counted by
+/// `src/bin/kernels.rs` of the chip and shown by a trace of the emulator. If the shapes do not distinguish two
+/// operations, the fitted numbers stay near these.
 const INSTRUCTIONS: &[(&str, f64)] = &[
     ("tangents", 100.0),
     ("exponentials", 70.0),

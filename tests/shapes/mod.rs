@@ -17,7 +17,7 @@ pub struct RandomModel {
     pub file: Vec<u8>,
 }
 
-/// Returns all of these models.
+/// Returns the models of all shapes.
 pub fn all() -> Result<Vec<RandomModel>, Box<dyn Error>> {
     let text = include_str!("../../firmware-sim/chip/shapes.toml");
     let mut shapes = Vec::new();

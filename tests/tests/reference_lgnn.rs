@@ -123,8 +123,8 @@ fn rods_and_accelerations_agree() {
     check_motion("3_pendulum_drag", true);
 }
 
-/// Gradient of their program in the order of our weight block; an embedding is the sum of a weight and a bias, so its gradient would be
-/// that sum too.
+/// Gradient of their program in the order of our weight block. The import adds an embedding's weight and bias; in a
+/// gradient both are equal to the gradient of the embedding, so their sum is halved.
 fn gradient(arrays: &Arrays, prefix: &str) -> Vec<f64> {
     let imported = lgnn(&arrays.as_weights(prefix), BOBS, false).expect("gradient as weights");
     let embeddings: usize =

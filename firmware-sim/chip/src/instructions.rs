@@ -14,7 +14,7 @@ pub fn mean(calls: u32, mut call: impl FnMut()) -> u32 {
         call();
         core::hint::black_box(());
     }
-    // Divides last: a tick is many instructions.
+    // The division comes last, because a tick is many instructions.
     (ticks(start) - empty) * INSTRUCTIONS_PER_TICK / calls
 }
 

@@ -4,8 +4,8 @@ use crate::board::Uart;
 use crate::board::{INSTRUCTIONS_PER_TICK, ticks};
 use leastaction_firmware_sim::link::Port;
 
-/// Number of looks for a byte before giving up: some minutes under emulation. The other end may have died, and an image that waits forever
-/// would keep a processor of the host busy forever.
+/// Number of polls for a byte before giving up: some minutes under emulation. The other end may have died, and an
+/// image that waits forever would keep a processor of the host busy forever.
 const PATIENCE: u32 = u32::MAX;
 
 /// Error that nothing was heard for minutes.

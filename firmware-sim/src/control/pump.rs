@@ -112,8 +112,8 @@ impl CartPump {
         Ok(Self { config, upright, height })
     }
 
-    /// Missing energy of the pole in the frame of the cart, as a fraction of the height. Both potentials are taken at the cart's own
-    /// position, where a learned model may be a little higher or lower than elsewhere.
+    /// Missing energy of the pole in the frame of the cart, as a fraction of the height. Both potentials are taken at
+    /// the cart's present position, because a learned potential may be a little higher or lower there than elsewhere.
     fn missing<M: Mechanism<2>>(&self, model: &M, [x, theta]: [f32; 2], theta_dot: f32) -> f32 {
         let now = model.energies(&[x, theta], &[0.0, theta_dot]);
         let upright = model.energies(&[x, self.upright], &[0.0; 2]).potential;

@@ -112,9 +112,10 @@ impl<const N: usize> Trajectory<N> for Reference<N> {
     }
 }
 
-/// Enters a motion of its own time s from rest: the setpoint at time t (s) after its beginning, from the position and its first two
-/// derivatives in s. Before that, it rests at the motion's first point; over the first r seconds s = r(x³ − x⁴/2) with x = t/r, then s = t
-/// − r/2.
+/// Computes the setpoint at time t, s, after the beginning of a motion that is entered from rest. `motion` returns
+/// the position and its first two derivatives as functions of the motion's own time s. Before the beginning, the
+/// setpoint rests at the motion's first point. Over the first r seconds s = r(x³ − x⁴/2) with x = t/r, then s = t −
+/// r/2.
 pub fn enter<const N: usize>(t: f32, r: f32, motion: impl Fn(f32) -> [[f32; N]; 3]) -> Setpoint<N> {
     if t < 0.0 {
         let [q, ..] = motion(0.0);

@@ -58,7 +58,8 @@ impl<const N: usize> Regulator<N> {
     /// Designs the feedback for ticks of h seconds from the model's own second derivatives at `target`; D is 2N.
     ///
     /// # Errors
-    /// Tolerances that are not positive, an input that is no coordinate, and a model whose rest at `target` the input cannot hold.
+    /// Tolerances that are not positive, an input that is no coordinate, and a model that the input cannot hold at
+    /// rest at `target`.
     pub fn design<M: Mechanism<N>, const D: usize>(
         model: &M,
         target: [f32; N],

@@ -68,7 +68,7 @@ fn gain<const D: usize>(
     if k.iter().all(|k| k.is_finite()) { Ok(k) } else { Err(SetupError::NotStabilisable) }
 }
 
-/// ½(X + Xᵀ), so rounding cannot grow an antisymmetric part.
+/// ½(X + Xᵀ), so that rounding cannot build up an antisymmetric part.
 fn symmetric<const D: usize>(x: &SMatrix<f32, D, D>) -> SMatrix<f32, D, D> {
     (x + x.transpose()) * 0.5
 }

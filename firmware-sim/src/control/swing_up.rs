@@ -6,11 +6,11 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
-/// Conditions under which the regulator takes over from the pump, and gives up.
+/// Conditions under which the regulator takes over from the pump, and under which it gives up.
 ///
-/// A regulator with a small tolerance of u spares its force: near the unstable direction it asks for about twice the smallest force that
-/// can still save the mechanism, and so recovers, saturated, from states for which it asks up to twice the limit. A regulator that does not
-/// spare its force recovers from fewer states.
+/// A regulator with a small tolerance of u spares its force. Near the unstable direction it asks for about twice the
+/// smallest force that can still save the mechanism. It therefore recovers, saturated, from states for which it asks
+/// for up to twice the limit. A regulator that does not spare its force recovers from fewer states.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Catch {
     /// Angle from upright within which the regulator may take over, rad, > 0.

@@ -32,7 +32,7 @@ pub enum Law {
     /// Feed-forward by the model's inverse dynamics, feedback through its inertia matrix.
     #[default]
     ComputedTorque,
-    /// Gravity compensation at the present position, and PD feedback joint by joint: the usual rival.
+    /// Gravity compensation at the present position, and PD feedback joint by joint: the usual alternative.
     PdGravity,
 }
 

@@ -57,8 +57,9 @@ pub struct ActuatorConfig<const N: usize> {
     pub limit: [f32; N],
     /// Conversion between command and force.
     pub drive: Drive<N>,
-    /// Delay from a command to its effect, in ticks or any part of one, at most [`MAX_DELAY`]. The part beyond whole ticks counts from the
-    /// time when a tick is due: a command that comes later still acts at once.
+    /// Delay from a command to its effect, in ticks, whole or not, at most [`MAX_DELAY`]. The part beyond whole ticks
+    /// counts from the time when a tick is due; a command that comes later than the end of that part still acts at
+    /// once.
     pub delay: f32,
 }
 

@@ -1,8 +1,8 @@
 //! The link between a world and a processor in another place: its messages, and the processor's end, [`serve`].
 //!
-//! `firmware-sim/LINK.md` has the frames byte by byte. The world asks and the processor answers, one frame each way:
-//! first a [`Program`](crate::Program), answered with [`Answer::Ready`] or a [`Refusal`], then tick after tick. Nothing
-//! is sent twice: a frame that does not arrive whole ends the run.
+//! `firmware-sim/LINK.md` describes the frames byte by byte. The world asks and the processor answers, one frame each
+//! way: first a [`Program`](crate::Program), answered with [`Answer::Ready`] or a [`Refusal`], then tick after tick.
+//! Nothing is sent twice: a frame that does not arrive whole ends the run.
 
 mod frame;
 mod message;

@@ -20,9 +20,9 @@ pub enum Refusal {
     },
     /// A tick came before a program was begun.
     NotBegun,
-    /// There is no model in its flash.
+    /// The processor has no model in its flash.
     NoModel,
-    /// The model in its flash is refused.
+    /// The model in the processor's flash is refused.
     Model(ModelRefusal),
     /// The program is refused.
     Program(ProgramFault),

@@ -68,9 +68,9 @@ macro_rules! over {
     }};
 }
 
-/// Serves requests until one ends the program, in the name of a processor: programs over an inertia network of 1 or 2 coordinates with at
-/// most `D` hidden layers of at most `H` units, or over 1 or 2 rigid bodies, optionally with laws of force with such networks. The model is
-/// borrowed in place.
+/// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an inertia
+/// network of 1 or 2 coordinates with at most `D` hidden layers of at most `H` units, or over 1 or 2 rigid bodies,
+/// optionally with laws of force whose networks have these sizes. The model is borrowed in place.
 ///
 /// # Errors
 /// Errors of the port.
@@ -96,8 +96,9 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     }
 }
 
-/// Serves requests until one ends the program, in the name of a processor: programs over an arm of N joints, optionally with damping and
-/// dry friction, borrowed in place. It follows targets, and brings nothing upright.
+/// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an arm of N
+/// joints, optionally with damping and dry friction; the model is borrowed in place. Programs follow targets, and
+/// bring nothing upright.
 ///
 /// # Errors
 /// Errors of the port.
@@ -143,7 +144,7 @@ impl<P: Port> Link<'_, P> {
     fn send<const N: usize>(&mut self, message: &Answer<'_, N>) -> Result<(), P::Error> {
         match answer(message) {
             Ok(frame) => frame.send(|byte| self.port.send(byte)),
-            // Sends nothing: the other end would notice, and say so.
+            // Sends nothing: the other end would notice the missing answer and report it.
             Err(_) => {
                 debug_assert!(false, "no answer is longer than a frame");
                 Ok(())

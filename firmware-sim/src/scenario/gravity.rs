@@ -26,8 +26,9 @@ pub struct GravityConfig<const N: usize> {
 }
 
 impl<const N: usize> GravityConfig<N> {
-    /// Creates a run of 10 s in ticks of 10 ms from rest at `start`, where brakes hold the mechanism until the first command acts. It is
-    /// pushed from 2.0 to 2.2 s by up to `push` (N or N m) in every coordinate; the drag is 1/s.
+    /// Creates a run of 10 s in ticks of 10 ms from rest at `start`, where brakes hold the mechanism until the first
+    /// command acts. It is pushed from 2.0 to 2.2 s by up to `push` (N or N m) in every coordinate; the drag is 1 per
+    /// second.
     pub const fn new(
         encoders: [EncoderConfig; N],
         limit: [f32; N],
@@ -75,7 +76,8 @@ pub struct Floating<const N: usize> {
     angle: [bool; N],
     quiet: Option<(f32, [f32; N])>,
     pushed: Option<[f32; N]>,
-    /// Mean velocity before the push, from half a second on: the error of the model's gravity, less what friction bears; rad/s or m/s.
+    /// Mean velocity before the push, from half a second on; rad/s or m/s. It shows the error of the model's gravity,
+    /// as far as friction does not bear it.
     pub drift: [f32; N],
     /// Largest distance from the point of the push, rad or m.
     pub peak: [f32; N],

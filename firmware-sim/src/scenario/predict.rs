@@ -36,7 +36,8 @@ impl<const N: usize> Excitation<N> {
     }
 }
 
-/// A comparison: the model stepped beside the plant under the same force, without feedback: no encoder, no clock, no delay.
+/// A comparison: the model is stepped beside the plant under the same force, without feedback. There is no encoder,
+/// no clock and no delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predict<const N: usize> {
     /// The loop; of its devices, only the limits and the flags of angles are used.
@@ -117,7 +118,8 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
         }
     }
 
-    /// Takes one tick under a force. The first takes the plant's position q₁ instead of a velocity: positions suffice.
+    /// Takes one tick under a force. The first tick starts the model with the plant's position q₁; no velocity is
+    /// needed.
     fn advance(&mut self, u: &[f32; N], q1: &[f32; N]) -> Result<(), StepError<f32>> {
         self.mode = Mode::Safe;
         let u = Control::held(*u);

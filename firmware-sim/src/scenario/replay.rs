@@ -20,8 +20,8 @@ pub struct Logged<const N: usize> {
 }
 
 impl<const N: usize> Logged<N> {
-    /// Ticks longer than any patience: the firmware forgets the state that it knew, but not the zeros that it learned, and assumes that the
-    /// first command stood before.
+    /// More ticks than any patience: the firmware forgets the state that it knew, but not the zeros that it learned,
+    /// and assumes that the first command was already given at all earlier ticks.
     pub const FIRST: u32 = FIRST_TICK;
 }
 

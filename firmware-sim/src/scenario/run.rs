@@ -21,7 +21,8 @@ struct World<'a, P, const N: usize> {
     push: Push<N>,
     /// Push of this run, and push of this tick.
     pushes: [[f32; N]; 2],
-    /// Force without a command, at which brakes still hold the mechanism; `None` without brakes, or after they opened.
+    /// Force of the actuators without a command; the brakes hold the mechanism as long as the force is still this
+    /// one. `None` without brakes, or after they opened.
     braked: Option<[f32; N]>,
     h: f32,
     errors: u32,

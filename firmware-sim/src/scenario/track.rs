@@ -91,7 +91,7 @@ impl TrackConfig<2> {
         Self::new(CART_AND_POLE, [15.0, 2.0], (from, reference))
     }
 
-    /// The acrobot, both joints actuated, from hanging at most 40 N m.
+    /// The acrobot, both joints actuated, moving from hanging with at most 40 N m.
     pub const fn acrobot() -> Self {
         let from = [0.0, 0.0];
         let reference = Reference::there_and_back(BEGIN, from, [2.0, -1.5], [0.25, 0.4]);

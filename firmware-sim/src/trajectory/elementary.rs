@@ -1,4 +1,4 @@
-//! Fingerprint of the bits of every elementary function, which every target must give.
+//! Fingerprint of the bits of every elementary function, which every target must reproduce.
 
 use super::Fingerprint;
 use leastaction_core::scalar::{Real, Scalar, WeightFormat, f16};
@@ -31,8 +31,8 @@ impl Fingerprint {
         self.bits(if x.is_nan() { f32::NAN } else { x }.to_bits());
     }
 
-    /// Fingerprint of √x, eˣ, ln(1 + x), tanh x, sin x, cos x, both ways to wrap an angle, and widening from half precision: at edges, at
-    /// numbers of every size up to 2¹⁶ and at any bits.
+    /// Fingerprint of √x, eˣ, ln(1 + x), tanh x, sin x, cos x, both ways to wrap an angle, and widening from half
+    /// precision: at edges, at numbers of every size up to 2¹⁶, and at arbitrary bits.
     pub fn of_elementary_functions() -> Self {
         let mut fingerprint = Self::default();
         EDGES.into_iter().for_each(|x| fingerprint.functions_at(x));

@@ -40,7 +40,7 @@ pub type Arm<'a> = ArmModel<'a, 7>;
 /// Bobs on rods: layers 2 → 8 → 1.
 pub type Bobs<'a> = GraphModel<'a, 2, 1, 8, 1>;
 
-/// The graph of [`Bobs`], with one bob more than it was learned from.
+/// The graph of [`Bobs`], with one bob more than the graph whose motion it was learned from.
 pub const GRAPH: &str = "three";
 
 /// Number of bobs of the graph.

@@ -26,7 +26,8 @@ impl<const N: usize> Perturbed<N> {
         Self { inertia, potential }
     }
 
-    /// Adds a potential of the given amplitude, J, that varies with all coordinates, as it should not with a cart's position.
+    /// Adds a potential of the given amplitude, J, that varies with all coordinates, even with a cart's position, on
+    /// which the true potential does not depend.
     #[must_use]
     pub fn with_ripple(mut self, amplitude: f64) -> Self {
         let mut wave = [1.0; N];

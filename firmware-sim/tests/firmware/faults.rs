@@ -113,7 +113,7 @@ fn devices_do_not_shift_each_others_luck() {
     assert_ne!(first, second);
 }
 
-/// A cart-pole model that knows nothing between 0.1 m and 0.2 m.
+/// A cart-pole model that returns NaN between 0.1 m and 0.2 m.
 struct Holed;
 
 impl Holed {

@@ -44,7 +44,7 @@ fn the_push_is_of_the_seed_and_the_firmware_is_not_told() {
     assert!(floating.peak[0] < 0.02 && floating.rest_after == Some(0.0), "{floating:?}");
 }
 
-/// Smooth dry friction bears the error of the model's gravity, at a creep.
+/// Smooth dry friction bears the error of the model's gravity, while the mechanism creeps.
 #[test]
 fn friction_bears_what_the_model_does_not_know() {
     let dry = DryFriction { constant: 1.0, width: 0.02, ..DryFriction::none() };

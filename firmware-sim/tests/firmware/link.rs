@@ -175,13 +175,13 @@ proptest! {
     }
 }
 
-/// A line on which the world's words are known beforehand.
+/// A port that hears prepared bytes and keeps the answers.
 struct Script {
     heard: std::vec::IntoIter<u8>,
     said: Vec<u8>,
 }
 
-/// Nothing more is said.
+/// Error at the end of the prepared bytes.
 #[derive(Debug, PartialEq)]
 struct Silence;
 

@@ -18,8 +18,8 @@ fn pendulum() -> Pendulum {
     System::conservative(PENDULUM)
 }
 
-/// Velocity errors of an observer with exact readings of a pendulum that turns over, tick by tick; `seen` says whether the encoder
-/// delivers.
+/// Velocity errors of an observer with exact readings of a pendulum that turns over, tick by tick; `seen` tells for
+/// each tick whether the encoder delivers its reading.
 fn errors(system: &Pendulum, config: &ObserverConfig, ticks: u32, seen: impl Fn(u32) -> bool) -> Vec<f32> {
     let mut plant = Plant::new(system, ContinuousState { q: [0.5], v: [4.0] }, 8);
     let mut observer = config.observer(system, H, [true]);

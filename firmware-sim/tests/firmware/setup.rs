@@ -61,7 +61,7 @@ fn a_kinetic_energy_that_is_not_quadratic_is_refused() {
         let (what, message) = out_of_range(run);
         assert!(what.contains("momentum") && message.contains("quadratic in v"), "{message}");
     }
-    // Smaller errors than those of any model of ours are no obstacle, nor is a plant of any kinetic energy.
+    // A deviation smaller than that of any of our models is accepted, and so is a plant with any kinetic energy.
     assert_eq!(require_quadratic(&System::conservative(Quartic { c: 1e-6 }), &[0.3]), Ok(()));
     assert!(track(&model, &plant, &TrackConfig::<1>::pendulum(), |_| {}).is_ok());
 }
@@ -164,7 +164,7 @@ fn the_constant_configuration_has_newtons_default_residuals() {
     assert_eq!(SWING_UP.setup.observer, CONFIG);
 }
 
-/// A task may hand these types to another, whatever borrows the model.
+/// Values of these types can be handed from one task to another, even if they borrow the model.
 #[test]
 fn what_moves_between_tasks_can_be_sent() {
     fn send<T: Send>() {}

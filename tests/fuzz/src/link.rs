@@ -19,7 +19,7 @@ model!(CARTPOLE, "cartpole.postcard");
 model!(DRY, "cartpole-dry.postcard");
 model!(ARM, "arm.postcard");
 
-/// A line on which the world's words are known in advance.
+/// A port that hears prepared bytes and keeps the answers.
 struct Line<'a> {
     heard: std::slice::Iter<'a, u8>,
     said: Vec<u8>,
@@ -38,7 +38,8 @@ impl Port for Line<'_> {
     }
 }
 
-/// Sends the world's words, byte by byte or as documents in valid frames, to a processor with one of three models or none.
+/// Sends the world's bytes, either unchanged or as documents in valid frames, to a processor with one of three models
+/// or none.
 ///
 /// Every answer must be a whole frame, and every command a finite number.
 pub fn link(input: &[u8]) {

@@ -51,8 +51,9 @@ fn numbers(content: &[u8]) -> &[u8] {
     content.get(1 + zeros..).unwrap_or(&[])
 }
 
-/// Changes the content of one section by `change`, and then in most cases the number of weights to what the shape needs; in one of eight
-/// cases changes all bytes alike. Returns the new length; if the result is too long, leaves the data unchanged.
+/// Changes the content of one section by `change`, and then in most cases the number of weights to what the shape
+/// needs. In one of eight cases, `change` is applied to all bytes instead. Returns the new length; if the result is
+/// too long, leaves the data unchanged.
 pub fn mutate(
     data: &mut [u8],
     size: usize,

@@ -1,7 +1,8 @@
 use crate::ReplicaError;
 use leastaction_core::lagrangian::Energies;
 
-/// Energies and continuous dynamics of a model at given states. All slices have n numbers; particles follow one another.
+/// Energies and continuous dynamics of a model at given states. All slices have n numbers, those of particles one
+/// after another.
 ///
 /// An evaluator has its own workspace, so every thread needs one.
 pub trait Evaluator {

@@ -94,7 +94,8 @@ impl<'f> Replica<'f> {
     /// Creates the file's converter of commands to forces, for steps of h seconds.
     ///
     /// # Errors
-    /// [`ReplicaError::Model`] if the actuator has another number of coordinates, or its delay is more than 65,535 steps.
+    /// [`ReplicaError::Model`] if the actuator has a different number of coordinates, or its delay is more than
+    /// 65,535 steps.
     pub fn actuators(&self, h: f32) -> Result<Actuators, ReplicaError> {
         Actuators::new(self.actuator, self.n(), h)
     }
@@ -103,7 +104,7 @@ impl<'f> Replica<'f> {
     /// the range of the data.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; [`ReplicaError::Model`] if the range has another number of coordinates.
+    /// [`ReplicaError::Length`]; [`ReplicaError::Model`] if the range has a different number of coordinates.
     pub fn outside(&self, q: &[f32], v: &[f32], u: &[f32]) -> Result<Option<Outside>, ReplicaError> {
         let n = self.n();
         for (what, x) in [("q", q), ("v", v), ("u", u)] {

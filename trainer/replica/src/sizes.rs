@@ -23,9 +23,9 @@ pub trait Visitor<'c> {
     fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output;
 }
 
-/// Access to the system of a chip that has N coordinates, for each N of [`COORDINATES`].
+/// Access to the system of a replica that has N coordinates, for each N of [`COORDINATES`].
 pub trait OfSize<const N: usize> {
-    /// Returns the system; `None` if it has another number of coordinates, or is a graph.
+    /// Returns the system; `None` if it has a different number of coordinates, or is a graph.
     fn of_size(&self) -> Option<&SystemOf<'_, N>>;
 }
 

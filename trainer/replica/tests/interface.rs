@@ -214,7 +214,7 @@ fn a_chip_is_of_one_size() {
     assert!(two.is_none() && three.is_some_and(|system| system.forces.damping().iter().all(|c| *c > 0.0)));
 }
 
-/// Says which type it was given.
+/// A visitor that names the type it was given.
 struct Named;
 
 impl Visitor<'_> for Named {

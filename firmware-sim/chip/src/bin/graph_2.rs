@@ -1,4 +1,4 @@
-//! Three bobs on rods, their energies learned on two, stepped by RATTLE.
+//! Three bobs on rods, with energies learned on two bobs, stepped by RATTLE.
 #![no_std]
 #![no_main]
 

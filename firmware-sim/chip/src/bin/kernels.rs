@@ -144,8 +144,9 @@ fn numbers<const N: usize>() -> [f32; N] {
     })
 }
 
-/// Checks that the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs, and for weights in half precision
-/// at any address; that every number of half precision is widened alike; and that roots, sines and cosines agree.
+/// Checks that the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs, and for
+/// weights in half precision at any address. Also checks that both widen every number in half precision to the same
+/// bits, and that roots, sines and cosines agree.
 fn loops_agree() -> bool {
     let (weights, x) = (black_box(numbers::<{ 24 * 8 }>()), black_box(numbers::<24>()));
     let halves: [f16; 24 * 8 + 1] =
@@ -211,7 +212,8 @@ fn run() -> Result<(), &'static [u8]> {
     layer::<_, 0>([b"forward_0", b"adjoint_0"], &dense);
     layer::<_, 1>([b"forward_1", b"adjoint_1"], &dense);
     layer::<_, 2>([b"forward_2", b"adjoint_2"], &dense);
-    /// Weights at a multiple of four bytes, like the first layer of a model file: others are copied a few rows at a time.
+    /// Weights at a multiple of four bytes, like the first layer of a model file; weights at other addresses would be
+    /// copied a few rows at a time.
     #[repr(align(4))]
     struct Aligned([f16; UNITS * (UNITS + 1)]);
     static HALVES: Aligned = Aligned([f16::from_bits(0x3000); UNITS * (UNITS + 1)]);

@@ -1,5 +1,5 @@
-//! Damaged model files: the loader's answers to every changed bit and every truncation of two small files in RAM, or of a cart-pole that
-//! the emulator has left in flash.
+//! Damaged model files: the loader's answers to every changed bit and every truncation of two small files in RAM, or
+//! of a cart-pole that the emulator has put into flash.
 #![no_std]
 #![no_main]
 

@@ -12,7 +12,8 @@ mod model {
     include!(concat!(env!("OUT_DIR"), "/shape.rs"));
 }
 
-/// Newton's method as in the other images, but with any remaining residual accepted: random weights need not be a mechanism.
+/// Newton's method as in the other images, but with any remaining residual accepted, because random weights need not
+/// describe a mechanism.
 fn newton() -> Newton<f32> {
     Newton { accept: f32::INFINITY, ..reference::newton() }
 }

@@ -45,7 +45,7 @@ pub fn name() -> &'static [u8] {
 pub struct Uart(());
 
 const UART: *mut u32 = 0x4000_4000 as *mut u32;
-// Words from there.
+// Offsets from there, in words.
 const DATA: usize = 0;
 const STATE: usize = 1;
 const CONTROL: usize = 2;

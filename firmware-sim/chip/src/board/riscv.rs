@@ -31,7 +31,7 @@ pub fn name() -> &'static [u8] {
 pub struct Uart(());
 
 const UART: *mut u8 = 0x1000_0000 as *mut u8;
-// Registers from there.
+// Offsets of registers from there.
 const DATA: usize = 0;
 const LINE_STATUS: usize = 5;
 // Bits of the line status.

@@ -10,13 +10,13 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// Writes all of them.
+/// Writes the seeds of all these targets.
 pub fn seeds(corpus: &Path) -> Done {
     weights(&mut Seeds::of(corpus, "safetensors")?)?;
     checkpoints(&mut Seeds::of(corpus, "checkpoint")?)
 }
 
-/// Tensors of the three programs, tiny.
+/// Writes tiny tensors of each of the three programs.
 fn weights(seeds: &mut Seeds) -> Done {
     let layers = |names: &[(&str, usize, usize)]| -> Vec<(String, Vec<usize>)> {
         names
