@@ -44,7 +44,8 @@ impl<R: Real> Newton<R> {
         }
     }
 
-    /// Whether another update would be in vain: the residual is small enough, or it is acceptable and the last update did not halve it.
+    /// Whether another update would not help: the residual is small enough, or it is acceptable and the last update
+    /// did not halve it.
     fn settled(&self, before: R, after: R) -> bool {
         let floor = after <= self.accept && after > before.half();
         self.stop > R::zero() && (after <= self.stop || floor)

@@ -17,7 +17,7 @@ use leastaction_core::scalar::max_abs;
 pub trait Mechanism<const N: usize> {
     /// Lagrangian of the mechanism.
     type Lagrangian: Lagrangian<f32, N>;
-    /// The forces beside the control.
+    /// The forces other than the control.
     type Forces: Forces<f32, N>;
 
     /// The Lagrangian with its forces.
@@ -38,7 +38,7 @@ pub trait Mechanism<const N: usize> {
         self.system().lagrangian.hessian(q, v)
     }
 
-    /// ∂Q/∂q and ∂Q/∂v of the forces beside the control.
+    /// ∂Q/∂q and ∂Q/∂v of the forces other than the control.
     fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]) {
         self.system().forces.derivatives(q, v, &[0.0; N])
     }

@@ -8,7 +8,7 @@ use crate::storage::{Model, State};
 #[repr(C)]
 pub(crate) struct Loaded {
     pub tag: usize,
-    /// Lists, beside the file, that the mechanism refers to.
+    /// Lists that the mechanism refers to, in addition to the file.
     pub lists: Lists,
     pub mechanism: Mechanism,
 }

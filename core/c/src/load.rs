@@ -79,7 +79,7 @@ unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Err
     if file_bytes > most {
         return Err(Error::new(Status::WrongLength, [most, file_bytes]));
     }
-    // SAFETY: not NULL, and not longer than anything can be; the rest is this function's promise.
+    // SAFETY: not NULL, and not longer than an allocation can be; the rest is this function's promise.
     Ok(unsafe { core::slice::from_raw_parts(file.pointer(), file_bytes) })
 }
 

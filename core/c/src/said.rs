@@ -1,4 +1,4 @@
-//! Data of the file beside the mechanism: its step, its actuator, the range of its training data.
+//! Data of the file other than the mechanism: the step, the actuator, the range of the training data.
 
 use crate::arguments::{Given, call, check_step, loaded, numbers, output, vectors};
 use crate::config::LEASTACTION_COORDINATES;

@@ -220,7 +220,7 @@ mod tests {
         let catalogue = CATALOGUE.iter().map(|entry| (i32::from(entry.code), entry.name.to_string()));
         let statuses = OF_FILES.iter().map(|status| (*status as i32, snake(&format!("{status:?}"))));
         assert!(catalogue.eq(statuses));
-        // No other status stands among their numbers.
+        // No other status has a number in these ranges.
         let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
         let numbers = source.filter_map(|(_, number)| number.trim_end_matches(',').parse::<i32>().ok());
         let of_files = numbers.filter(|number| *number == 8 || (20..70).contains(number));

@@ -19,8 +19,8 @@ pub struct Target<'a> {
 /// half-precision extension), and have Thumb-2 or ARM's own instructions for the rest.
 ///
 /// Every floating-point unit of a Cortex-M qualifies (FPv4-SP, FPv5 and later), and a target with the calling convention `eabihf` has such
-/// a unit. In the other profiles some units qualify (Cortex-A7) and some do not (Cortex-A8, R4F, R5F), and their targets do not tell them
-/// apart; a nightly compiler's list of features does.
+/// a unit. In the other profiles some units qualify (Cortex-A7) and some do not (Cortex-A8, R4F, R5F), and their
+/// targets do not distinguish them; a nightly compiler's list of features does.
 ///
 /// # Errors
 /// An error for a value of the option other than `arm` and `portable`, and for `arm` if the target passes no numbers

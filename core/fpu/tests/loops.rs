@@ -7,7 +7,7 @@ fn rows<const P: usize>(numbers: &[f32]) -> &[[f32; P]] {
     numbers.as_chunks().0
 }
 
-/// Every sum in the stated order, one by one.
+/// Checks every sum, computed term by term in the stated order.
 fn check<const P: usize>(
     numbers: &[f32],
     x: &[f32],

@@ -24,7 +24,7 @@ impl<R: Real> Baumgarte<R> {
     }
 }
 
-/// Inputs of a constrained acceleration beside the system itself.
+/// Inputs of a constrained acceleration other than the system itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive<'a, R, const D: usize> {
     /// External force on each node, N.

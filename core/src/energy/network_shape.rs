@@ -89,7 +89,7 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
         self.get(network).is_some_and(|network| network.serves(inputs, outputs))
     }
 
-    /// Name of the first invalid part, whatever the networks are used for; `None` if all are valid.
+    /// Name of the first part that is invalid for every use of the networks; `None` if there is none.
     pub fn invalid_part(&self) -> Option<&'static str> {
         let invalid = [
             (self.has_gap(), "list of networks"),

@@ -6,8 +6,8 @@ use crate::linear::Matrix;
 use crate::network::{Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 
-/// A potential V_c(q) of a few coordinates from a network, beside the potential of the Lagrangian: Q = −∂V_c/∂q, N or N m. It corrects what
-/// the energies lack: a cable, a spring, the ripple of a drive.
+/// A potential V_c(q) of a few coordinates from a network, in addition to the Lagrangian's potential: Q = −∂V_c/∂q,
+/// N or N m. It corrects what the energies lack: a cable, a spring, the ripple of a drive.
 ///
 /// It is a force like all other laws, so every family can have it, and models without it pay nothing. A step uses
 /// forces wherever it uses L_q, so a step with V_c remains the variational step of L − V_c. [`Forces::potential`]

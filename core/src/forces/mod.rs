@@ -1,5 +1,5 @@
-//! Generalised forces beside the Lagrangian: friction, damping and corrections with their derivatives, and the actuator between a command
-//! and the acting force.
+//! Generalised forces in addition to the Lagrangian: friction, damping and corrections with their derivatives, and
+//! the actuator between a command and the acting force.
 //!
 //! The equation of motion is M v̇ = L_q − L_vq v + τ + Q(q, v, τ). τ is the control force at the actuator's output, an input of the
 //! solvers; [`Actuator`] computes it from the commands u. Q may depend on τ: friction grows with the load.
@@ -28,7 +28,7 @@ use crate::lagrangian::{Energies, Lagrangian};
 use crate::linear::{Matrix, add_scaled};
 use crate::scalar::{Real, Scalar};
 
-/// A force Q(q, v, τ) beside the control force τ, with its derivatives.
+/// A force Q(q, v, τ) in addition to the control force τ, with its derivatives.
 ///
 /// Signs are those of a force: damping opposes v. Evaluation cannot fail: if numbers leave the range of S, the result is not finite, and
 /// the solvers report it.
@@ -107,12 +107,12 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
     }
 }
 
-/// A Lagrangian and the forces beside it: the system that the solvers step.
+/// A Lagrangian and forces in addition to it: the system that the solvers step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct System<L, F> {
     /// L = T − V.
     pub lagrangian: L,
-    /// Forces Q beside the control force.
+    /// Forces Q other than the control force.
     pub forces: F,
 }
 

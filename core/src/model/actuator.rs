@@ -27,7 +27,7 @@ impl<'a> ActuatorBytes<'a> {
         Ok(Self(bytes))
     }
 
-    /// The bytes as they stand in the file.
+    /// The bytes of the actuator in the file.
     pub const fn bytes(&self) -> &'a [u8] {
         self.0
     }

@@ -115,7 +115,7 @@ pub enum ModelError {
         /// Value of the parameter.
         value: f32,
     },
-    /// The file states no step and order: the model was not trained for one.
+    /// The file states neither a step nor an order: the model was trained without steps.
     NoStep,
     /// The model was trained with an integrator of another order.
     Order {

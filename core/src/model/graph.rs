@@ -38,7 +38,7 @@ pub struct GraphLayout<'a> {
     pub rods: &'a [u8],
 }
 
-/// Node number that stands for the origin at a rod's first end.
+/// Node number that means the origin at a rod's first end.
 pub const ORIGIN: u16 = u16::MAX;
 
 /// A massless rod of a graph in a model file.
@@ -294,7 +294,7 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: File
     /// Returns RATTLE with the step and the order that the model was trained with.
     ///
     /// # Errors
-    /// [`ModelError::NoStep`] if the model was trained for none.
+    /// [`ModelError::NoStep`] if the model was trained without steps.
     pub fn rattle<R: Real>(&self) -> Result<Rattle<R>, ModelError> {
         let step = self.step()?;
         Ok(Rattle::new(R::constant(step.h.into()), step.order))

@@ -14,7 +14,7 @@ pub(super) const MAX_TREE_COORDINATES: usize = 64;
 pub struct Header<'a> {
     /// The family of the energies and its shape.
     pub family: Family<'a>,
-    /// The laws of force beside the energies.
+    /// The laws of force in addition to the energies.
     pub laws: Laws<'a>,
     /// Actuator between command and force; `None`: the command is the force.
     pub actuator: Option<ActuatorBytes<'a>>,

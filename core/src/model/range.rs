@@ -109,7 +109,7 @@ impl<'a> TrainingRange<'a> {
         Ok(range)
     }
 
-    /// The bytes as they stand in the file.
+    /// The bytes of the range in the file.
     pub const fn bytes(&self) -> &'a [u8] {
         self.0
     }

@@ -11,7 +11,7 @@ use super::ModelError;
 pub enum Section {
     /// The family of the Lagrangian and its shape.
     Energies = 1,
-    /// The laws of force beside the Lagrangian.
+    /// The laws of force in addition to the Lagrangian.
     Forces = 2,
     /// Gain, offset and delay between command and force.
     Actuator = 3,

@@ -131,7 +131,8 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         self.trusted
     }
 
-    /// Forgets the state, but not the zeros, and starts anew if the observer slept for more steps than the configured patience.
+    /// Forgets the state, but not the zeros, and starts again if the observer slept for more steps than the
+    /// configured patience.
     pub fn wake(&mut self, slept: u32) {
         if slept > u32::from(self.tuning.patience) {
             (self.state, self.trusted) = (None, false);

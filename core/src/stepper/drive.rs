@@ -59,8 +59,8 @@ pub trait Actuation<const N: usize>: Sized {
     /// Loads the actuator of a file for steps of h > 0 seconds.
     ///
     /// # Errors
-    /// [`ModelError::Actuator`] if the file does not have what this type stands for; the errors of [`Sections::actuator`] and of
-    /// [`ActuatorBytes::at_step`](crate::model::ActuatorBytes::at_step).
+    /// [`ModelError::Actuator`] if the file does not have the actuation that this type represents; the errors of
+    /// [`Sections::actuator`] and of [`ActuatorBytes::at_step`](crate::model::ActuatorBytes::at_step).
     fn load(sections: &Sections, h: f32) -> Result<Self, ModelError>;
 
     /// Number of whole steps by which a command is late.

@@ -69,7 +69,8 @@ where
     /// Creates a stepper with the step, the order, the kind of control and the actuator of the file.
     ///
     /// # Errors
-    /// [`ModelError::NoStep`] if the model was trained for none; [`ModelError::Order`], [`ModelError::Control`], [`ModelError::Actuator`]
+    /// [`ModelError::NoStep`] if the model was trained without steps; [`ModelError::Order`],
+    /// [`ModelError::Control`], [`ModelError::Actuator`]
     /// and [`ModelError::Shape`] if the file does not match the types.
     pub fn new(model: Model<'a, System<L, F>>) -> Result<Self, ModelError> {
         let (step, sections) = (model.step()?, model.sections);

@@ -86,7 +86,8 @@ where
     /// Creates a stepper of the graph called `name`, with the step, the order, the kind of control and the actuator of the file.
     ///
     /// # Errors
-    /// The errors of [`GraphModel::load`]; [`ModelError::NoStep`] if the model was trained for none; [`GraphError::Coordinates`],
+    /// The errors of [`GraphModel::load`]; [`ModelError::NoStep`] if the model was trained without steps;
+    /// [`GraphError::Coordinates`],
     /// [`ModelError::Control`], [`ModelError::Actuator`] and [`ModelError::Shape`] if the file does not match types and memory.
     pub fn new<const EDGES: usize, const RODS: usize, const NUMBERS: usize>(
         bytes: &'a [u8],

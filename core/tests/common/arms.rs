@@ -62,7 +62,7 @@ impl<const N: usize> Arm<N> {
         core::array::from_fn(|i| ArmParameters::from_array(numbers[i]))
     }
 
-    /// The pose of every body on the base, as a homogeneous matrix.
+    /// The pose of every body relative to the base, as a homogeneous matrix.
     fn poses(&self, q: &[f64; N]) -> [Pose; N] {
         let mut poses = [[[0.0; 4]; 4]; N];
         for (i, (body, numbers)) in self.bodies.iter().zip(self.numbers()).enumerate() {
@@ -78,7 +78,7 @@ impl<const N: usize> Arm<N> {
         poses
     }
 
-    /// All point masses with their positions on the base.
+    /// All point masses with their positions relative to the base.
     fn places(&self, q: &[f64; N]) -> Vec<Point> {
         let of_body = |(pose, points): (Pose, &Vec<Point>)| -> Vec<Point> {
             let place = |x: &Vector<f64>| -> Vector<f64> {

@@ -79,7 +79,7 @@ fn no_derivative_is_that_of_another_place() {
     assert!(entries.len() >= 15 && entries.windows(2).all(|pair| pair[1] - pair[0] > 1e-6), "{entries:?}");
 }
 
-/// Two laws together are the sum of both, in either order and nested either way.
+/// Two laws together give the sum of their forces, in either order and nested either way.
 #[test]
 fn a_pair_is_the_sum_of_its_laws() {
     let (viscous, (friction, coupling)) = all::<f64, 3>();

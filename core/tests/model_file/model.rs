@@ -103,7 +103,7 @@ fn additional_bytes_are_an_error() {
     // The file is closed with a valid checksum, but the bytes after the last section are no section.
     let longer = file::with_checksum(&[&file[..file.len() - 4], &[200, 1, 0]].concat());
     assert_eq!(load_error(&longer), ModelError::Malformed);
-    // Bytes behind the shape, within its section.
+    // Bytes after the shape, within its section.
     let [start, end] = file::place(&file, Section::Energies);
     let longer = file::with_section(&file, Section::Energies, &[&file[start..end], &[1, 2, 3]].concat());
     assert_eq!(load_error(&longer), ModelError::TrailingBytes { bytes: 3 });

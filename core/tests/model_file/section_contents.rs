@@ -230,7 +230,7 @@ fn steps_are_what_was_written() {
     }
 }
 
-/// A model is not stepped by an integrator of another order, nor with a step that it does not have.
+/// An integrator is refused if its order is not that of the model's file, or if the file states no step.
 #[test]
 fn the_integrator_is_that_of_the_file() {
     let file = Aligned::new(&file::golden());

@@ -77,7 +77,7 @@ fn only_the_first_tree_or_graph_is_covered() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
-    /// q and q plus a whole number of periods are the same place.
+    /// q, and q plus a whole number of periods, count as the same position.
     #[test]
     fn a_period_does_not_matter(q in -3.0_f32..3.2, turns in -3_i32..4) {
         let inside = (-2.5..=3.0).contains(&q);

@@ -106,7 +106,7 @@ fn on_controller<const T: usize>(jets: &[Jet<f32, T>]) -> Vec<Jet<Controller, T>
     jets.iter().map(|x| Jet { value: Controller(x.value), tangent: x.tangent.map(Controller) }).collect()
 }
 
-/// A number that shows a difference of bits, equal for every NaN.
+/// The bits of a number, with all NaN mapped to the same bits.
 trait Bits {
     fn bits(&self) -> u32;
 }

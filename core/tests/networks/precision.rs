@@ -1,4 +1,4 @@
-//! Distance of a trajectory in single precision from the one in double.
+//! Distance of a trajectory in single precision from the trajectory in double precision.
 
 use crate::common::trees;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};

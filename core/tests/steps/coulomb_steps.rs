@@ -160,7 +160,8 @@ fn a_tree_converges_too() {
     }
 }
 
-/// A fixed number of updates stays fixed: a step that it does not solve is an error, and leaves the state as it was.
+/// A fixed number of updates stays fixed: a step that these updates do not solve is an error, and leaves the state
+/// unchanged.
 #[test]
 fn the_bound_on_updates_stays() {
     let newton = Newton { max_iterations: 2, stop: 0.0, ..Newton::<f32>::default() };

@@ -94,7 +94,7 @@ pub fn arm<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
 }
 
 /// Measures the chain of bobs, straight and aslant, with steps of the given order. Its rods are constants of the program, which takes a
-/// third less code than stepping whatever rods the file has.
+/// third less code than stepping with the rods of the file.
 pub fn bobs(file: &'static [u8], order: Order) -> Result<(), &'static [u8]> {
     let mut rods = chain();
     let bobs = load(|| Bobs::load(black_box(file), GRAPH, &mut [], &mut rods))?;

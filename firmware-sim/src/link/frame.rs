@@ -1,7 +1,7 @@
 //! Bytes of a frame: a postcard document, its CRC-32, and COBS around both, so a 0 ends a frame and occurs nowhere else.
 //!
 //! COBS is from Cheshire and Baker, "Consistent Overhead Byte Stuffing", SIGCOMM 1997. A frame is too short for a block of 254 bytes, so
-//! every block stands for a 0 behind it.
+//! every block ends where the original bytes have a 0.
 
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};

@@ -57,7 +57,8 @@ impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
     }
 
     /// Creates the firmware over a model that follows the motion by gravity compensation and the encoders' readings alone, with velocities
-    /// filtered at the cut-off frequency `cut_off`, Hz: [`ByEncoders`]. The observer runs beside it, for the record.
+    /// filtered at the cut-off frequency `cut_off`, Hz: [`ByEncoders`]. The observer runs at the same time, but only
+    /// for the record.
     ///
     /// # Errors
     /// See [`Program::follow`]; also a cut-off frequency out of range.

@@ -103,9 +103,9 @@ fn requests_and_answers_come_back_as_they_went() {
 
 #[test]
 fn a_tick_has_the_bytes_of_the_document() {
-    // Version, coordinates, a tick, its number 258, 3 ticks, −0.25, nothing.
+    // Version, coordinates, the kind (a tick), number 258, 3 elapsed ticks, a reading of −0.25, a missing reading.
     let head = [VERSION, 2, 1, 0x82, 2, 3, 1, 0, 0, 0x80, 0xbe, 0];
-    // 0.5 and 0 at rest, now and in the middle of the tick.
+    // The target: position 0.5 and 0 at rest, now and in the middle of the tick.
     let position = [0, 0, 0, 0x3f, 0, 0, 0, 0];
     let document = [&head[..], &position, &[0; 8], &position, &[0; 8], &[0; 8]].concat();
     let sum = leastaction_core::model::checksum(&document).to_le_bytes();

@@ -1,4 +1,4 @@
-//! A model that does not suit is refused before anything moves, with the reason.
+//! An unsuitable model is refused, with the reason, before anything moves.
 
 use leastaction_core::discrete::{Newton, Order};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};

@@ -10,7 +10,7 @@ const STEPS: usize = 10;
 /// Maximum number of coordinates: a step with more takes long.
 const MOST: usize = 16;
 
-/// Moves a model: the first bytes determine the size of the numbers and how they are drawn, sections follow.
+/// Moves a model. The first bytes choose the seed, the size of the numbers and the step; the sections follow.
 ///
 /// A solved step must have finite positions and momenta and a finite residual; a refused step must leave the motion unchanged; repeated
 /// steps must have equal bits.

@@ -1,4 +1,4 @@
-//! Forces of a file beside its Lagrangian.
+//! Forces of a file, in addition to its Lagrangian.
 
 use crate::{LAYERS, UNITS};
 use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Viscous};

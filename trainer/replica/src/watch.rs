@@ -16,7 +16,7 @@ pub trait Watch: Send {
     /// Takes the samples of a step, rad or m, `None` for a missing one.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`]; an error if the estimate would not be finite. It is then unchanged.
+    /// [`ReplicaError::Length`]; an error if the estimate would not be finite. The estimate is then unchanged.
     fn correct(&mut self, measured: &[Option<f32>]) -> Result<(), ReplicaError>;
 
     /// Writes the estimates of q and v, and returns whether there is an estimate: it exists once every coordinate was measured.

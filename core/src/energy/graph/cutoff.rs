@@ -8,7 +8,7 @@ use crate::scalar::Real;
 /// Pairs are sorted by their second node, then by their first, so the list is the same on every target.
 ///
 /// Compares all pairs, so time grows with the square of the number of nodes: meant for graphs of some hundred nodes, or for lists that are
-/// rebuilt seldom.
+/// seldom rebuilt.
 ///
 /// # Errors
 /// [`GraphError::TooManyNodes`]; [`GraphError::TooManyEdges`] with the number of near pairs if `edges` is too short.

@@ -27,7 +27,7 @@ pub fn argument() -> Option<u32> {
     (number != 0).then_some(number)
 }
 
-/// Length of the slot behind its two words, bytes.
+/// Length of the slot after its two words, bytes.
 const WORKSPACE: usize = (64 << 10) - 2 * size_of::<u32>();
 
 /// The model file that the emulator was told to put into flash, in place; `None` if there is none.

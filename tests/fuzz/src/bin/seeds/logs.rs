@@ -70,7 +70,7 @@ fn without_checksums(mut bag: Vec<u8>) -> Vec<u8> {
             (head[0], head[1..].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)));
         let body = at + 9;
         let zeroed = match opcode {
-            // Checksum of a chunk, behind two times and a size.
+            // Checksum of a chunk, after two times and a size.
             6 => Some(body + 24),
             // Checksums of the end of the data, and of the footer.
             15 => Some(body),
