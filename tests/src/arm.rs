@@ -5,7 +5,7 @@ use leastaction_core::model::{ArmHeader, Family, Header, Laws, WriteError, write
 
 /// Number of joints.
 pub const JOINTS: usize = 7;
-/// Tree of the bodies: each on the one before, by a revolute joint.
+/// Tree of the bodies: each body sits on the previous one, by a revolute joint.
 pub const TREE: [u8; 2 * JOINTS] = [0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6];
 /// Quarter turns about x from the previous frame to that of the joint, and a and d of Craig's convention, m.
 pub const FRAMES: [(i8, f32, f32); JOINTS] = [

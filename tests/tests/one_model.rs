@@ -1,4 +1,4 @@
-//! Every path that steps a model along commands gives the result of a plain stepper that knows the actuator.
+//! Every code path that steps a model along commands gives the result of a plain stepper that knows the actuator.
 
 #[path = "../../trainer/replica/tests/common/mod.rs"]
 mod samples;
@@ -95,7 +95,7 @@ fn naive_control<const N: usize>(index: usize, kind: ControlKind, k: usize) -> C
     control
 }
 
-/// Positions of samples from a state on, by core's own step.
+/// Positions at the samples from a state on, computed by core's own step.
 fn naive<P: Path, L, F, const N: usize>(
     system: &System<L, F>,
     mut state: State<f64, N>,
@@ -122,7 +122,7 @@ fn assert_close<const N: usize>(what: &str, found: &[f64], expected: &[[f64; N]]
     }
 }
 
-/// Compares everything that a model says about a motion with the plain stepper.
+/// Compares every result of a model for a motion with the plain stepper.
 fn compare<P: Path, L, F, const N: usize>(
     name: &str,
     model: &Model,

@@ -42,7 +42,7 @@
 /**
  * Outcome of a call. Numbers are never given another meaning; new ones may be added.
  *
- * For every status: the `numbers` of a `leastaction_error`, in order, and whatever else it carries.
+ * Each status lists the `numbers` of its `leastaction_error`, in order, and everything else that the error carries.
  */
 enum leastaction_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -83,7 +83,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_BAD_NAME = 7,
     /**
-     * The file does not say a step and an order: the model was not trained for one.
+     * The file states neither a step nor an order: the model was trained without steps.
      */
     LEASTACTION_STATUS_NO_STEP = 8,
     /**
@@ -140,7 +140,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_BIG_ENDIAN = 27,
     /**
-     * The shape needs another number of weights than there are. `numbers`: weights in the file, weights needed.
+     * The file does not have the number of weights that the shape needs. `numbers`: weights in the file, weights needed.
      */
     LEASTACTION_STATUS_WEIGHT_COUNT = 28,
     /**
@@ -156,11 +156,11 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_NAMES = 31,
     /**
-     * The file holds no tree of that name. `numbers`: number of trees in the file.
+     * The file holds no tree with that name. `numbers`: number of trees in the file.
      */
     LEASTACTION_STATUS_NO_SUCH_TREE = 32,
     /**
-     * The file holds no graph of that name. `numbers`: number of graphs in the file.
+     * The file holds no graph with that name. `numbers`: number of graphs in the file.
      */
     LEASTACTION_STATUS_NO_SUCH_GRAPH = 33,
     /**
@@ -180,7 +180,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_SECTION = 37,
     /**
-     * The file lacks a section that every file has. `what`: name of the section.
+     * The file lacks a section that every file must have. `what`: name of the section.
      */
     LEASTACTION_STATUS_MISSING_SECTION = 38,
     /**
@@ -265,7 +265,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_GRAPH_TOO_MANY_RODS = 60,
     /**
-     * A member of a union names another number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
+     * A member of a union names a different number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
      */
     LEASTACTION_STATUS_GRAPH_MEMBER_NODES = 61,
     /**

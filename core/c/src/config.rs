@@ -55,11 +55,11 @@ const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 // The sizes fit a model with 2 words to spare where pointers have 32 bits; where they have 64 bits, a model takes
 // fewer words. The build fails if a model no longer fits (`contents.rs`).
 
-/// Words of dry friction: four numbers per coordinate.
+/// Words that dry friction takes: four numbers per coordinate.
 #[cfg(not(feature = "graph"))]
 const FRICTION: usize = if cfg!(feature = "friction") { 4 * LEASTACTION_COORDINATES } else { 0 };
 
-/// Words of both laws with networks: the network, the coordinates that it sees, and scales.
+/// Words that both laws with networks take: the network, the coordinates that it sees, and scales.
 #[cfg(all(feature = "networks", not(feature = "graph")))]
 const LAWS: usize = 2 * (5 * (LEASTACTION_LAW_LAYERS + 1) + LEASTACTION_COORDINATES.div_ceil(2) + 6);
 #[cfg(not(any(feature = "networks", feature = "graph")))]

@@ -2,7 +2,7 @@ use leastaction_core::model::CATALOGUE;
 
 /// Outcome of a call. Numbers are never given another meaning; new ones may be added.
 ///
-/// For every status: the `numbers` of a `leastaction_error`, in order, and whatever else it carries.
+/// Each status lists the `numbers` of its `leastaction_error`, in order, and everything else that the error carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
@@ -24,7 +24,7 @@ pub enum Status {
     BadStep = 6,
     /// The name of a tree or graph is not UTF-8, or longer than 64 bytes.
     BadName = 7,
-    /// The file does not say a step and an order: the model was not trained for one.
+    /// The file states neither a step nor an order: the model was trained without steps.
     NoStep = 8,
     /// The graph has rods, and the library was not built for any. `numbers`: number of rods.
     Rods = 9,
@@ -54,7 +54,7 @@ pub enum Status {
     Unaligned = 26,
     /// The weights are little-endian, which this processor cannot read in place.
     BigEndian = 27,
-    /// The shape needs another number of weights than there are. `numbers`: weights in the file, weights needed.
+    /// The file does not have the number of weights that the shape needs. `numbers`: weights in the file, weights needed.
     WeightCount = 28,
     /// A weight is infinite or not a number. `numbers`: index of the weight.
     WeightNotFinite = 29,
@@ -62,9 +62,9 @@ pub enum Status {
     OutOfRange = 30,
     /// Names are missing, empty or not unique. `what`: the named things.
     Names = 31,
-    /// The file holds no tree of that name. `numbers`: number of trees in the file.
+    /// The file holds no tree with that name. `numbers`: number of trees in the file.
     NoSuchTree = 32,
-    /// The file holds no graph of that name. `numbers`: number of graphs in the file.
+    /// The file holds no graph with that name. `numbers`: number of graphs in the file.
     NoSuchGraph = 33,
     /// The file holds a model of another family than the library was built for. `what`: the family in the file.
     OtherFamily = 34,
@@ -74,7 +74,7 @@ pub enum Status {
     Precision = 36,
     /// The file has a section that this library does not know and that may change the physics. `numbers`: number of the section.
     Section = 37,
-    /// The file lacks a section that every file has. `what`: name of the section.
+    /// The file lacks a section that every file must have. `what`: name of the section.
     MissingSection = 38,
     /// The file was refused for a reason that this list does not know.
     OtherFileError = 39,
@@ -119,7 +119,7 @@ pub enum Status {
     GraphTooManyEdges = 59,
     /// The graph has more rods than the library was built for. `numbers`: rods built in, rods of the graph.
     GraphTooManyRods = 60,
-    /// A member of a union names another number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
+    /// A member of a union names a different number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
     GraphMemberNodes = 61,
     /// A member of a union names its nodes out of order. `numbers`: the member, the node.
     GraphMemberOrder = 62,

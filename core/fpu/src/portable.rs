@@ -27,7 +27,7 @@ where
             *sum += scalar(*w) * *x;
         }
     };
-    // A single sum is too short a body for a loop: take four inputs per turn.
+    // With a single sum the loop body would be too short, so it takes four inputs per turn.
     let (row_fours, row_rest) = if P == 1 { rows.as_chunks::<4>() } else { (&[][..], rows) };
     let (x_fours, x_rest) = if P == 1 { x.as_chunks::<4>() } else { (&[][..], x) };
     for (rows, x) in row_fours.iter().zip(x_fours) {

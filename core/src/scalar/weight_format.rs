@@ -3,8 +3,8 @@ use bytemuck::AnyBitPattern;
 use core::fmt::Debug;
 use leastaction_fpu::f16;
 
-/// Storage format of a model's numbers: `f32` in flash, [`struct@f16`] in half of it, `f64` in training. They are read as the wider type
-/// that scalars know.
+/// Storage format of a model's numbers: `f32` in flash, [`struct@f16`] in half of it, `f64` in training. The numbers
+/// are read as the wider type that scalars compute with.
 pub trait WeightFormat: Copy + Debug + Default + PartialEq {
     /// Type that holds each number exactly.
     type Wide: Copy + Debug;

@@ -185,8 +185,8 @@ impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N,
         K::force(&self.actuation, |steps| self.ago(whole + steps, u))
     }
 
-    /// The command `steps` steps ago; `u` is the present one. A command from beyond the memory may be any, since its
-    /// weight is 0.
+    /// The command `steps` steps ago; `u` is the present one. If the memory does not reach that far, any command may
+    /// be returned, because its weight is 0.
     #[inline(always)]
     fn ago<'u>(&'u self, steps: usize, u: &'u [f32; N]) -> &'u [f32; N] {
         steps.checked_sub(1).and_then(|k| self.past.get(k)).unwrap_or(u)

@@ -150,7 +150,7 @@ where
     ///
     /// # Errors
     /// See [`Del::step`]. If a past command is the cause, the next step is refused for the same reason:
-    /// [`Stepper::commanded`] moves past that command, and [`Stepper::start`] begins anew.
+    /// [`Stepper::commanded`] moves past that command, and [`Stepper::start`] starts again.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, StepError<f32>> {
         self.drive.check(&u)?;
         let report = self.del.step(&self.model.system, &mut self.state, &self.drive.force(&u))?;

@@ -131,7 +131,7 @@ impl<R: Real, const D: usize> Particles<R, D> for Exact<R, D> {
     }
 }
 
-/// Rods of these lengths from node to node; anchored at the origin first if `anchored`.
+/// Rods of these lengths from node to node; if `anchored`, the first rod hangs from the origin.
 pub fn rods<R: Real, const D: usize>(lengths: &[f64], anchored: bool) -> Vec<Holonomic<R, D>> {
     let length = |k: usize| R::constant(lengths[k]);
     let first = usize::from(anchored);

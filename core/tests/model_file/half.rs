@@ -130,7 +130,7 @@ fn damage_is_refused() {
 fn every_half_is_widened_exactly() {
     for bits in 0..=u16::MAX {
         let half = f16::from_bits(bits);
-        // The number by the definition of the format, except for NaN.
+        // The number as the format defines it, except for NaN.
         let (sign, exponent, fraction) =
             (bits >> 15, i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
         let size = match exponent {

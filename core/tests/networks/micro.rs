@@ -1,6 +1,6 @@
 //! Errors of micromath's elementary functions beside ours: the table of core/README.md, which shows why evaluations
 //! do not use micromath.
-//! `cargo test -p leastaction-core --test micro -- --nocapture` prints the table.
+//! `cargo test -p leastaction-core --test networks micro -- --nocapture` prints the table.
 
 use leastaction_core::scalar::Scalar;
 use micromath::F32Ext;

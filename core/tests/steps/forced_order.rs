@@ -38,7 +38,7 @@ fn runge_kutta<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     )
 }
 
-/// Slope of the error of position and momentum together over the step size.
+/// Slope of the combined error of position and momentum against the step size.
 fn slope<const N: usize>(reference: impl Fn(usize) -> Point<N>, solve: impl Fn(usize) -> Point<N>) -> f64 {
     log_log_slope(&STEPS.map(|steps| {
         let ((q, p), (found_q, found_p)) = (reference(steps), solve(steps));

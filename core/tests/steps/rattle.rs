@@ -119,7 +119,7 @@ fn energy_and_rods_of_order_4_in_f64() {
         .assert_kept(1e-5, 1e-6, 1e-14);
 }
 
-/// A million steps, in release: `cargo test --release -p leastaction-core --test rattle -- --ignored --nocapture
+/// A million steps, in release: `cargo test --release -p leastaction-core --test steps rattle -- --ignored --nocapture
 /// --test-threads 1`.
 #[test]
 #[ignore = "a minute in debug"]

@@ -3,7 +3,7 @@
 use crate::board::stack_pointer;
 
 unsafe extern "C" {
-    /// End of static memory, to which the stack may reach, by the linker script of both runtimes.
+    /// End of static memory, down to which the stack may reach, as both runtimes' linker scripts define it.
     static mut __sheap: u32;
 }
 

@@ -65,7 +65,7 @@ impl Actuators {
         self.over(start, end, |actuator, [before, now, next]| actuator.linear(&[before], &[now], &[next]))
     }
 
-    /// Applies `of` to the command before the one that has arrived, to that one, and to the next.
+    /// Applies `of` to three commands: the one before the one that has arrived, the one that has arrived, and the next.
     fn over(
         &mut self,
         start: &[f32],

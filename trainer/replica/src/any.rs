@@ -5,7 +5,7 @@ use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagran
 
 /// Maximum number of hidden layers of a network, as in a model file.
 pub const LAYERS: usize = MAX_HIDDEN;
-/// Maximum number of units in a hidden layer of an inertia network. A layer only takes the stack for its actual units.
+/// Maximum number of units in a hidden layer of an inertia network. A layer takes stack only for the units that it has.
 pub const INERTIA_NETWORK_UNITS: usize = 1024;
 /// Maximum number of units in a hidden layer of a network of an element, a node or an edge.
 pub const UNITS: usize = 64;

@@ -45,7 +45,7 @@ impl<const N: usize> Evaluator for &SystemOf<'_, N> {
 pub(crate) enum Beginning<'b> {
     /// A position and a velocity.
     At { q: &'b [f32], v: &'b [f32] },
-    /// Two positions one step apart, with the motion at the second, and the control between them.
+    /// Two positions one step apart, and the control between them; the motion begins at the second position.
     Between { q: [&'b [f32]; 2], control: Control<'b> },
 }
 

@@ -13,7 +13,8 @@ static DOUBLE: &Aligned<{ include_bytes!("../../models/double.postcard").len() }
 static PENDULUMS: &Aligned<{ include_bytes!("../../models/pendulums.postcard").len() }> =
     &Aligned(*include_bytes!("../../models/pendulums.postcard"));
 
-/// Prints the counts for every kind of damage to a copy of a file in RAM; no file with plain damage may be accepted.
+/// Prints the counts for every kind of damage to a copy of a file in RAM; a damaged file may be accepted only if its
+/// checksum was corrected.
 fn damaged<const N: usize>(
     name: &[u8],
     mut copy: Aligned<N>,

@@ -1,4 +1,4 @@
-//! A learned cart-pole, stepped at the rate that it was trained for: one DEL step a tick of SysTick.
+//! A learned cart-pole, stepped at the rate that it was trained for: one DEL step per tick of SysTick.
 #![no_std]
 #![no_main]
 
