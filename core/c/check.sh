@@ -2,7 +2,8 @@
 # Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C example with it,
 # which does not link if anything can panic; runs the example on the host and under qemu: both must print the hash of the same steps in
 # Rust, and refuse every damaged file. Links two shapes into one image and runs both. The committed header must equal the generated one.
-# `check.sh inertia-network` checks the named families only; without a name all five are checked, each with all its optional features.
+# `check.sh inertia-network` checks the named families only; without a name all five are checked, each with
+# all its optional features.
 set -euo pipefail
 families=" ${*:-inertia-network modular graph bodies arm} "
 cd "$(dirname "$0")"
@@ -200,7 +201,8 @@ cart='0.125 0.25' arm='0.125 0.25 0.375'
 check inertia-network cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check inertia-network,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check inertia-network,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-# A library with the feature `friction` must give, for a file without dry friction, the hash of the library without the feature.
+# A library with the feature `friction` must give, for a file without dry friction, the hash of the library without
+# the feature.
 check inertia-network,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 # The library with every law, on a file with network laws and on one without.
 for golden in cartpole-networks cartpole; do

@@ -140,7 +140,8 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_BIG_ENDIAN = 27,
     /**
-     * The file does not have the number of weights that the shape needs. `numbers`: weights in the file, weights needed.
+     * The file does not have the number of weights that the shape needs. `numbers`: weights in the file, weights
+     * needed.
      */
     LEASTACTION_STATUS_WEIGHT_COUNT = 28,
     /**
@@ -265,7 +266,8 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_GRAPH_TOO_MANY_RODS = 60,
     /**
-     * A member of a union names a different number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
+     * A member of a union names a different number of nodes than its graph has. `numbers`: the member, nodes named,
+     * nodes needed.
      */
     LEASTACTION_STATUS_GRAPH_MEMBER_NODES = 61,
     /**

@@ -54,7 +54,8 @@ pub enum Status {
     Unaligned = 26,
     /// The weights are little-endian, which this processor cannot read in place.
     BigEndian = 27,
-    /// The file does not have the number of weights that the shape needs. `numbers`: weights in the file, weights needed.
+    /// The file does not have the number of weights that the shape needs. `numbers`: weights in the file, weights
+    /// needed.
     WeightCount = 28,
     /// A weight is infinite or not a number. `numbers`: index of the weight.
     WeightNotFinite = 29,
@@ -119,7 +120,8 @@ pub enum Status {
     GraphTooManyEdges = 59,
     /// The graph has more rods than the library was built for. `numbers`: rods built in, rods of the graph.
     GraphTooManyRods = 60,
-    /// A member of a union names a different number of nodes than its graph has. `numbers`: the member, nodes named, nodes needed.
+    /// A member of a union names a different number of nodes than its graph has. `numbers`: the member, nodes named,
+    /// nodes needed.
     GraphMemberNodes = 61,
     /// A member of a union names its nodes out of order. `numbers`: the member, the node.
     GraphMemberOrder = 62,
