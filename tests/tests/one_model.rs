@@ -196,7 +196,7 @@ fn over_all<L, F, const N: usize>(
     }
 }
 
-/// Calls a check with every set of laws that coordinates allow, and the type of its forces.
+/// Calls a check for every set of laws that coordinates allow, with the type of the forces of that set.
 macro_rules! with_laws {
     ($check:ident) => {{
         let networks = Laws::FRICTION.with_dissipation(NETWORK).with_potential(NETWORK);

@@ -1,4 +1,4 @@
-//! The table after divan's: operation counts, and the share of the peak.
+//! The table printed after divan's: operation counts, and the achieved fraction of peak performance.
 
 use crate::WIDTHS;
 use crate::cases::{self, CARTPOLE_STEP, Network, Plain, Point, point};

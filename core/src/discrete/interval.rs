@@ -71,7 +71,7 @@ pub struct Linearised<R: Real, P: Path, const N: usize> {
     pub scale: [R; N],
 }
 
-/// Derivatives of the equations of a step that a bubble adds.
+/// Derivatives that a bubble adds to those of the equations of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BubbleDerivatives<R, const N: usize> {
     /// ∂ d1_ld/∂s.

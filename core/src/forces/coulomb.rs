@@ -134,7 +134,7 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Coulomb<S, N> {
         force
     }
 
-    /// Loops without closures, like `force`, and is inlined, so that a step computes tanh once for both functions.
+    /// Has a loop without closures and is inlined, like `force`, so that a step computes tanh once for both functions.
     #[inline(always)]
     fn derivatives(&self, _: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         let (zero, mut slopes) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);

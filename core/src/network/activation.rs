@@ -148,7 +148,7 @@ const BLOCK: usize = 8;
 #[inline(always)]
 fn curves<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &mut [S], slopes: &mut [S], curvatures: &mut [S]) {
     let mut done = 0;
-    // One loop serves all lengths if code size matters more.
+    // Componentwise scalars need small code: they use only the loop below, which serves all lengths.
     if !S::COMPONENTWISE {
         let (z, slopes) = (z.as_chunks_mut().0, slopes.as_chunks_mut().0);
         for (z, slopes) in z.iter_mut().zip(slopes) {

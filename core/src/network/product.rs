@@ -144,7 +144,8 @@ impl<'w, W: WeightFormat> Rest<'w, W> {
     }
 }
 
-/// Evaluates one panel: a separate function, so the sums stay in vectors and are not interleaved before the last is added.
+/// Evaluates one panel. This is a separate function, so that the sums stay in vector registers and are interleaved only
+/// after the last addition.
 #[inline(never)]
 fn panel<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     rows: &[[W; P]],

@@ -44,7 +44,7 @@ fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
     everywhere!(check);
 }
 
-/// M of the double pendulum as in textbooks, geared drives included.
+/// The mass matrix of the double pendulum equals the textbook formula, with the inertia of geared drives added.
 #[test]
 fn the_double_pendulum_has_its_textbook_inertia() {
     let double = Bodies { bodies: CHAIN, ..bodies::of_two()[0].clone() };

@@ -28,8 +28,9 @@ impl<const D: usize> Linear<D> {
     }
 }
 
-/// Computes the gain K, as a column, of the feedback u = −Kx that minimises Σ xᵀQx + ru² along x⁺ = Ax + bu: K = bᵀPA/(r + bᵀPb) with the
-/// stabilising solution P of P = Q + AᵀP(I + bbᵀP/r)⁻¹A. An error if there is none.
+/// Computes the gain K, as a column, of the feedback u = −Kx that minimises Σ xᵀQx + ru² along x⁺ = Ax + bu:
+/// K = bᵀPA/(r + bᵀPb) with the stabilising solution P of P = Q + AᵀP(I + bbᵀP/r)⁻¹A. If there is no such solution, an
+/// error is returned.
 ///
 /// Structure-preserving doubling: with G₀ = bbᵀ/r and P₀ = Q, W = (I + G P)⁻¹ gives A ← AWA, G ← G + AWGAᵀ,
 /// P ← P + AᵀPWA, where A vanishes quadratically. Source: Chu, Fan, Lin and Wang, "Structure-preserving algorithms for

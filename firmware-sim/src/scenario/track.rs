@@ -42,7 +42,7 @@ impl<const N: usize, T: Copy> TrackConfig<N, T> {
 }
 
 impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
-    /// Checks that every number of loop and motion is in its range.
+    /// Checks that every number of the loop and of the motion is in its range.
     ///
     /// # Errors
     /// The first number that is out of range.

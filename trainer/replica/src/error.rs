@@ -30,7 +30,7 @@ pub enum ReplicaError {
         /// Length of the slice.
         found: usize,
     },
-    /// A request that only systems in generalised coordinates can answer was made of particles.
+    /// A system of particles was asked for something that only systems in generalised coordinates have.
     #[error("a graph has no {what}")]
     OfGraph {
         /// Name of the missing feature.

@@ -219,7 +219,7 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
         Gradient { l_q: l_q.map(|l| l.value), l_v: outputs.momentum(&v).map(|p| p.value) }
     }
 
-    /// Takes the method with fewer passes through the network for this N; forms no dense ∂H/∂q.
+    /// Uses the method that takes fewer passes through the network for this N, and forms no dense ∂H/∂q.
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         if N <= 2 { self.linearization(q, v).dynamics(v) } else { self.dynamics_by_adjoint(q, v) }
     }
