@@ -11,12 +11,13 @@ const SLACK: f64 = 1e-3;
 impl Dataset {
     /// Unwraps angles that are given within one turn; returns a note for each.
     ///
-    /// `letters` has one letter per coordinate: `t` translation, `a` angle, `c` cyclic. A seam is an interval over which an angle moves by
-    /// 2π, give or take a quarter turn, more than over the neighbouring intervals; from there on whole turns are added.
+    /// `letters` has one letter per coordinate: `t` translation, `a` angle, `c` cyclic. A seam is an interval over
+    /// which an angle moves by 2π, give or take a quarter turn, relative to the neighbouring intervals. From each seam
+    /// on, a whole turn is added.
     ///
-    /// A cyclic coordinate may be an angle or a length. It is taken as an angle if it has such jumps and the trajectory stays within [−π,
-    /// π] or [0, 2π]: a length does not jump from one end of just this range to the other. Velocities and accelerations are neither read
-    /// nor changed.
+    /// A cyclic coordinate may be an angle or a length. It is taken as an angle if it has such jumps and the trajectory
+    /// stays within [−π, π] or [0, 2π]: a length would hardly jump between the ends of exactly such a range. Velocities
+    /// and accelerations are neither read nor changed.
     #[must_use]
     pub fn unwrap_angles(&mut self, letters: &str) -> Vec<Note> {
         let columns = letters.chars().take(self.n).enumerate();
@@ -61,8 +62,8 @@ fn unwrap(trajectory: &mut Trajectory, coordinate: usize) -> usize {
     seams.iter().filter(|seam| **seam != 0).count()
 }
 
-/// For every interval 1 or −1 if the values move by ±`turn`, give or take a quarter turn, more than over the neighbouring intervals;
-/// otherwise 0.
+/// For every interval 1 or −1 if the values move by ±`turn`, give or take a quarter turn, relative to the neighbouring
+/// intervals; otherwise 0.
 pub(crate) fn seams(values: &[f64], turn: f64) -> Vec<i8> {
     let moves: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let seam = |k: usize| {
@@ -73,7 +74,8 @@ pub(crate) fn seams(values: &[f64], turn: f64) -> Vec<i8> {
     (0..moves.len()).map(|k| if seam(k) { moves[k].signum() as i8 } else { 0 }).collect()
 }
 
-/// The mean of the moves before and after `k`. If a value flickers about the seam, its immediate jumps back do not count.
+/// The mean of the moves before and after `k`, without those that merely jump back, as of a value that flickers about
+/// the seam.
 fn expected(moves: &[f64], k: usize, turn: f64) -> f64 {
     let back = |other: f64| other.abs() > turn / 2.0 && other * moves[k] < 0.0;
     let neighbours = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|k| moves.get(k));

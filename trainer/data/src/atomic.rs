@@ -85,7 +85,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Permissions of the file that is replaced, or else those of any new file (temporary files are private by default).
+/// Permissions of the file that is replaced; without one, those of a new file (temporary files are private by default).
 #[cfg(unix)]
 fn permissions_for(target: &Path) -> Option<Permissions> {
     use std::os::unix::fs::PermissionsExt;
@@ -98,7 +98,7 @@ fn permissions_for(_: &Path) -> Option<Permissions> {
     None
 }
 
-/// A rename survives a power cut only once its folder is on the disk.
+/// Flushes a folder to the disk: only then does a rename in it survive a power cut.
 #[cfg(unix)]
 fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()

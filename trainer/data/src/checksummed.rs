@@ -64,7 +64,7 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8], magic: &[u8]) -> Option<T> {
     postcard::from_bytes(body.strip_prefix(magic).filter(|_| intact)?).ok()
 }
 
-/// A fingerprint under construction: CRC-64/XZ, which tells inputs apart by accident, not by malice.
+/// A fingerprint under construction: a CRC-64/XZ, which guards against accidental changes, not against malicious ones.
 pub struct Fingerprint(Digest<'static, u64, Table<16>>);
 
 impl Default for Fingerprint {

@@ -5,8 +5,8 @@ use std::fmt;
 use crate::angles::seams;
 use crate::{Dataset, Rows, Trajectory};
 
-/// Largest plausible position, velocity, acceleration or force, in SI units: beyond it squares and differences lose all digits in single
-/// precision.
+/// Largest plausible position, velocity, acceleration or force, in SI units. Beyond it, squares and differences lose
+/// all digits in single precision.
 const LARGEST: f64 = 1e12;
 
 /// Plausible steps of a mechanism, s.
@@ -15,13 +15,13 @@ const STEPS: std::ops::Range<f64> = 1e-6..1.0;
 /// Largest plausible speed, m/s or rad/s.
 const FASTEST: f64 = 1e6;
 
-/// Largest ratio between velocities and differences of positions that is accepted, as undersampled motion has it.
+/// Largest accepted ratio between velocities and differences of positions; undersampled motion reaches it.
 const DISAGREEMENT: f64 = 5.0;
 
-/// Squared correlation above which velocities and differences of positions have the same shape.
+/// Squared correlation above which velocities and differences of positions count as having the same shape.
 const ALIKE: f64 = 0.8;
 
-/// A reason to inspect a log before anything is learned from it or judged by it.
+/// A reason to inspect a log before a model is trained or evaluated on it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
     /// An implausibly large number.
@@ -108,7 +108,7 @@ fn readable(factor: f64) -> String {
     }
 }
 
-/// Question about the cause of velocities that are wrong by this factor.
+/// Question to the user about the likely cause if velocities are wrong by this factor.
 fn hint(factor: f64) -> &'static str {
     let near = |other: f64| (factor.max(1.0 / factor) / other - 1.0).abs() < 0.15;
     if near(1000.0) {
@@ -128,11 +128,11 @@ impl Dataset {
         let fields = (0..4).filter_map(|field| self.trajectories.iter().find_map(|t| too_large(t, field)));
         let values: Vec<Doubt> = fields.collect();
         if values.iter().any(|value| matches!(value, Doubt::Value { field: "q", .. })) {
-            // No further check can be computed with such a position.
+            // Further checks would compute with such a position.
             return values;
         }
         let step = (!STEPS.contains(&self.h)).then_some(Doubt::Step(self.h));
-        // With a wrong step every position leaps.
+        // A wrong step makes every position appear to leap.
         let mut trajectories = self.trajectories.iter().filter(|_| step.is_none());
         let leap = trajectories.find_map(|trajectory| leap(trajectory, self.h));
         let velocity = (0..self.n).find_map(|i| self.velocity(i));
@@ -142,7 +142,8 @@ impl Dataset {
         values.into_iter().chain([step, leap, velocity, degrees].into_iter().flatten()).collect()
     }
 
-    /// Compares velocities with central differences of positions: a difference in units shows as the same shape with another size.
+    /// Compares velocities with central differences of positions. A mix-up of units shows as the same shape with
+    /// another size.
     fn velocity(&self, coordinate: usize) -> Option<Doubt> {
         let (mut of_both, mut of_differences, mut of_velocities) = (0.0, 0.0, 0.0);
         for trajectory in &self.trajectories {

@@ -1,6 +1,6 @@
 //! Intervals between samples.
 
-/// Ratio to the median interval above which an interval is a gap.
+/// Ratio of an interval to the median interval above which the interval is a gap.
 pub(crate) const GAP: f64 = 2.5;
 
 /// Positive intervals in ascending order.

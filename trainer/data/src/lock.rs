@@ -4,8 +4,8 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Name of the locked file. The file stays in the folder after the lock is released: removing it while another process is about to lock it
-/// would let in a third.
+/// Name of the locked file. The file stays in the folder after the lock is released: if it were removed while another
+/// process is about to lock it, a third process could lock a new file.
 pub const FILE: &str = ".lock";
 
 /// The right to write to a folder; released when dropped, and when the process ends in any way.

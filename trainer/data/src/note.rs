@@ -33,7 +33,7 @@ pub enum Note {
         /// The topic.
         topic: String,
     },
-    /// Samples of the coordinates were left out because columns of another clock have no data there.
+    /// Samples of the coordinates were left out because columns of another clock have no data at these times.
     Uncovered {
         /// Number of samples left out.
         samples: usize,
@@ -49,7 +49,7 @@ pub enum Note {
     Seams {
         /// Coordinate, from 0.
         coordinate: usize,
-        /// Whether the coordinate was not known to be an angle, but moves as one.
+        /// Whether the coordinate was declared cyclic, not an angle, but moves like an angle.
         cyclic: bool,
         /// Number of seams in all trajectories.
         seams: usize,

@@ -79,7 +79,7 @@ fn topics_of_different_clocks_are_one_log_however_chunks_are_compressed() {
         for (k, (q, u)) in motion.q.iter().zip(motion.u.as_ref().unwrap()).enumerate() {
             let t = 0.01 * (k + 1) as f64;
             assert!((q[0] + 2.0 * t).abs() < 1e-12 && (q[1] - t).abs() < 1e-12, "{t} {q:?}");
-            // The mean command over [t, t + 10 ms] is that of a line, except for its steps.
+            // The mean command over [t, t + 10 ms] follows a straight line, except for the jumps of the command.
             assert!(u[0] == 0.0 && (u[1] - (250.0 * (t + 0.005) - 1.0)).abs() < 0.5 + 1e-9, "{t} {u:?}");
         }
     }

@@ -43,7 +43,7 @@ fn holds_together(data: &Dataset) {
     }
 }
 
-/// The container's checksums let only changes of its own dates and flags pass.
+/// The container's checksums detect every change except those of its own dates and flags.
 #[test]
 fn archives() {
     let (whole, accepted) = damaged("npz");

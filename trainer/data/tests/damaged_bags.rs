@@ -72,7 +72,8 @@ fn flipped_bits() {
     }
 }
 
-/// Stated lengths of 4 GiB, 2⁴⁰ and 2⁶⁴ bytes anywhere: no such size is allocated, so thousands can be tested at once.
+/// Stated lengths of 4 GiB, 2⁴⁰ and 2⁶⁴ bytes anywhere. No such size is allocated, so thousands of them can be tested
+/// at once.
 #[test]
 fn claims_of_gigabytes() {
     for chunks in ALL {
@@ -131,7 +132,7 @@ fn record_of_zeros(size: u64) -> Vec<u8> {
     packed
 }
 
-/// Chunks of zeros, each acceptable alone: the second is not even unpacked.
+/// Chunks of zeros, each of which would be accepted alone: the second is not even unpacked.
 #[test]
 fn files_that_unpack_to_more_than_their_size_allows_are_refused() {
     const SIZE: u64 = 1 << 28;

@@ -26,7 +26,7 @@ fn ordinary_logs_raise_none() {
     for (omega, h) in [(3.0, 0.05), (3.0, 1e-4), (30.0, 0.05), (1e-3, 0.4), (300.0, 1e-5)] {
         assert_eq!(said(&oscillation(omega, h, 400)), Vec::<String>::new(), "{omega} {h}");
     }
-    // Noise of 0.01 on positions at 10 kHz, which hides the velocity.
+    // Noise of 0.01 on positions at 10 kHz hides the velocity.
     let mut noisy = oscillation(3.0, 1e-4, 4000);
     let q = noisy.trajectories[0].q.as_flat().iter().zip(0_u64..);
     let q = q.map(|(q, k)| q + 0.01 * ((k * 7919 % 1013) as f64 / 1013.0 - 0.5)).collect();

@@ -3,7 +3,7 @@
 use leastaction_data::survey::{Clock, Guess, MotionSurvey, RawLog, Signal};
 use proptest::prelude::*;
 
-/// Small numbers, and any that a file can hold.
+/// Small numbers, and any number that a file can hold.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -10.0..10.0_f64,

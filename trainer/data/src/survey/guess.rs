@@ -17,7 +17,8 @@ pub struct Guess {
     pub other_u: Vec<Vec<String>>,
 }
 
-/// The unit, as in [`crate::unit`], in which this median interval belongs to a log between 2 Hz and 1 MHz.
+/// The unit, named as in [`crate::unit`], in which this median interval corresponds to a sampling rate between 2 Hz and
+/// 1 MHz.
 #[must_use]
 pub fn time_unit(median: f64) -> &'static str {
     match median {
@@ -28,13 +29,14 @@ pub fn time_unit(median: f64) -> &'static str {
     }
 }
 
-/// Names, and parts of names, of positions, velocities and forces; a full match has precedence over a partial one.
+/// Names, and parts of names, of positions, velocities and forces; a full match takes precedence over a partial one.
 const POSITIONS: [&str; 5] = ["q", "pos", "angle", "theta", "enc"];
 const VELOCITIES: [&str; 5] = ["v", "vel", "qd", "dq", "speed"];
 const FORCES: [&str; 5] = ["u", "tau", "torque", "effort", "force"];
 const TIMES: [&str; 4] = ["t", "time", "stamp", "sec"];
 
-/// Parts of names that decide between groups that rank alike: measured ones are preferred for motion, commanded ones for forces.
+/// Parts of names that decide between groups of equal rank: measured columns are preferred for motion, commanded ones
+/// for forces.
 const MEASURED: [&str; 2] = ["meas", "raw"];
 const COMMANDED: [&str; 4] = ["con", "cmd", "com", "des"];
 
@@ -78,7 +80,8 @@ impl Guess {
     }
 }
 
-/// Groups columns by their names without digits, brackets and word separators; columns of a topic by field and topic.
+/// Groups columns whose names are equal without digits, brackets and word separators; columns of a topic are grouped by
+/// field and topic.
 fn groups(logs: &[RawLog]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for name in logs.iter().flat_map(|log| &log.names) {

@@ -5,19 +5,19 @@ use crate::angles::seams;
 use crate::intervals::{GAP, Intervals};
 use std::f64::consts::TAU;
 
-/// Least time over which velocities are taken as differences (s), so that they are not the noise of neighbouring samples.
+/// Shortest time over which velocities are computed as differences (s): over shorter times they would be mostly noise.
 const SPAN: f64 = 0.02;
 
-/// Fraction of the largest velocity above which a coordinate counts as moving,
+/// Fraction of the largest velocity that a velocity must exceed to count as motion.
 const SLOW: f64 = 0.02;
 
-/// and the multiple of the velocity noise's standard deviation that it must exceed, too.
+/// Multiple of the velocity noise's standard deviation that a velocity must also exceed.
 const SURE: f64 = 5.0;
 
-/// Distance from the neighbours' curve, in standard deviations, beyond which a sample is an outlier,
+/// Distance of an outlier from the curve through its neighbours, in standard deviations, at least.
 const APART: f64 = 10.0;
 
-/// if the corrected neighbourhood fits a curve to within this fraction of the distance.
+/// Fraction of this distance within which the neighbours of an outlier and its corrected value must fit a curve.
 const ON_LINE: f64 = 0.25;
 
 /// Motion of a coordinate in one file, in the units of its column and seconds.
@@ -35,11 +35,11 @@ pub struct MotionSurvey {
     pub turns: usize,
     /// Number of jumps by 360.
     pub turns_of_360: usize,
-    /// Outliers: samples off the curve of their neighbours on both sides.
+    /// Samples off the curve through their neighbours on both sides.
     pub outliers: Vec<Outlier>,
 }
 
-/// A single sample off the curve of its neighbours.
+/// A single sample off the curve through its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
     /// Index of the sample, from 0.
@@ -111,7 +111,7 @@ fn off(x: &[f64], k: usize) -> Option<f64> {
 /// Outliers with their deviations. A step in the values or a burst of motion is not an outlier: there the neighbours do not fit a curve
 /// either.
 fn outliers(q: &[f64], signal: &Signal) -> Vec<(usize, f64)> {
-    // The variance for white noise σ is 70 σ² / 36.
+    // The variance of this deviation for white noise of standard deviation σ is 70 σ² / 36.
     let deviation = signal.noise * 70f64.sqrt() / 6.0;
     let least = APART * deviation.max(1e-7 * (signal.greatest - signal.least));
     let candidates = (2..q.len().saturating_sub(2)).filter_map(|k| Some((k, off(q, k)?)));
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn rest_on_an_encoder_is_rest() {
         let t = stamps(3000);
-        // Noise of half an encoder count makes the encoder flicker.
+        // Noise of half an encoder count makes the reading flicker between two counts.
         let flicker = |k: usize| if (k * k) % 7 < 3 { 1.0 } else { 0.0 };
         let q: Vec<f64> = (0..t.len()).map(|k| 1e-3 * flicker(k)).collect();
         let motion = MotionSurvey::of(&t, &q).unwrap();
@@ -209,7 +209,7 @@ mod tests {
         let mut q: Vec<f64> = t.iter().map(|t| (3.0 * t).sin()).collect();
         let grid = 1e-3;
         q.iter_mut().for_each(|q| *q = (*q / grid).round() * grid);
-        // Neither a step of the set-up nor a seam is an outlier.
+        // Neither the step in the values nor the seam is an outlier.
         q[900..].iter_mut().for_each(|q| *q += 0.4);
         q[1200..].iter_mut().for_each(|q| *q -= TAU);
         q[100] += 0.05;

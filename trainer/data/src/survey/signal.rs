@@ -1,6 +1,6 @@
 //! Statistics of a column's values.
 
-/// Tolerance of the steps between values of a grid, relative to the step.
+/// Tolerance within which a step between values counts as a whole multiple of the smallest step, relative to that step.
 const ROUNDING: f64 = 0.02;
 
 /// Largest number of values that are examined for a grid.
@@ -15,10 +15,10 @@ pub struct Signal {
     pub greatest: f64,
     /// Number of cells without a number.
     pub missing: usize,
-    /// Step of which all values are multiples, as for an encoder.
+    /// Smallest step of which all differences of values are multiples, as for an encoder.
     pub grid: Option<f64>,
-    /// Standard deviation of sample-to-sample noise: a robust one from fourth differences; for a rounded signal at least that of the
-    /// rounding.
+    /// Standard deviation of the noise from sample to sample: a robust estimate from fourth differences, but for a
+    /// rounded signal at least that of the rounding.
     pub noise: f64,
 }
 
@@ -53,17 +53,18 @@ fn grid(values: &[f64]) -> Option<f64> {
         sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * range).collect();
     let least = steps.iter().copied().min_by(f64::total_cmp)?;
     let whole = |step: &f64| (step / least - (step / least).round()).abs() <= ROUNDING;
-    // The check needs a minimum of distinct values, and fewer than nearly one per sample.
+    // A grid is only recognised with enough distinct values, which are clearly fewer than the samples.
     let many = steps.len() >= 8 && (steps.len() as f64) < 0.8 * values.len().min(LOOKED_AT) as f64;
     (many && steps.iter().all(whole)).then_some(least)
 }
 
-/// Noise from fourth differences: those of a smooth motion nearly vanish, those of white noise σ have variance 70 σ².
+/// Noise from fourth differences, which nearly vanish for a smooth motion and have the variance 70 σ² for white noise
+/// σ.
 fn noise(values: &[f64]) -> f64 {
     let fourth = |x: &[f64]| (x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]).abs();
     let mut sizes: Vec<f64> = values.windows(5).map(fourth).collect();
     sizes.sort_unstable_by(f64::total_cmp);
-    // The median absolute value of a normal deviate is 0.6745 σ.
+    // The median absolute value of a normal distribution is 0.6745 σ.
     sizes.get(sizes.len() / 2).map_or(0.0, |median| median / 0.6745 / 70f64.sqrt())
 }
 
