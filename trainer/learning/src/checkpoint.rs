@@ -57,15 +57,16 @@ pub struct Best {
     pub train: f64,
     /// Validation loss: the loss on the held-back trajectories.
     pub validation: Option<f64>,
-    /// Mean squared error of the next position, if the DEL residual is minimised.
+    /// Mean squared error of the next position; present if the DEL residual is minimised.
     pub next_position: Option<f64>,
-    /// Whether no training sample can be solved with these weights, as found at the end of training: every sample then counts as predicted
-    /// by a constant velocity.
+    /// Whether the final check at the end of training found no training sample that can be solved with these weights.
+    /// Every sample then counts as predicted by a constant velocity.
     pub solves_nothing: bool,
 }
 
 impl Best {
-    /// Whether the weights are usable: finite, with a finite training loss, and better than constant velocities alone.
+    /// Whether the weights are usable: finite, with a finite training loss, and able to solve at least one training
+    /// sample.
     pub fn is_a_model(&self) -> bool {
         self.train.is_finite() && !self.solves_nothing && self.weights.iter().all(|weight| weight.is_finite())
     }
@@ -139,16 +140,16 @@ pub struct Trained {
     pub range: Vec<CoordinateRange>,
     /// Best weights of the model, with their losses.
     pub best: Best,
-    /// Calibrated sensors and actuators, if the loss was one over windows.
+    /// Calibrated sensors and actuators, if the model was trained over windows.
     pub calibrated: Option<Calibrated>,
     /// Iterations of the run so far.
     pub iterations: u64,
-    /// Origin of the model, for people to read; identical for identical runs.
+    /// Origin of the model, as readable text; identical for identical runs.
     pub provenance: String,
 }
 
 impl Trained {
-    /// Facts that a model file holds beside shape and weights.
+    /// Facts that a model file holds in addition to shape and weights.
     pub fn facts(&self) -> Facts {
         let Self { trained_step, range, provenance, calibrated, .. } = self.clone();
         let actuator = calibrated.map_or_else(Actuator::default, |calibrated| calibrated.actuator);

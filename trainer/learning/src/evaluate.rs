@@ -1,5 +1,6 @@
-//! Measures of a model's quality: SyMo's, on equal terms; in [`states`] those for models that are stepped from states; in [`prediction`]
-//! ModLaNet's; in [`rollouts`] LGNN's.
+//! Measures of a model's quality. This module has those of SyMo, evaluated on equal terms for all models; [`states`]
+//! has the same for models that are stepped from states, [`prediction`] has those of ModLaNet, and [`rollouts`] those
+//! of LGNN.
 
 #[cfg(test)]
 mod forces_tests;
@@ -95,7 +96,7 @@ pub fn finished(predicted: &[Vec<f64>], data: &Dataset) -> (Vec<Vec<f64>>, Datas
     (predicted, Dataset { n: data.n, h: data.h, control: data.control, trajectories })
 }
 
-/// Compares rollouts with the exact motions. A rollout that broke off counts as infinite error.
+/// Compares rollouts with the exact motions. The error of a rollout that broke off counts as infinite.
 pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> IntegrationErrors {
     let errors = |steps: usize| -> Vec<f64> {
         let pairs = predicted.iter().zip(&data.trajectories);
@@ -117,7 +118,7 @@ fn mean_square_or_infinite(errors: &[f64]) -> f64 {
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 
-/// The median; for an even number of values the mean of the middle two, for none NaN.
+/// The median: for an even number of values the mean of the middle two, for none NaN.
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -128,7 +129,7 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// Quantile at `part` (0 to 1), with linear interpolation; NaN if there are no values.
+/// Quantile at `part` (0 to 1) by linear interpolation; NaN if there are no values.
 pub fn percentile(values: &[f64], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -143,9 +144,9 @@ fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
-/// Mean squared deviation of the true energy along the rollouts from the true energy at the start (at the first midpoint if the data has no
-/// velocities). The energy is taken at the midpoint states ((a + b)/2, (b − a)/h). Exact positions do not give zero: the midpoint state
-/// itself is an approximation.
+/// Mean squared deviation of the true energy along the rollouts from the true energy at the start (or at the first
+/// midpoint if the data has no velocities). The energy is taken at the midpoint states ((a + b)/2, (b − a)/h). Even
+/// exact positions do not give zero, because the midpoint state itself is an approximation.
 pub fn energy_mse(mechanism: Mechanism, predicted: &[Vec<f64>], data: &Dataset) -> f64 {
     match mechanism.exact() {
         Exact::One(exact) => exact_energy_mse(&exact, predicted, data),
@@ -180,7 +181,8 @@ fn midpoint_energy<const N: usize>(exact: &Trigonometric<N>, a: &[f64; N], b: &[
     energy(exact, &q, &v)
 }
 
-/// Mean squared difference between the learned and the true inertia matrix, entry by entry, at all positions of the data.
+/// Mean squared difference between the entries of the learned and the true inertia matrix, at all positions of the
+/// data.
 ///
 /// # Errors
 /// [`ModelError`] if the shape is inconsistent or does not fit the data.
@@ -201,8 +203,9 @@ fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Squared error of the acceleration at logged states, summed over samples and coordinates, and the mean squared acceleration. The forces
-/// are those that the actuator makes of the logged commands. `None` if the data lacks velocities or accelerations.
+/// Squared error of the acceleration at logged states, summed over samples and coordinates, and the mean squared
+/// acceleration. The forces are those that the actuator produces from the logged commands. `None` if the data lacks
+/// velocities or accelerations.
 ///
 /// # Errors
 /// [`ModelError`] if the shape is inconsistent or does not fit the data.

@@ -1,13 +1,13 @@
 //! Dense matrices in double precision: AᵀA and the Cholesky factor in blocks, and singular values.
 //!
-//! Matrices are nalgebra's, in column-major order. Its own Cholesky factorisation is not blocked, and its singular values (version 0.35) are
-//! wrong for matrices without full rank (dimforge/nalgebra, issue 1172).
+//! The matrix type is nalgebra's, in column-major order. Its Cholesky factorisation is not blocked, and its singular
+//! values (version 0.35) are wrong for rank-deficient matrices (dimforge/nalgebra, issue 1172).
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
 /// Columns per block.
 const BLOCK: usize = 96;
-/// Largest number of sweeps of Jacobi's method; about eight are needed.
+/// Largest number of sweeps of Jacobi's method; usually about eight suffice.
 const SWEEPS: usize = 60;
 
 /// Cosine below which two columns count as orthogonal.
@@ -24,7 +24,7 @@ pub fn column_mut(a: &mut DMatrix<f64>, j: usize) -> &mut [f64] {
     &mut a.as_mut_slice()[j * rows..][..rows]
 }
 
-/// Adds AᵀA to the lower triangle of `sum`; entries above it have no meaning.
+/// Adds AᵀA to the lower triangle of `sum`; the entries above the diagonal are meaningless.
 pub fn add_gram(sum: &mut DMatrix<f64>, a: &DMatrix<f64>) {
     let (p, rows) = (a.ncols(), a.transpose());
     for start in (0..p).step_by(BLOCK) {
@@ -63,7 +63,7 @@ pub fn cholesky(mut a: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     Some(Cholesky::pack_dirty(a))
 }
 
-/// Singular values in falling order and their vectors: A V = U Σ.
+/// Singular values in descending order, with their vectors: A V = U Σ.
 pub struct Singular {
     /// σ.
     pub values: Vec<f64>,
@@ -82,7 +82,7 @@ pub fn singular(a: &DMatrix<f64>) -> Option<Singular> {
     }
     let p = a.ncols();
     let (mut left, mut right) = (a.clone(), DMatrix::identity(p, p));
-    // Smaller columns are rounding errors.
+    // Columns of smaller norm are rounding errors.
     let least = f64::EPSILON * f64::EPSILON * a.norm_squared();
     for _ in 0..SWEEPS {
         let mut turned = false;
@@ -102,7 +102,8 @@ pub fn singular(a: &DMatrix<f64>) -> Option<Singular> {
     Some(Singular { values: order.into_iter().map(|j| values[j]).collect(), left, right })
 }
 
-/// Rotation (cosine, sine) that makes two columns orthogonal; `None` if they are, or if the square of one is at most `least`.
+/// Rotation (cosine, sine) that makes two columns orthogonal; `None` if they already are, or if the squared norm of one
+/// is at most `least`.
 fn rotation([x, y]: [&[f64]; 2], least: f64) -> Option<(f64, f64)> {
     let (xx, yy, xy) = (dot(x, x), dot(y, y), dot(x, y));
     if xx.min(yy) <= least || xy.abs() <= ORTHOGONAL * (xx * yy).sqrt() {
@@ -136,7 +137,7 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Numbers without a pattern.
+    /// Numbers without a recognisable pattern.
     fn wave(rows: usize, columns: usize) -> DMatrix<f64> {
         DMatrix::from_fn(rows, columns, |i, j| (1.7 * i as f64 + 2.3 * (j * j) as f64 + 0.1).sin())
     }
@@ -176,7 +177,7 @@ mod tests {
 
     #[test]
     fn singular_values_are_found_to_the_last_one_that_counts() {
-        // Orthogonal columns of these sizes, turned.
+        // Orthogonal columns of these lengths, rotated.
         let (sizes, turn) = ([4.0, 3.0, 3.0, 1e-3, 1e-9], wave(5, 5).qr().q());
         let orthogonal = wave(40, 5).qr().q();
         let a = &orthogonal * DMatrix::from_diagonal(&sizes.to_vec().into()) * turn.transpose();

@@ -12,9 +12,9 @@ use std::fmt;
 /// Estimates without a prior ([`crate::torque::fit::alone`]), beside the numbers of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueNumbers {
-    /// Names of the base parameters (by their independent parameters), then of the friction numbers.
+    /// Names of the base parameters (each named after its independent parameter), then of the friction numbers.
     pub names: Vec<NumberName>,
-    /// Further terms of every base parameter besides its independent parameter: factors and parameter names.
+    /// Further terms of every base parameter besides its independent parameter: factors and names of parameters.
     pub combinations: Vec<Vec<(f64, String)>>,
     /// The model's values.
     pub model: Vec<f64>,
@@ -46,8 +46,9 @@ pub struct TorqueNumber {
     pub correlation: Option<f64>,
 }
 
-/// Estimates a model's numbers from logs filtered at `cut_off` (Hz): all bodies, rotors and friction that it has, and the offsets of its
-/// drives. `None` for another family, for an arm with networks, and if [`crate::torques::torque_errors`] returns `None`.
+/// Estimates a model's numbers from logs filtered at `cut_off` (Hz): all bodies, rotors and friction of the model, and
+/// the offsets of its drives. `None` for another family, for an arm with networks, and if
+/// [`crate::torques::torque_errors`] returns `None`.
 pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueNumbers> {
     let architecture = &model.architecture;
     let (family, arm) = (architecture.family.arm()?, arm(model)?);
@@ -165,7 +166,8 @@ fn position(family: &ArmArchitecture, column: usize) -> usize {
     }
 }
 
-/// Names, and the signs that turn the fit's numbers into the model's: an offset that the drive adds is missing from the log.
+/// Names of the numbers, and the signs that turn the fit's numbers into the model's: an offset that the drive adds is
+/// missing from the log, so its sign is reversed.
 fn names(
     (architecture, family): (&Architecture, &ArmArchitecture),
     found: &Alone,
@@ -197,7 +199,7 @@ fn names(
     base.chain(found.joints.iter().map(joint)).unzip()
 }
 
-/// Factors of smaller size are rounding errors of 0.
+/// Size below which factors are rounding errors of 0.
 const NOTHING: f64 = 1e-9;
 
 fn combinations(

@@ -10,7 +10,7 @@ use leastaction_models::{Actuator, Model};
 use serde::Serialize;
 use std::fmt;
 
-/// Time between samples, s: closer samples of a filtered motion are redundant.
+/// Time between samples, s: at shorter intervals samples of a filtered motion are redundant.
 const APART: f64 = 0.02;
 
 /// Torque errors of a model.
@@ -24,11 +24,11 @@ pub struct TorqueErrors {
     pub samples: usize,
 }
 
-/// Torque errors of a model along logs filtered at `cut_off` (Hz): its inverse dynamics against the forces that its actuator makes of the
-/// logged commands.
+/// Torque errors of a model along logs filtered at `cut_off` (Hz). The model's inverse dynamics is compared with the
+/// forces that its actuator produces from the logged commands.
 ///
-/// `None` for a graph, if a coordinate is not driven or the model has no torque, and if the logs are too short or too coarse for the
-/// filter.
+/// `None` for a graph, if some coordinate is not driven, if the model has no torque, or if the logs are too short or
+/// too coarse for the filter.
 pub fn torque_errors(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueErrors> {
     if model.architecture.family.graph().is_some() || !drives_all(data) {
         return None;
@@ -84,7 +84,8 @@ pub struct SplitErrors {
 }
 
 impl SplitErrors {
-    /// The errors of a model; the first `training` trajectories are those it was trained on. `None` if [`torque_errors`] would be `None`.
+    /// The errors of a model whose training trajectories are the first `training` ones; `None` if [`torque_errors`]
+    /// would be `None`.
     pub(crate) fn along(model: &Model, (data, training): (&Dataset, usize), cut_off: f64) -> Option<Self> {
         let (train, held) = data.trajectories.split_at(training.min(data.trajectories.len()));
         let of =
@@ -106,7 +107,8 @@ impl fmt::Display for SplitErrors {
     }
 }
 
-/// The arm of a model without networks. Its offsets are such that the log has τ minus what the actuator adds.
+/// The arm of a model without networks. Its offsets are the negative of those of the actuator: the log has τ minus what
+/// the actuator adds.
 pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<Arm> {
     let family = architecture.family.arm()?;
     if !architecture.corrections.is_none() {
@@ -129,7 +131,8 @@ pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<
     Some(Arm { tree, joints })
 }
 
-/// Filtered samples of all trajectories that are long enough, with the forces that the actuator makes of the logged commands.
+/// Filtered samples of all trajectories that are long enough, with the forces that the actuator produces from the
+/// logged commands.
 pub(crate) fn samples(
     trajectories: &[Trajectory],
     (h, control): (f64, ControlKind),
@@ -160,14 +163,15 @@ pub(crate) fn filtered(data: &Dataset, cut_off: f64) -> Result<training::Samples
     Ok(training::Samples::of_torques(&own, data.h))
 }
 
-/// Torques at the samples; a torque held between samples gives the mean of the values before and after.
+/// Torques at the samples. If a torque is held between samples, it is the mean of the values before and after the
+/// sample.
 fn at_samples(u: &Rows, control: ControlKind) -> Rows {
     if control == ControlKind::Linear {
         return u.clone();
     }
     let n = u.width();
     let of = |k: usize, i: usize| u.get(k).and_then(|row| row.get(i)).copied().unwrap_or_default();
-    // The last row does not act on any step.
+    // The last row of u does not act on any step.
     let last = u.len().saturating_sub(2);
     let mean = |k: usize, i: usize| 0.5 * (of(k.saturating_sub(1), i) + of(k.min(last), i));
     let values = (0..u.len()).flat_map(|k| (0..n).map(move |i| (k, i))).map(|(k, i)| mean(k, i)).collect();

@@ -56,7 +56,7 @@ pub(super) fn some_positive<'de, D: Deserializer<'de>>(from: D) -> Result<Option
     positive(from).map(|x| usize::try_from(x).ok())
 }
 
-/// Upper bound of the thread count: more than any machine has would only take minutes to start.
+/// Upper bound of the thread count. More threads than any machine has processors would only take minutes to start.
 const MAX_THREADS: usize = 1024;
 
 pub(super) fn threads<'de, D: Deserializer<'de>>(from: D) -> Result<usize, D::Error> {
@@ -75,7 +75,7 @@ pub(super) fn order<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> 
     }
 }
 
-/// The name of what a control does between samples; optional.
+/// Reader and writer of the optional name of a control kind.
 pub(super) mod control_kind {
     use crate::data::{control_name, control_of_name};
     use leastaction_core::forces::ControlKind;

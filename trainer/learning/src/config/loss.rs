@@ -15,7 +15,7 @@ pub enum TrainingLoss {
     NextState,
     /// Errors of positions over windows of many steps, each from a start state of its own ([`windows`](crate::windows)).
     Windows,
-    /// Errors of the drive torques at filtered states; the bodies of an arm are identified individually.
+    /// Errors of the drive torques at filtered states; the bodies of an arm are first identified by a fit of their own.
     Torque,
 }
 

@@ -42,7 +42,7 @@ pub struct TrainingConfig {
     /// Loss to minimise; by default windows if the positions are noisy, else the next position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loss: Option<TrainingLoss>,
-    /// Length of a window, s; by default, of several lengths the one that predicts the held-back logs best.
+    /// Length of a window, s; by default, the one of several candidate lengths that predicts held-back logs best.
     #[serde(deserialize_with = "fields::some_limit", skip_serializing_if = "Option::is_none")]
     pub window: Option<f64>,
     /// Fraction of a window shared with the next window, in [0, 1); by default a half if there are few windows.
@@ -54,16 +54,17 @@ pub struct TrainingConfig {
     /// Integrator for windows; by default Runge–Kutta.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Order of the integrator, 2 or 4: of Runge–Kutta for the next state and, by default, for windows; otherwise of the discrete
-    /// Euler–Lagrange equation.
+    /// Order of the integrator, 2 or 4. The integrator is Runge–Kutta for the next state and, by default, for windows;
+    /// otherwise it is the discrete Euler–Lagrange equation.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
     /// Optimiser.
     pub optimiser: OptimiserKind,
     /// Iteration limit, not counting warm-up.
     pub iterations: u64,
-    /// Warm-up iterations. For the next position they minimise the DEL residual or, for free motion, the error of the next position over
-    /// fewer samples; for windows, the loss over shorter windows. A graph with networks beside laws first fits the laws alone.
+    /// Warm-up iterations. For the next position they minimise the DEL residual or, if the motion is free, the error of
+    /// the next position over fewer samples. For windows they minimise the loss over shorter windows. A graph with
+    /// networks beside laws first fits the laws alone.
     pub warm_up: u64,
     /// Training loss at which to stop.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]

@@ -37,7 +37,7 @@ fn printed_defaults_are_the_defaults() {
 fn printed_keys_that_are_off_can_be_switched_on() {
     let is_key =
         |line: &str| line.split(" = ").next().is_some_and(|key| !key.is_empty() && !key.contains(' '));
-    // A model to start from would have to exist, and `rows` belong to a factor.
+    // A model to start from would have to exist, and `rows` only applies to a factor.
     let is_of_this_text = |line: &&str| !line.starts_with("# start_from") && !line.starts_with("# rows");
     let switched: String = InertiaNetworkConfig::defaults()
         .lines()

@@ -1,9 +1,10 @@
 //! Prediction errors along logs at several horizons, beside those of a constant velocity and the noise.
 //!
-//! A prediction starts in the middle of a parabola fitted to seven positions, under the forces that the model's actuator makes of the
-//! logged control. It is integrated by fourth-order Runge–Kutta, several steps per sample; a model trained with the step of the logs is
-//! integrated with that step. The error at a horizon is the root mean square over all samples from the start to the horizon, for each
-//! coordinate and for all together. Even a perfect model errs by the noise, and by the effect of the noise on the start state.
+//! A prediction starts in the middle of a parabola fitted to seven positions, under the forces that the model's
+//! actuator produces from the logged control. It is integrated by fourth-order Runge–Kutta, with several steps per
+//! sample. A model that was trained with the step of the logs is integrated with that step instead. The error at a
+//! horizon is the root mean square over all samples from the start to the horizon, for each coordinate and for all
+//! together. Even a perfect model errs by the noise, and by the effect of the noise on the start state.
 
 use super::{median, percentile};
 use crate::windows::{Integrator, WindowLogs};
@@ -49,7 +50,7 @@ pub struct Prediction {
     pub first: usize,
     /// (q, v) at the first sample, true positions.
     start: Vec<[f64; 2]>,
-    /// \[samples\]\[n\], flat; NaN from where the prediction breaks off.
+    /// \[samples\]\[n\], flat; NaN from the sample at which the prediction breaks off.
     pub path: Vec<f64>,
 }
 
@@ -62,7 +63,7 @@ pub struct Predictions {
     pub h: f64,
     /// Predictions that start throughout the logs, each up to the longest horizon or the end of the log.
     pub windows: Vec<Prediction>,
-    /// Predictions of whole logs from their start.
+    /// Predictions over whole logs from their start, at most [`WHOLE`] long.
     pub logs: Vec<Prediction>,
 }
 
@@ -75,14 +76,14 @@ pub struct Spread {
     pub percentile_90: f64,
 }
 
-/// Errors to a horizon.
+/// Errors up to a horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonErrors {
     /// The horizon, s; `None`: to the ends of the logs.
     pub seconds: Option<f64>,
     /// Number of predictions that reach the horizon.
     pub predictions: usize,
-    /// Errors of the model: of all coordinates together, then of each.
+    /// Errors of the model: first over all coordinates together, then of each coordinate.
     pub model: Vec<Spread>,
     /// Errors of a constant velocity, in the same order.
     pub constant_velocity: Vec<Spread>,
@@ -138,7 +139,7 @@ impl Predictor<'_> {
         self.zeros.get(log).and_then(|zeros| zeros.get(i)).copied().unwrap_or(0.0)
     }
 
-    /// (q, v) of the parabola through the samples around `middle`; q without the encoder's zero offset.
+    /// (q, v) of the parabola through the samples around `middle`, with the encoder's zero offset subtracted from q.
     fn start(&self, log: usize, middle: usize, i: usize) -> [f64; 2] {
         const SHARES: [f64; 2 * HALF + 1] = [-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0];
         let q = |k: usize| self.logs.position(log, middle + k - HALF, i);
@@ -153,7 +154,7 @@ impl Predictor<'_> {
         self.model.facts.actuator.over_step(step, (sample, i), |k| self.logs.command(log, k, i))
     }
 
-    /// The force that nine samples in ten stay below, N or N m.
+    /// The force that is not exceeded at nine of ten samples, N or N m.
     pub fn largest_force(&self, i: usize) -> f64 {
         let sample = |(log, first): (usize, usize)| self.force(log, first, i)[0].abs();
         Spread::of(self.starts().into_iter().map(sample).collect()).percentile_90
@@ -232,7 +233,7 @@ impl Prediction {
         (self.path.len() / n.max(1)).saturating_sub(1)
     }
 
-    /// Reading predicted by a constant velocity, k samples on.
+    /// Reading predicted by a constant velocity k samples after the start.
     pub fn straight(&self, k: usize, i: usize, h: f64) -> f64 {
         // The first predicted reading includes the zero of the encoder.
         let zero = self.path[i] - self.start[i][0];
@@ -275,7 +276,8 @@ impl Predictions {
         })
     }
 
-    /// Mean squared errors: of all coordinates together, then of each; infinite if the prediction breaks off.
+    /// Mean squared errors: first over all coordinates together, then of each coordinate; infinite if the prediction
+    /// breaks off.
     fn mean_squares(
         &self,
         logs: &WindowLogs,
@@ -290,8 +292,8 @@ impl Predictions {
         std::iter::once(together).chain(each).map(|x| if x.is_finite() { x } else { f64::INFINITY }).collect()
     }
 
-    /// Growth of the error: the median over predictions of the error k samples on, over all coordinates, of the model and of a constant
-    /// velocity, up to the longest horizon.
+    /// Growth of the error: the median over predictions of the error over all coordinates, k samples after the start,
+    /// up to the longest horizon. Each entry has the error of the model and that of a constant velocity.
     pub fn growth(&self, logs: &WindowLogs) -> Vec<[f64; 2]> {
         let longest = self.windows.iter().map(|own| own.steps(self.n)).max().unwrap_or(0);
         let at = |k: usize| {
@@ -314,7 +316,7 @@ impl Predictions {
         speeds.fold(0.0, f64::max)
     }
 
-    /// The window at quantile `part` of the errors.
+    /// The window whose error is at the quantile `part` of all errors.
     pub fn window_at(&self, logs: &WindowLogs, part: f64) -> Option<&Prediction> {
         let error = |own: &Prediction| {
             self.mean_squares(logs, own, own.steps(self.n), &|own, k, i| own.path[k * self.n + i])[0]

@@ -39,7 +39,7 @@ fn errors(logs: &WindowLogs, zeros: &[Vec<f64>]) -> Vec<HorizonErrors> {
     Predictor { model: &exact(), zeros, logs }.predict().unwrap().errors(logs)
 }
 
-/// The error of a constant velocity after k samples is ½a(kh)², and Σk⁴ has a closed form.
+/// The error of a constant velocity after k samples is ½a(kh)², and Σk⁴ is known in closed form.
 #[test]
 fn an_exact_model_is_exact_and_a_constant_velocity_as_wrong_as_it_is() {
     for (logs, zeros) in [(logs(&[160, 20], 0.0), Vec::new()), (logs(&[160, 20], 0.7), vec![vec![0.7]; 2])] {

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Error tolerance per step, relative to 1 + |x|, of exact motions and, unless said otherwise, of predictions.
 pub const TOLERANCE: f64 = 1e-12;
-/// Error tolerance per step that can be kept if accelerations are rounded to single precision.
+/// Error tolerance per step that can be achieved with accelerations rounded to single precision.
 pub const ROUNDED_TOLERANCE: f64 = 1e-8;
 /// Position error up to which a prediction is valid, m or rad.
 pub const VALID_ERROR: f64 = 0.1;
@@ -67,8 +67,8 @@ impl Truth {
         self.horizon
     }
 
-    /// Predicts from the same starts by accelerations v̇(q, v), integrated to `tolerance` and projected onto the rods of the exact motion,
-    /// and measures the errors.
+    /// Predicts from the same starts by integrating accelerations v̇(q, v) to `tolerance`, with projection onto the
+    /// rods of the exact motion, and measures the errors.
     ///
     /// The exact energy of the predicted state (J) is compared with that of the exact motion, as the authors do. A prediction that
     /// cannot be followed to the end counts as infinitely wrong from there on.
@@ -84,8 +84,9 @@ impl Truth {
         })
     }
 
-    /// Compares predictions as [`Truth::compare`] does, but `path` computes them: it passes the predicted states (q, v) from a start to its
-    /// second argument, one by one at the times of the horizon, or returns an error if it cannot go on.
+    /// Compares predictions as [`Truth::compare`] does, but the predictions come from `path`: it passes the predicted
+    /// states (q, v) from a start to its second argument, one by one at the times of the horizon, or returns an error
+    /// if it cannot go on.
     pub fn compare_paths(
         &self,
         motion: &dyn ExactMotion,
@@ -101,8 +102,8 @@ impl Truth {
         self.summarise(&errors, states.into_iter().next().unwrap_or_default())
     }
 
-    /// (q, v) along start `k`, \[samples\]\[2n\], by accelerations and on the rods of the exact motion, and whether integration failed
-    /// before the end; the states after a failure are infinite.
+    /// (q, v) along start `k`, \[samples\]\[2n\], integrated from accelerations on the rods of the exact motion, and
+    /// whether the integration failed before the end. The states after a failure are infinite.
     pub(super) fn predicted(
         &self,
         k: usize,
@@ -128,8 +129,8 @@ impl Truth {
         (states, failed)
     }
 
-    /// Errors of other exact motions taken as predictions of these: the growth of a disturbance of the start. Starts without a partner are
-    /// left out.
+    /// Errors of other exact motions, treated as predictions of these: the growth of a disturbance of the start. Starts
+    /// without a counterpart are left out.
     pub fn difference(&self, other: &Self) -> Prediction {
         let pairs = other.states.iter().zip(&other.energies).take(self.starts.len());
         let errors = pairs.enumerate().map(|(k, (states, energies))| self.errors(k, states, energies, false));

@@ -45,7 +45,7 @@ impl Rollouts {
         Self::of(truth, parallel::map(truth.starts().len(), &one))
     }
 
-    /// Errors of other exact motions taken as rollouts of these: the growth of a disturbance of the start.
+    /// Errors of other exact motions, treated as rollouts of these: the growth of a disturbance of the start.
     pub fn between(truth: &Truth, other: &Truth, motion: &dyn ExactMotion, compared: Compared) -> Self {
         let one = |k: usize| (errors(motion, compared, other.states(k), truth.states(k)), false);
         Self::of(truth, (0..truth.starts().len()).map(one).collect())

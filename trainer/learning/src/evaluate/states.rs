@@ -35,8 +35,8 @@ impl<A> Stepper<A> {
         runge_kutta::step(self.method, h, state, acceleration).ok()
     }
 
-    /// States (q, v) along every trajectory. The first two are as logged; free or forced steps from the second give the rest, as many as a
-    /// model makes that starts from two positions.
+    /// States (q, v) along every trajectory. The first two are as logged. The rest are steps, free or forced, from the
+    /// second state, so that there are as many as from a model that starts from two positions.
     ///
     /// If a step fails, or the log has no velocities, the rest of the trajectory is NaN.
     pub fn rollout<const N: usize>(&self, data: &Dataset) -> Vec<Vec<State<N>>>
@@ -59,8 +59,8 @@ impl<A> Stepper<A> {
         states
     }
 
-    /// Mean squared error of the position one step ahead of a logged state, from the second state of each trajectory on. These are the
-    /// positions that a model predicts from two positions.
+    /// Mean squared error of the position one step ahead of a logged state, from the second state of each trajectory
+    /// on. The predicted positions are the same as for a model that starts from two positions.
     pub fn one_step_mse<const N: usize>(&self, data: &Dataset) -> f64
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,

@@ -16,7 +16,7 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use thiserror::Error;
 
-/// Largest number of elements in an imported tree or chain: with two coordinates each, a tree still fits a model file.
+/// Largest number of elements in an imported tree or chain: even with two coordinates each, the tree fits a model file.
 pub const MAX_ELEMENTS: usize = 32;
 
 /// The reason why weights could not be imported.
@@ -36,7 +36,7 @@ pub enum ImportError {
     /// A tensor is missing.
     #[error("tensor {0} is missing")]
     Missing(String),
-    /// A tensor is not needed: the file holds another network than expected.
+    /// A tensor is not needed: the file holds another network than the one expected.
     #[error("tensor {name} has no place in this network; check {option}")]
     Unexpected {
         /// Name of the tensor.
@@ -133,7 +133,7 @@ impl Layer {
 /// The tensors of a file.
 struct Tensors<'a> {
     file: &'a SafeTensors<'a>,
-    /// Command-line option that sets what is expected of the tensors.
+    /// Command-line option that sets which tensors are expected.
     option: &'static str,
 }
 
@@ -182,7 +182,7 @@ impl Tensors<'_> {
         }
     }
 
-    /// Refuses a file none of whose tensor names satisfies `begins`.
+    /// Refuses a file if none of its tensor names satisfies `begins`.
     fn require_any(&self, program: &'static str, begins: impl Fn(&str) -> bool) -> Result<(), ImportError> {
         let names = self.file.names();
         if names.iter().any(|name| begins(name)) {

@@ -62,10 +62,10 @@ const OF_BODIES: [Network; 2] =
 
 /// Reads a network of the ModLaNet authors' program as a tree of `system`'s size with one element type.
 ///
-/// Their Lagrangian is L = ½m Σ|ẋ|² − m c₁ Σ U₁(x) − m c₂ Σ_{a<b} ½\[U₂(x_a, x_b) + U₂(x_b, x_a)\]. Their pair potential is multiplied by
-/// the mass once, ours by m_a m_b; thus our c₂ is their c₂ divided by m. For pendulums, tanh networks of the angle, wrapped to \[0, 2π),
-/// give x and ẋ, and the potentials have no activation; for bodies, x = q and the potentials are tanh networks (the transforms in the files
-/// of bodies are not used).
+/// Their Lagrangian is L = ½m Σ|ẋ|² − m c₁ Σ U₁(x) − m c₂ Σ_{a<b} ½\[U₂(x_a, x_b) + U₂(x_b, x_a)\]. Their pair
+/// potential is multiplied by the mass once, ours by m_a m_b; thus our c₂ is their c₂ divided by m. For pendulums, x
+/// and ẋ are tanh networks of the angle, wrapped to \[0, 2π), and the potentials have no activation. For bodies, x = q
+/// and the potentials are tanh networks (the transforms in the files of bodies are not used).
 ///
 /// `mass` (kg, above 0) replaces the mass in the file. As a factor of all of L it scales energies and leaves accelerations unchanged.
 ///

@@ -220,7 +220,8 @@ fn symo_errors_name_the_tensor() {
     assert!(refused(File::clear).contains("no tensor of SyMo"));
 }
 
-/// Names, inputs and outputs of the LGNN authors' networks in the plane: embeddings of 2 and 4 numbers, of edges 5.
+/// Names, inputs and outputs of the LGNN authors' networks in the plane, with embeddings of 2 and 4 numbers for nodes
+/// and 5 for edges.
 const LGNN: [(&str, usize, usize); 8] = [
     ("L.ke", 3, 1),
     ("L.ff3", 6, 1),
@@ -248,7 +249,7 @@ fn lgnn_pendulums() -> File {
     file
 }
 
-/// The layers of this name: squareplus but for the last.
+/// The layers of this name; all but the last have squareplus activations.
 fn lgnn_network(file: &File, name: &str, x: &[f64]) -> Vec<f64> {
     let layers: Vec<_> = (0..)
         .map_while(|k| Some((file.get(&format!("{name}.{k}.weight"))?, &file[&format!("{name}.{k}.bias")])))
@@ -263,7 +264,7 @@ fn lgnn_network(file: &File, name: &str, x: &[f64]) -> Vec<f64> {
     })
 }
 
-/// The authors' T and V of a chain; its edges go both ways.
+/// The authors' T and V of a chain, with an edge in each direction between neighbours.
 fn lgnn_theirs(file: &File, x: &[[f64; 2]], v: &[[f64; 2]]) -> Energies<f64> {
     let net = |name: &str, x: &[&[f64]]| lgnn_network(file, name, &x.concat());
     let number = |name: &str, x: &[&[f64]]| net(name, x)[0];

@@ -72,7 +72,7 @@ impl Ranges {
             let largest = values.iter().chain(curves.iter().flat_map(|(_, values)| values));
             let apart = APART * largest.fold(0.0, |most, x| x.abs().max(most));
             let is_like = |other: &[f64]| other.iter().zip(&values).all(|(a, b)| (a - b).abs() <= apart);
-            // The first curve, the reference of `is_like`, is drawn if any force acts.
+            // The first curve, which `is_like` compares with, is drawn if any force acts.
             if !curves.iter().any(|(_, other)| is_like(other)) && values.iter().any(|x| *x != 0.0) {
                 curves.push((curve, values));
             }

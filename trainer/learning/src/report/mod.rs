@@ -38,7 +38,7 @@ const ROUNDS: usize = 3;
 /// Quantiles of the window errors for which a window is drawn, with their captions.
 const DRAWN: [(f64, &str); 2] =
     [(0.5, "a window of the median error"), (0.9, "a window of the 90th percentile")];
-/// A coordinate whose range is below this multiple of its noise says little.
+/// Range of a coordinate, as a multiple of its noise, below which the log says little about it.
 const MOVES: f64 = 20.0;
 
 /// Residuals of windows with their best start states, and the standard errors of the learned numbers.
@@ -54,8 +54,9 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Evaluates a model over the windows of a loss. `shared` is the weight block followed by the calibration numbers. The standard errors
-    /// of the numbers of `learned` are those that these windows give; without `learned` none are given.
+    /// Evaluates a model over the windows of a loss. `shared` is the weight block followed by the calibration numbers.
+    /// The standard errors are those of the learned numbers of `learned`, as these windows give them; without `learned`
+    /// there are none.
     pub fn new(loss: &WindowLoss, shared: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
         let mut weights = loss.enter(shared.to_vec());
         for _ in 0..ROUNDS {
@@ -78,13 +79,13 @@ pub struct Page<'a> {
     pub title: String,
     /// Facts about the run, as pairs of name and plain text.
     pub facts: Vec<(&'static str, String)>,
-    /// The model, with the logs that judge it.
+    /// The model and the logs on which it is evaluated.
     pub predictor: Predictor<'a>,
     /// Name of a simpler model, and that model with the same logs.
     pub beside: Option<(String, Predictor<'a>)>,
-    /// Residuals of the data learned from; `None` if unknown.
+    /// Residuals on the training data; `None` if unknown.
     pub fit: Option<Fit>,
-    /// Numbers of an arm as its torques show them, in place of the windows' numbers.
+    /// Parameters of an arm as determined by its torques, in place of those determined by windows.
     pub torques: Option<&'a TorqueNumbers>,
 }
 
@@ -259,7 +260,7 @@ impl Page<'_> {
         numbers::sections(certainty, &names).concat()
     }
 
-    /// A sentence for each coordinate that hardly moved and thus says little of its part of the model.
+    /// A sentence for each coordinate that hardly moved, so that the logs say little about its part of the model.
     fn still(&self) -> Vec<String> {
         let moves = |i: usize| {
             let (range, noise) = (self.predictor.range(i), self.noise(i));
@@ -271,7 +272,8 @@ impl Page<'_> {
     }
 }
 
-/// Table of the errors of one column over all horizons, beside those of another model with the same horizons.
+/// Table of the errors over all horizons, for one column of the error lists, beside those of another model with the
+/// same horizons.
 fn error_table(
     errors: &[HorizonErrors],
     others: Option<(&str, &[HorizonErrors])>,

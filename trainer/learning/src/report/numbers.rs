@@ -5,7 +5,7 @@ use crate::torque_numbers::TorqueNumbers;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
 use leastaction_models::{Architecture, NumberName};
 
-/// Relative standard error above which a number counts as hardly shown.
+/// Relative standard error above which a number counts as poorly determined.
 const HARDLY: f64 = 0.5;
 
 /// Names of all numbers by position, with the model's values where these differ from the estimates.
@@ -29,7 +29,7 @@ impl Names {
         Self { names, model: None, zeros: layout.zero(0, 0) }
     }
 
-    /// Names of the numbers that torques depend on.
+    /// Names of the numbers on which torques depend.
     pub fn of_torques(numbers: &TorqueNumbers) -> Self {
         let names: Vec<_> = numbers.full_names().map(Some).collect();
         Self { zeros: names.len(), names, model: Some(numbers.model.clone()) }
@@ -46,7 +46,7 @@ impl Names {
     }
 }
 
-/// The sections on the numbers that a log of torques alone shows.
+/// The sections on the numbers that a log of torques determines by itself.
 pub(super) fn of_torques(numbers: &TorqueNumbers) -> String {
     let about = "Base parameters, the combinations of masses, centres and inertias that torques depend on at all, and friction: by this log \
                  alone, without the prior and without the bounds of bodies, beside what the model has. Intervals cover what a log \
@@ -61,7 +61,7 @@ pub(super) fn of_torques(numbers: &TorqueNumbers) -> String {
         .concat()
 }
 
-/// The sections on shown numbers and on numbers that were not shown.
+/// The sections on the numbers that the logs determine and on those that they do not.
 pub(super) fn sections(certainty: &Certainty, names: &Names) -> [String; 2] {
     let named = |of: &&LearnedNumber| names.of(of.position).is_some();
     let (zeros, others): (Vec<_>, Vec<_>) =

@@ -84,7 +84,7 @@ pub(super) fn number(x: f64) -> String {
     }
 }
 
-/// A table cell: a number, with a smaller text below.
+/// A table cell: a value, with smaller text below it.
 pub(super) fn cell(of: impl Display, below: &str) -> String {
     let below = if below.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(below)) };
     format!("<b>{of}</b>{below}")

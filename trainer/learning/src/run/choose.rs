@@ -1,4 +1,4 @@
-//! Choice among several configurations of the one that predicts held-back logs best.
+//! Choice of the configuration that predicts held-back logs best, among several.
 
 use super::held_back::{Learned, Trial};
 use super::lengths::{self, Lengths};
@@ -10,27 +10,27 @@ use leastaction_models::config::{ModelConfig, Source};
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// The configuration, of several, that predicts held-back logs best, with its data.
+/// The configuration that predicts held-back logs best, among several, with its data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
     /// The configuration, with one choice of columns.
     pub config: Config,
     /// Data that the configuration reads.
     pub data: Dataset,
-    /// Decisions made on reading, each with its file.
+    /// Decisions of the reader, each with its file.
     pub notes: Vec<(PathBuf, Note)>,
-    /// Further decisions, made by held-back logs.
+    /// Further decisions, made by means of held-back logs.
     pub choices: Choices,
 }
 
-/// Decisions with their grounds: position errors of held-back logs.
+/// Decisions with the position errors on held-back logs that they are based on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choices {
     /// Names of the u columns of each alternative with their error, m or rad; empty if there was no choice.
     pub columns: Vec<(Vec<String>, f64)>,
     /// Window lengths, if the configuration names none.
     pub lengths: Option<Lengths>,
-    /// Effect of networks that correct the model, if they were tried.
+    /// Effect of the correcting networks, if they were tried.
     pub networks: Option<Tried>,
 }
 
@@ -60,9 +60,9 @@ pub enum ChoiceError {
     Plan(#[from] PlanError),
 }
 
-/// Reads the log of a configuration and settles what it leaves open: the columns of u, the length of windows, and whether to keep networks.
-/// Each alternative learns from some parts of the logs and predicts the other parts; the best is taken. Columns and lengths are chosen with
-/// simple physics, without the networks that correct it.
+/// Reads the log of a configuration and decides what the configuration leaves open: the columns of u, the length of
+/// windows, and whether to keep networks. Each alternative learns from some parts of the logs and predicts the other
+/// parts; the best is taken. Columns and lengths are chosen with the simple physics, without correcting networks.
 ///
 /// # Errors
 /// [`ChoiceError`] if a log cannot be read, or a run with it cannot begin.
@@ -95,14 +95,14 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
     Ok(chosen)
 }
 
-/// The configuration with a model without correcting networks, unless its weights were trained before.
+/// The configuration without correcting networks, unless the weights come from an earlier training.
 fn simple(config: &Config) -> Config {
     let alone = config.model.with_networks(false, false).filter(|_| config.model.source() != Source::Weights);
     Config { model: alone.unwrap_or_else(|| config.model.clone()), ..config.clone() }
 }
 
-/// Whether training is over windows and their length can be tried. An arm is excluded: its training begins with a fit of torques, which
-/// would take longer than everything else.
+/// Whether training is over windows and several window lengths can be tried. An arm is excluded: its training begins
+/// with a fit to torques, which would take longer than everything else.
 fn takes_lengths(config: &Config, data: &Dataset) -> Result<bool, PlanError> {
     Ok(Plan::loss(config, data)? == TrainingLoss::Windows && !matches!(config.model, ModelConfig::Arm(_)))
 }

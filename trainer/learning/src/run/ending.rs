@@ -44,8 +44,8 @@ impl Run {
         }
     }
 
-    /// Number of training samples that count as predicted by a constant velocity with the best weights, and the number of all training
-    /// samples; `None` before the last stage.
+    /// Number of training samples that cannot be solved with the best weights and thus count as predicted by a constant
+    /// velocity, and the number of all training samples; `None` before the last stage.
     pub(super) fn unsolved(&self) -> Option<(usize, usize)> {
         let stage = self.stage().filter(|_| self.is_in_last_stage())?;
         Some((self.unsolved_of(&*stage.objective), stage.objective.samples()))
@@ -56,12 +56,12 @@ impl Run {
     }
 
     fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        // Samples of another stage, and held-back samples, have numbers of their own.
+        // The parameters of single samples differ between stages, and for held-back samples, so they are set anew.
         let weights = || objective.enter(self.state.best.weights.clone());
         within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
     }
 
-    /// Warns of failures that raised no error.
+    /// Warns of results that are useless although no error occurred.
     pub(super) fn say_what_was_not_learned(&self, unsolved: usize, monitor: &mut dyn Monitor) {
         if self.state.iteration > 0 && self.state.best.iteration == 0 {
             monitor.warning("nothing was learned: no iteration was better than the initial weights");

@@ -1,13 +1,13 @@
-//! Fingerprints that tell inputs apart; they guard against accidents, not against malice.
+//! Fingerprints that distinguish inputs; they guard against accidents, not against malice.
 
 use crate::checksummed::Fingerprint;
 use crate::config::TrainingLoss;
 use crate::data::{Dataset, Rows, Trajectory, control_name};
 use leastaction_core::forces::ControlKind;
 
-/// CRC-64/XZ over all numbers of a data set that the loss reads. It is equal for the same motion in another file or format and, if the loss
-/// needs only positions and controls, whatever the logged velocities and accelerations are. A changing control that is held differs from
-/// one that is linear between samples.
+/// CRC-64/XZ over all numbers of a data set that the loss reads. The same motion in another file or format has the same
+/// fingerprint; if the loss needs only positions and controls, logged velocities and accelerations do not matter. A
+/// changing control that is held and one that is linear between samples have different fingerprints.
 pub(super) fn of_data(data: &Dataset, loss: TrainingLoss) -> u64 {
     let (state, acceleration) = (loss.reads_velocities(), loss == TrainingLoss::Acceleration);
     let mut fingerprint = Fingerprint::default();

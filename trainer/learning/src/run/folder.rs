@@ -44,7 +44,7 @@ impl Folder {
     pub fn is_used(&self) -> bool {
         match fs::read_dir(&self.path) {
             Ok(entries) => entries.flatten().any(|entry| entry.file_name() != lock::FILE),
-            // A file has this name, or the folder may not be read.
+            // Either a file has this name, or the folder is not readable.
             Err(_) => self.path.symlink_metadata().is_ok(),
         }
     }
@@ -74,7 +74,7 @@ impl Folder {
         RunError::Folder { folder: self.path.clone(), error }
     }
 
-    /// Removes picture and page of an earlier run, which do not describe this run.
+    /// Removes picture and page of an earlier run, since they do not describe this run.
     pub fn remove_pictures(&self) -> io::Result<()> {
         [self.loss_curve(), self.report()].iter().try_for_each(|file| match fs::remove_file(file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -82,8 +82,8 @@ impl Folder {
         })
     }
 
-    /// Writes the configuration with full paths, so that it can be used from the folder; an equal configuration there is left as it is
-    /// written.
+    /// Writes the configuration with full paths, so that it can be used from the folder; a file that already holds an
+    /// equal configuration is left unchanged.
     pub fn write_config(&self, config: &Config) -> io::Result<()> {
         let mut config = config.clone();
         config.model.files().into_iter().for_each(|file| *file = full(file));

@@ -1,4 +1,4 @@
-//! Tests of which run owns a folder.
+//! Tests for the ownership of a folder by a run.
 
 use super::tests::{Warned, config, data, scaled};
 use super::*;

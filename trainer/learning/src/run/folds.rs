@@ -4,10 +4,12 @@ use crate::data::{Dataset, Trajectory};
 
 /// Largest number of folds.
 const FOLDS: usize = 4;
-/// Number of longest windows that suffices to compare configurations; more data is not tried whole.
+/// Amount of data that suffices to compare configurations, in windows of the longest length; of more data only a part
+/// is used.
 const ENOUGH: usize = 120;
-/// Largest number of longest windows in a piece of a log; below, the least number of pieces that a few logs are cut into.
+/// Largest length of a piece of a log, in windows of the longest length.
 const PIECE: usize = 8;
+/// Least number of pieces that a few logs are cut into.
 const PIECES: usize = 2 * FOLDS;
 
 /// Trajectories to learn from, followed by held-back ones.
@@ -19,8 +21,9 @@ pub struct Fold {
     pub training: usize,
 }
 
-/// Divides trajectories into four folds, or fewer if there are fewer trajectories. Fold k holds back every fourth trajectory from the k-th
-/// on; each is held back exactly once. A single trajectory gives no folds.
+/// Divides trajectories into four folds, or fewer if there are fewer trajectories. Fold k holds back every fourth
+/// trajectory, starting with the k-th, so that each trajectory is held back exactly once. A single trajectory gives no
+/// folds.
 pub fn folds(data: &Dataset) -> Vec<Fold> {
     let count = data.trajectories.len();
     let parts = if count < 2 { 0 } else { FOLDS.min(count) };
@@ -33,9 +36,9 @@ pub fn folds(data: &Dataset) -> Vec<Fold> {
     (0..parts).map(fold).collect()
 }
 
-/// An excerpt of the data that suffices to compare configurations, with at least as many trajectories as there are folds. A few
-/// trajectories, or long ones, are cut into pieces, and pieces from all over them are taken. `longest` is the largest number of samples in
-/// a window.
+/// An excerpt of the data that suffices to compare configurations, with at least as many trajectories as there are
+/// folds. If there are few trajectories, or much data, the trajectories are cut into pieces, and pieces from all parts
+/// of them are taken. `longest` is the largest number of samples in a window.
 pub(super) fn excerpt(data: &Dataset, longest: usize) -> Dataset {
     let samples: usize = data.trajectories.iter().map(Trajectory::samples).sum();
     if data.trajectories.len() >= FOLDS && samples <= ENOUGH * longest {

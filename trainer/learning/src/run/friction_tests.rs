@@ -35,7 +35,7 @@ impl Monitor for StopsAfter<'_> {
     fn warning(&mut self, _: &str) {}
 }
 
-/// Numbers with ranges are optimised in other variables; a checkpoint nevertheless holds all that is needed.
+/// Numbers with ranges are optimised in other variables, but a checkpoint holds everything that is needed to resume.
 #[test]
 fn a_run_with_ranges_goes_on_bit_for_bit() {
     for optimiser in [crate::config::OptimiserKind::LevenbergMarquardt, crate::config::OptimiserKind::Adam] {

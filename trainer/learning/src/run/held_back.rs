@@ -1,4 +1,4 @@
-//! Comparison of configurations by logs that they did not learn from.
+//! Comparison of configurations by means of logs that they did not learn from.
 
 use super::folds::{Fold, excerpt, folds};
 use super::lengths;
@@ -6,7 +6,7 @@ use super::plan::{Plan, PlanError};
 use crate::config::Config;
 use crate::data::Dataset;
 
-/// The logs that configurations are compared by.
+/// The logs on which configurations are compared.
 pub(super) struct Trial {
     folds: Vec<Fold>,
     /// Window lengths over which held-back positions are compared, s, in ascending order.
@@ -19,20 +19,21 @@ pub(super) struct Learned {
     pub held_back: HeldBack,
 }
 
-/// The numbers learned in a fold: those that windows share, or all.
+/// The parameters learned in a fold: those that all windows share, or all parameters for a loss over single samples.
 pub(super) struct Fit {
     pub plan: Plan,
     pub weights: Vec<f64>,
 }
 
-/// Errors of held-back positions. For windows, one entry per log: the sum over its windows of ln(mean square, (m, rad)²) weighted by window
-/// length, and the sum of the lengths. For a loss over single steps, one entry per fold: the logarithm of the held-back loss, with weight
-/// 1.
+/// Errors of held-back positions. For windows there is one entry per log: the sum over its windows of ln(mean square,
+/// (m, rad)²), weighted by window length, and the sum of these weights. For a loss over single steps there is one entry
+/// per fold: the logarithm of the held-back loss, with weight 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct HeldBack(Vec<[f64; 2]>);
 
-/// Position error on a held-back part of the logs, m or rad, before any iteration: rigid bodies have the linear fit to the torques of the
-/// other logs, other models their initial weights. `None` if no prediction is finite or no log can be held back.
+/// Position error on a held-back part of the logs, m or rad, before any iteration. Rigid bodies are evaluated with the
+/// linear fit to the torques of the other logs, other models with their initial weights. `None` if no prediction is
+/// finite or no log can be held back.
 ///
 /// # Errors
 /// See [`Plan::new`].
@@ -47,7 +48,7 @@ pub fn error_at_start(config: &Config, data: &Dataset) -> Result<Option<f64>, Pl
 }
 
 impl Trial {
-    /// Takes all of these logs or, if they are few or long, pieces of them.
+    /// Uses all logs of the data or, if they are few or long, pieces of them.
     pub fn new(config: &Config, data: &Dataset) -> Self {
         let lengths = |data: &Dataset| match config.training.window {
             Some(window) => vec![window],
@@ -119,8 +120,8 @@ fn finite(errors: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
 }
 
 impl Fit {
-    /// Takes the final weights of training rather than those best on held-back logs: the latter would favour configurations with more
-    /// numbers.
+    /// Takes the final weights of training, not the weights that are best on held-back logs: the latter would favour
+    /// configurations with more parameters.
     fn new(plan: Plan) -> Option<Self> {
         let state = plan.last_state()?;
         let mut weights = state.optimiser.weights().to_vec();
@@ -132,7 +133,8 @@ impl Fit {
 }
 
 impl Plan {
-    /// Keeps only the last stage, and starts it from an earlier result. Newly added correcting networks start with almost no effect.
+    /// Keeps only the last stage, and starts it from an earlier result. Newly added correcting networks start almost
+    /// without effect.
     fn go_on(&mut self, before: &Fit) {
         self.stages.drain(..self.stages.len().saturating_sub(1));
         self.initial.clone_from(&before.weights);
@@ -155,8 +157,8 @@ impl HeldBack {
         (0.5 * self.mean()).exp()
     }
 
-    /// Difference of the mean logarithms of two models of the same logs (self minus other), and its standard error, with logs taken as
-    /// independent.
+    /// Difference between the mean logarithms of two models on the same logs (self minus other), and its standard
+    /// error, with logs taken as independent.
     pub fn beside(&self, other: &Self) -> [f64; 2] {
         let difference = self.mean() - other.mean();
         let count = self.0.len().min(other.0.len()) as f64;
@@ -166,7 +168,7 @@ impl HeldBack {
         [difference, (squares * count / (count - 1.0)).sqrt() / lengths]
     }
 
-    /// Whether the error is less by more than the standard error of the difference.
+    /// Whether the error is smaller by more than the standard error of the difference.
     pub fn is_less_than(&self, other: &Self) -> bool {
         let [difference, deviation] = self.beside(other);
         difference < -deviation
@@ -186,7 +188,8 @@ mod tests {
         let [difference, deviation] = alike.beside(&base);
         assert!((difference + 0.1).abs() < 1e-15 && deviation < 1e-14, "{difference} {deviation}");
         assert!(alike.is_less_than(&base) && !base.is_less_than(&alike));
-        // A difference of -0.4 in one log alone, which its neighbours do not share: a mean of -0.1 with a larger standard error.
+        // A difference of -0.4 in a single log, not shared by the other logs, gives a mean of -0.1 with a larger
+        // standard error.
         let one = of([-2.4, -4.2, -2.2]);
         let [difference, deviation] = one.beside(&base);
         assert!(

@@ -6,15 +6,18 @@ use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
 use std::fmt;
 
-/// The shortest length that is tried, in s and in steps (the longer of both); the factors give the other lengths.
+/// Shortest length that is tried, s, unless [`FEWEST_STEPS`] steps are longer.
 const SHORTEST: f64 = 0.25;
+/// Least number of steps in a window of the shortest length.
 const FEWEST_STEPS: f64 = 5.0;
+/// Ratios of the lengths that are tried to the shortest length.
 const FACTORS: [f64; 3] = [1.0, 2.0, 4.0];
-/// Index of the length taken if the logs do not decide.
+/// Index of the length that is taken if the logs do not favour another one.
 const USUAL: usize = 1;
-/// Ratio to the error with the usual length below which another length is worth taking: logs of one machine differ by more.
+/// Ratio to the error with the usual length below which another length is taken: even logs of one machine differ by a
+/// few percent.
 const WORTH: f64 = 0.9;
-/// Fraction of the samples that must lie in logs as long as a window.
+/// Fraction of the samples that must lie in logs at least as long as a window.
 const MOST: f64 = 0.9;
 
 /// Position errors of held-back logs for several window lengths.
@@ -58,15 +61,16 @@ pub(super) fn candidates(data: &Dataset) -> Vec<f64> {
     all(data.h).into_iter().filter(fits).collect()
 }
 
-/// The length taken if the logs do not decide, s: half a second for most logs, less for shorter ones.
+/// The length taken if the logs do not favour another one, s: half a second for most logs, less for shorter ones.
 pub(super) fn usual(data: &Dataset) -> f64 {
     let candidates = candidates(data);
     let longest = candidates.last().copied();
     candidates.get(USUAL).copied().or(longest).unwrap_or(all(data.h)[0])
 }
 
-/// The window length that predicts held-back logs best, with the result learned with it: the usual length, unless the error of another is
-/// clearly smaller, and by more than the standard error of the difference. `None` if there is no choice.
+/// The window length that predicts held-back logs best, with the result learned with it. It is the usual length, unless
+/// the error with another length is clearly smaller, and smaller by more than the standard error of the difference.
+/// `None` if there is no choice.
 ///
 /// All lengths continue from the result of the usual length.
 ///
@@ -141,7 +145,7 @@ mod tests {
         assert_eq!(one, on(3));
         let lengths: Vec<f64> = one.errors.iter().map(|(length, _)| *length).collect();
         assert_eq!(lengths, [0.25, 0.5, 1.0]);
-        // At most a few times the noise.
+        // The errors are at most a few times the noise.
         assert!(one.errors.iter().all(|(_, error)| (5e-4..5e-3).contains(error)), "{one}");
         assert!(one.to_string().ends_with(&format!(": windows of {} s", one.chosen)), "{one}");
     }

@@ -5,9 +5,10 @@
 //! loss over windows, `report.html` ([`crate::report`]). While a run trains, the folder is locked. A run that replaces another leaves the
 //! other's files alone until its own loss is finite.
 //!
-//! **What the data must show.** Positions and controls alone determine the motion, but not always the scale of L: a Lagrangian and any
-//! multiple of it give the same motion unless a known force acts. Without a forced sample the DEL residual is least for L = 0, so that loss
-//! is refused; the other losses give energies up to one common factor, as [`Notice::UnknownScale`] says.
+//! **What the data must show.** Positions and controls alone determine the motion, but not always the scale of L: a
+//! Lagrangian and any multiple of it give the same motion unless a known force acts. Without a forced sample the DEL
+//! residual is smallest for L = 0, so that loss is refused. The other losses give energies up to one common factor;
+//! [`Notice::UnknownScale`] says so.
 
 mod choose;
 mod ending;
@@ -68,7 +69,7 @@ use std::time::Instant;
 pub trait Monitor {
     /// Called after every iteration.
     fn row(&mut self, row: &Row);
-    /// Called on a problem that training survives.
+    /// Called on a problem that does not stop training.
     fn warning(&mut self, message: &str);
 }
 
@@ -79,7 +80,8 @@ pub struct Run {
     history: History,
     state: State,
     pool: Option<rayon::ThreadPool>,
-    /// Iteration of the last checkpoint; `None` as long as this run has none and the folder may hold another run's.
+    /// Iteration of the last checkpoint; `None` as long as this run has written none and the folder may hold another
+    /// run's checkpoint.
     saved: Option<u64>,
     /// Time of the last attempt to write a checkpoint.
     tried: Instant,
@@ -95,7 +97,7 @@ impl Run {
         let folder = Folder { path: path.to_owned() };
         let exists = || RunError::Exists { folder: path.to_owned() };
         let refused = || folder.is_used() && !force;
-        // A folder in which there was never a run is left without a lock, too.
+        // A folder in which there was never a run is left without a lock file.
         if refused() && !folder.has_lock() {
             return Err(exists());
         }
@@ -125,7 +127,7 @@ impl Run {
     pub fn resume(plan: Plan, path: &Path) -> Result<Self, RunError> {
         let folder = Folder { path: path.to_owned() };
         let read = || Checkpoint::read(&folder.checkpoint()).map_err(ResumeError::from);
-        // Without a checkpoint no lock is left behind; and under a lock no other run writes one.
+        // Without a checkpoint no lock file is left behind; once the lock is held, no other run writes a checkpoint.
         read()?;
         let lock = folder.lock()?;
         let checkpoint = read()?;
@@ -148,7 +150,7 @@ impl Run {
         self.state.iteration
     }
 
-    /// The iteration that was saved last; `None` while the folder still holds the run that this one is to replace.
+    /// The iteration that was saved last; `None` while the folder still holds the run that is to be replaced.
     pub fn saved(&self) -> Option<u64> {
         self.saved
     }
@@ -293,7 +295,8 @@ impl Run {
         }
     }
 
-    /// Whether the target loss (not just a warm-up's) is finite and the best weights solve at least one training sample.
+    /// Whether the loss of the last stage (not only that of a warm-up) is finite and the best weights solve at least
+    /// one training sample.
     fn is_worth_the_earlier_run(&self) -> bool {
         self.state.best.is_a_model() && self.unsolved().is_some_and(|(unsolved, all)| unsolved < all)
     }

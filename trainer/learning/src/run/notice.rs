@@ -30,7 +30,7 @@ pub enum Notice {
     Changed(Note),
     /// The data is implausible.
     Doubtful(Doubt),
-    /// The learned dry friction is too stiff for the step.
+    /// The learned dry friction is so stiff that steps of the trained size ring.
     Rings {
         /// The coordinate, from 0.
         coordinate: usize,
@@ -74,8 +74,8 @@ impl std::fmt::Display for Notice {
     }
 }
 
-/// The data as training takes it: the first `count` trajectories, with angles unwrapped and the control kind that the configuration asks
-/// for.
+/// The data as training takes it: the first `count` trajectories, with angles unwrapped and the control kind that the
+/// configuration asks for.
 pub(super) fn prepared(
     data: &Dataset,
     config: &Config,

@@ -24,7 +24,7 @@ use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::config::{Origin, Source};
 use leastaction_models::{Architecture, Model};
 
-/// The plan of a run; it determines the run completely.
+/// The plan of a run, which determines the run completely.
 pub struct Plan {
     pub(super) config: Config,
     pub(super) architecture: Architecture,
@@ -33,7 +33,7 @@ pub struct Plan {
     pub(super) trained_step: Option<TrainedStep>,
     /// Range of the data, training and validation.
     pub(super) range: Vec<CoordinateRange>,
-    /// A sample of positions from the data, for checks of the trained model.
+    /// Positions sampled from the data, for checks of the trained model.
     pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
     /// Model whose energies the initial weights reproduce, if there is one.
@@ -41,7 +41,8 @@ pub struct Plan {
     /// Data of a loss over windows.
     pub(super) windows: Option<Windowed>,
     pub(super) stages: Vec<Stage>,
-    /// Logs whose torques judge the model, with the number of training trajectories; `None` unless torques are the loss.
+    /// Logs on which the model's torques are evaluated, with the number of training trajectories; `None` unless torques
+    /// are the loss.
     driven: Option<(Dataset, usize)>,
     notices: Vec<Notice>,
 }
@@ -55,8 +56,8 @@ impl Plan {
         Self::of(config, data, Scope::Whole)
     }
 
-    /// The plan for a few iterations on the training part of a fold, from the initial weights or from others. The held-back part judges
-    /// only the result.
+    /// The plan for a few iterations on the training part of a fold, from the initial weights or from an earlier
+    /// result. The held-back part is only used to evaluate the result.
     ///
     /// # Errors
     /// See [`Plan::new`].
@@ -86,7 +87,7 @@ impl Plan {
             Scope::Whole => split(&data, config.data.validation, &mut notices),
             Scope::Fold { training, .. } => training,
         };
-        // The bodies of an arm are fitted individually, before any stage.
+        // The bodies of an arm are fitted separately, before any stage.
         let of_samples =
             loss.of_samples().filter(|kind| *kind != LossKind::Torque || architecture.family.arm().is_none());
         let (stages, windows) = match of_samples {
@@ -134,7 +135,7 @@ impl Plan {
         })
     }
 
-    /// Trains in memory alone and returns the result; `None` if no stage reaches a finite loss.
+    /// Trains in memory, without a folder, and returns the result; `None` if no stage reaches a finite loss.
     pub fn train(&self) -> Option<Trained> {
         let trained = Trained::from(Checkpoint::new(self, &self.last_state()?));
         trained.best.is_a_model().then_some(trained)
@@ -199,12 +200,13 @@ impl Plan {
     }
 }
 
-/// Whether a known force acts; a known friction counts as one.
+/// Whether a known force acts; known friction counts as a known force.
 pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
     data.is_forced() || architecture.friction.shows_scale()
 }
 
-/// Number of training trajectories. The rest, a fraction of all (rounded, but at least one), is held back from the end.
+/// Number of training trajectories. The rest is held back from the end: a fraction of all, rounded, but at least one
+/// trajectory.
 fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
     let count = data.trajectories.len();
     if fraction == 0.0 {
@@ -217,8 +219,8 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
     count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
 }
 
-/// Starting weights for training over windows: an arm starts from a fit to torques, rigid bodies from a fit to smoothed states, correcting
-/// networks without effect.
+/// Starting weights for training over windows. An arm starts from a fit to torques, rigid bodies start from a fit to
+/// smoothed states, and correcting networks start without effect.
 fn begin_windows(
     config: &Config,
     architecture: &Architecture,
@@ -259,8 +261,8 @@ fn settle_loss(
     loss
 }
 
-/// The loss to minimise: that of the configuration, or else windows if positions are noisy (returned with their noise), or else the next
-/// position.
+/// The loss to minimise: that of the configuration, or else windows if positions are noisy (returned with their noise),
+/// or else the next position.
 fn loss_of(config: &Config, architecture: &Architecture, data: &Dataset) -> (TrainingLoss, Option<Noise>) {
     let training = &config.training;
     let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);

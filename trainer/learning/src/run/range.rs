@@ -7,8 +7,8 @@ use leastaction_models::Architecture;
 /// Largest number of coordinates for which the range is kept: for a larger graph it would be longer than the model.
 const MAX_COORDINATES: usize = 64;
 
-/// The range of every coordinate; empty for more than [`MAX_COORDINATES`]. Missing velocities are taken as differences of positions,
-/// missing controls as 0.
+/// The range of every coordinate; empty for more than [`MAX_COORDINATES`] coordinates. Missing velocities are computed
+/// as differences of positions; missing controls count as 0.
 pub(super) fn of(architecture: &Architecture, data: &Dataset) -> Vec<CoordinateRange> {
     if data.n > MAX_COORDINATES {
         return Vec::new();

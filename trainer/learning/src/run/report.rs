@@ -37,7 +37,7 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     report.html().map(Some)
 }
 
-/// The simple physics that a run began with.
+/// The simpler physical model from which a run began.
 struct Simple {
     name: &'static str,
     model: Model,
@@ -45,8 +45,8 @@ struct Simple {
 }
 
 impl Simple {
-    /// The model alone, before networks corrected it, or the model that a network started from, with sensors and drives from the same logs;
-    /// `None` if there is neither.
+    /// The model before correcting networks were added, or the model that a network started from, with the sensors and
+    /// drives of the same logs; `None` if there is neither.
     fn of(
         plan: &Plan,
         alone: Option<&[f64]>,
@@ -158,7 +158,8 @@ mod tests {
         run
     }
 
-    /// A model fitted to DEL steps from sample to sample says so in its file; a model fitted in continuous time has no step.
+    /// A model fitted by DEL steps from sample to sample states this step in its file; a model fitted in continuous
+    /// time has no step.
     #[test]
     fn a_model_of_windows_by_del_steps_has_its_step() {
         let step = |integrator| {
@@ -199,7 +200,7 @@ mod tests {
         // The page loads nothing from elsewhere.
         let links = ["<script", "<img", "<link", "src=", "url(", "@import"];
         assert!(links.iter().all(|link| !text.contains(link)));
-        // A run that replaces this one removes its page.
+        // A new run in this folder removes the page of the old one.
         assert_eq!(train(config(), folder.path()).report(), None);
         assert!(!page.exists());
     }

@@ -1,4 +1,4 @@
-//! Check whether steps of the trained size ring under the learned dry friction.
+//! Check whether steps of the trained size make velocities ring under the learned dry friction.
 
 use super::notice::Notice;
 use super::plan::Plan;
@@ -19,7 +19,8 @@ pub(super) fn positions(data: &Dataset) -> Vec<Vec<f64>> {
     positions.step_by(all.div_ceil(POSITIONS).max(1)).map(<[f64]>::to_vec).collect()
 }
 
-/// Largest stiffness a = h c (M⁻¹)_ii/(2ε) at which a step does not ring ([`leastaction_core::forces::Coulomb`]).
+/// Largest stiffness a = h c (M⁻¹)_ii/(2ε) at which a step of this order does not ring
+/// ([`leastaction_core::forces::Coulomb`]).
 fn limit(order: Order) -> f64 {
     match order {
         Order::Two => 1.0,
@@ -27,7 +28,8 @@ fn limit(order: Order) -> f64 {
     }
 }
 
-/// A notice if the friction of these weights is too stiff; `None` otherwise, or if the model was not trained for a step.
+/// A notice if the friction of these weights is too stiff for the trained step; `None` otherwise, or if the model was
+/// not trained for a step.
 pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
     let TrainedStep { order, h, .. } = plan.trained_step?;
     let friction = plan.architecture.friction_of_coordinates(weights);

@@ -1,4 +1,4 @@
-//! Changes of the state of a run: by an iteration, and between stages.
+//! Changes of the state of a run: in an iteration, and between stages.
 
 use super::plan::Plan;
 use super::stages::{NETWORKS, Stage};
@@ -48,7 +48,8 @@ fn adam_settings(training: &TrainingConfig) -> AdamSettings {
 }
 
 impl Best {
-    /// The current weights with their losses; a stage that learns from all logs keeps the held-back loss of the previous stage.
+    /// The current weights with their losses. A stage that learns from all logs keeps the held-back loss of the
+    /// previous stage.
     fn new(stage: &Stage, optimiser: &Optimiser, (iteration, before): (u64, Option<f64>)) -> Self {
         let weights = optimiser.weights();
         let loss = |objective: &Option<Box<dyn Objective>>| {
@@ -64,8 +65,8 @@ impl Best {
         }
     }
 
-    /// The criterion that decides between weights: the error of the next position if it is judged separately, else the validation loss,
-    /// else the training loss.
+    /// The criterion that decides between weights: the error of the next position if the stage has a separate judge,
+    /// else the validation loss, else the training loss.
     fn score(&self, stage: &Stage) -> f64 {
         let validation = self.validation.filter(|_| stage.validation.is_some());
         self.next_position.or(validation).unwrap_or(self.train)
@@ -131,8 +132,8 @@ impl State {
         self.iteration += 1;
         self.in_stage += 1;
         let now = Best::new(stage, &self.optimiser, (self.iteration, self.best.validation));
-        // The scores of a stage may be infinite at first. A lower score always wins; with a separate judge an equal one does, too, so that a
-        // stage in which all are infinite ends with its last weights.
+        // The scores of a stage may be infinite at first. A lower score always wins. With a separate judge an equal
+        // score wins, too, so that a stage in which all scores are infinite ends with its last weights.
         let (score, best) = (now.score(stage), self.best.score(stage));
         if score < best || (stage.judge.is_some() && score == best) {
             self.best = now.clone();

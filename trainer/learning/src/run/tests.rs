@@ -169,8 +169,8 @@ fn the_best_on_validation_is_kept() {
     assert_eq!(&trained.best, run.best());
 }
 
-/// Mean squared error of the next position if the last increment is repeated (20σ² for noise σ); a model that knows the motion has 6σ² or
-/// less.
+/// Mean squared error of the next position if the last increment is repeated (20σ² for noise of standard deviation σ).
+/// A model that knows the motion has an error of 6σ² or less.
 fn of_repetition(data: &Dataset) -> f64 {
     let curve = |q: &crate::data::Rows, k: usize| (q[k][0] - 2.0 * q[k + 1][0] + q[k + 2][0]).powi(2);
     let all = data.trajectories.iter().flat_map(|motion| (0..7).map(|k| curve(&motion.q, k)));
@@ -210,7 +210,7 @@ fn of_the_residual_the_weights_that_predict_best_are_kept() {
         let nothing = "nothing was learned: no iteration was better than the initial weights";
         assert!(monitor.warnings.iter().any(|warning| warning == nothing), "{:?}", monitor.warnings);
     }
-    // The Lagrangian with the least residual is far too small.
+    // The Lagrangian with the smallest residual is far too small.
     let (best, last) = (run.best(), monitor.rows.last().unwrap());
     assert!(best.iteration < last.iteration && best.train > last.train, "{best:?} {last:?}");
     let judge = run.plan.stages[0].judge.as_ref().unwrap();
@@ -252,7 +252,7 @@ fn a_step_that_cannot_be_solved_is_an_error_that_says_so() {
     );
 }
 
-/// A step that no model could make is reported, and the rest is learned from.
+/// A step that no model could make is reported, and the model learns from the other steps.
 #[test]
 fn what_cannot_be_solved_is_counted_and_said() {
     let (mut log, folder) = (data(8, true), tempfile::tempdir().unwrap());
@@ -305,7 +305,7 @@ fn wrapped(data: &Dataset) -> Dataset {
 fn wrapped_angles_are_learned_from_as_straight_ones() {
     let mut straight = data(8, true);
     for trajectory in &mut straight.trajectories {
-        // The motion goes about the upper rest, where the seam is.
+        // The motion goes through the upright position, which is now the seam.
         trajectory.q = trajectory.q.map(|q| q + std::f64::consts::PI);
     }
     let loss = |data: &Dataset| {
@@ -358,7 +358,7 @@ fn noisy_states_are_learned_beside_the_weights_and_not_kept() {
     }
 }
 
-/// Correcting networks start after the model alone is learned, without effect at first.
+/// Correcting networks are added after the model alone has been learned, at first without effect.
 #[test]
 fn networks_that_correct_come_after_the_model_alone() {
     let mut config = config();

@@ -25,7 +25,7 @@ pub enum TorqueError {
 
 /// Range of a learned load smoothing, N m or N.
 const SMOOTHINGS: [f64; 2] = [1e-3, 1e2];
-/// Length of a block of samples that is held back together, s.
+/// Length of a contiguous block of samples that belongs to one fold, s.
 const BLOCK: f64 = 0.75;
 /// Number of folds of the samples.
 const FOLDS: usize = 5;
@@ -68,7 +68,8 @@ impl fmt::Display for TorqueReport {
     }
 }
 
-/// Fits an arm to the torques of the first `training` trajectories; the rest judges the fit.
+/// Fits an arm to the torques of the first `training` trajectories; the other trajectories are used to evaluate the
+/// fit.
 ///
 /// # Errors
 /// [`PlanError`](super::PlanError) if the logs cannot be made into samples, or the bodies cannot be fitted.
@@ -106,7 +107,7 @@ pub(super) fn fitted(
     Ok(TorqueFit { weights, actuator, report })
 }
 
-/// The fit with the strength of prior that cross-validation over folds of the samples chooses.
+/// The fit with the prior strength that cross-validation over folds of the samples chooses.
 fn best(tree: &Tree, samples: &Samples, learned: &Learned) -> Result<Fitted, FitError> {
     if learned.bodies == Bodies::Consistent {
         let folds = folds(samples);
@@ -123,7 +124,7 @@ fn folds(samples: &Samples) -> Vec<usize> {
     samples.t.iter().map(|t| (t / BLOCK) as usize % FOLDS).collect()
 }
 
-/// The numbers of the shape that are learned; known friction numbers are held.
+/// The numbers of the shape that are learned; known friction numbers stay fixed.
 fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) -> Learned {
     let friction = &architecture.friction;
     let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());
@@ -158,7 +159,7 @@ fn held(friction: &FrictionArchitecture) -> Vec<(usize, JointNumber, f64)> {
     known.map(|(i, number, own)| (i, number, own.value)).collect()
 }
 
-/// Writes b, then c, c_load, τ_s and ε of every joint into the weights, as far as the shape has them.
+/// Writes b, then c, c_load, τ_s and ε of every joint into the weights, as far as the shape has these numbers.
 fn put_friction(architecture: &Architecture, joints: &[JointNumbers], weights: &mut [f64]) {
     let friction = &architecture.friction;
     let viscous = joints.iter().filter(|_| !friction.viscous.is_empty()).map(|joint| joint.viscous);

@@ -6,7 +6,7 @@ use crate::config::Config;
 use leastaction_models::config::ModelConfig;
 use std::fmt;
 
-/// Ratio of errors, with networks to without, below which networks are worth their parameters.
+/// Ratio of the error with networks to the error without, below which networks are worth their additional parameters.
 const WORTH: f64 = 0.98;
 
 /// Candidates: name, whether with a dissipation network, whether with a potential network.
@@ -41,8 +41,8 @@ impl fmt::Display for Tried {
     }
 }
 
-/// The model with the best candidate if that is worth it, and the errors. In every fold each candidate continues from the result of the
-/// model alone.
+/// The model with the best candidate network if this improves the prediction enough, and the errors. In every fold each
+/// candidate continues from the result without networks.
 ///
 /// # Errors
 /// See [`Trial::learn`]; [`PlanError::Networks`] if there are no windows, or if the coordinates cannot have networks.
@@ -65,7 +65,7 @@ pub(super) fn networks(
         let own = of((dissipation, potential))?;
         match trial.learn(&own, Some(&alone)) {
             Ok(learned) => found.extend(learned.map(|learned| (name, own.model, learned.held_back))),
-            // For instance, no coordinate has a position that a potential could depend on.
+            // This occurs, for example, if no coordinate has a position that a potential could depend on.
             Err(PlanError::Shape(_)) => {}
             Err(error) => return Err(error),
         }

@@ -1,4 +1,4 @@
-//! Linear least squares for the numbers in which a torque is linear, as far as a log determines them.
+//! Linear least squares for the numbers on which a torque depends linearly, as far as a log determines them.
 
 use crate::matrix::{column, column_mut, singular};
 use crate::torque::Samples;
@@ -103,7 +103,8 @@ impl Design {
         if chosen.is_empty() {
             return 0.0;
         }
-        // A search calls this for every candidate: eigenvalues of the small AᵀA take a fraction of the time of singular values.
+        // A search calls this function for every candidate. Eigenvalues of the small matrix AᵀA take a fraction of the
+        // time of singular values.
         let scaled = scaled(&chosen, &norms(&chosen));
         let gram = scaled.transpose() * &scaled;
         if gram.iter().any(|x| !x.is_finite()) {
@@ -118,7 +119,7 @@ impl Design {
     #[must_use]
     pub fn solve(&self) -> Option<Solution> {
         let (scales, p) = (norms(&self.matrix), self.matrix.ncols());
-        // The last column of the triangle is Qᵀτ.
+        // The last column of the triangular factor is Qᵀτ.
         let target = self.target.iter().copied();
         let mut with_target = scaled(&self.matrix, &scales).resize_horizontally(p + 1, 0.0);
         column_mut(&mut with_target, p).iter_mut().zip(target).for_each(|(to, tau)| *to = tau);
@@ -150,7 +151,7 @@ fn scaled(matrix: &DMatrix<f64>, scales: &[f64]) -> DMatrix<f64> {
 /// Rows per factorisation.
 const ROWS: usize = 512;
 
-/// The square R of A = QR, updated by blocks of rows that fit in the cache.
+/// The upper triangular R of A = QR, updated by blocks of rows that fit in the cache.
 fn triangle(a: &DMatrix<f64>) -> DMatrix<f64> {
     let p = a.ncols();
     let mut triangle = DMatrix::zeros(p, p);
@@ -163,8 +164,8 @@ fn triangle(a: &DMatrix<f64>) -> DMatrix<f64> {
     triangle
 }
 
-/// The base parameters K π of a tree: the combinations of its parameters that its torques depend on. Every row of K has one independent
-/// parameter and the dependent ones that add to it.
+/// The base parameters K π of a tree: the combinations of its parameters on which its torques depend. Every row of K
+/// stands for one independent parameter and the dependent parameters that add to it.
 ///
 /// Source: Gautier, "Numerical calculation of the base inertial parameters of robots", 1991.
 #[derive(Clone, Debug)]
@@ -175,17 +176,18 @@ pub struct BaseParameters {
     pub combination: DMatrix<f64>,
 }
 
-/// Seed of the random states; any would do.
+/// Seed of the random states; any seed would do.
 const SEED: u64 = 1991;
 
 impl BaseParameters {
-    /// The base parameters of a tree, found at random states.
+    /// The base parameters of a tree, determined from random states.
     #[must_use]
     pub fn of(tree: &Tree) -> Self {
         Self::among(tree, &(0..tree.parameter_count()).collect::<Vec<_>>())
     }
 
-    /// The base parameters of the parameters `learned`, with the other parameters known; K is 0 in the columns of known parameters.
+    /// The base parameters among the parameters `learned`, when all other parameters are known; the columns of K for
+    /// known parameters are 0.
     #[must_use]
     pub fn among(tree: &Tree, learned: &[usize]) -> Self {
         let mut random = Pcg64::seed_from_u64(SEED);
@@ -243,7 +245,7 @@ impl BaseParameters {
 struct Pivoted {
     upper: DMatrix<f64>,
     order: Vec<usize>,
-    /// Numerical rank: pivots above [`TOLERANCE`] of the first.
+    /// Numerical rank: the number of pivots above [`TOLERANCE`] times the first.
     rank: usize,
 }
 

@@ -114,7 +114,8 @@ impl Samples {
         Self::filtered((&even(&log.q), v.as_ref(), torques.as_ref()), &filter, how)
     }
 
-    /// Prepares samples from positions, velocities (derivatives of positions if missing) and torques that are on the grid of `how` already.
+    /// Prepares samples from positions, velocities (if missing, derivatives of positions) and torques that already lie
+    /// on the grid of `how`.
     ///
     /// # Errors
     /// [`SampleError`].

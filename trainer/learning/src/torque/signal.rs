@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 /// A digital Butterworth low-pass filter of even order, by the bilinear transform with prewarping, run forward and backward: no phase,
 /// and twice the attenuation (−6 dB at the cut-off).
 ///
-/// At each end the signal is extended by its odd reflection, 3 (order + 1) samples long, and the filter starts in the steady state of the
-/// first extended sample, as in `scipy.signal.filtfilt`. Near the ends, for about one period of the cut-off, the result is therefore less
-/// certain.
+/// At each end the signal is extended by its odd reflection, 3 (order + 1) samples long, and the filter starts in the
+/// steady state of the first extended sample, as in `scipy.signal.filtfilt`. The result is therefore less accurate near
+/// the ends, for about one period of the cut-off frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Butterworth {
     sections: Vec<Section>,
@@ -32,7 +32,7 @@ impl Butterworth {
         }
         let warped = (PI * normalized).tan();
         let section = |k: usize| {
-            // Twice the cosine of the pole's angle from the negative real axis.
+            // Twice the cosine of the angle between the pole and the negative real axis.
             let damping = 2.0 * (PI * (2 * k + 1) as f64 / (2 * order) as f64).sin();
             let scale = 1.0 + damping * warped + warped * warped;
             Section {
@@ -85,7 +85,7 @@ impl Section {
     }
 }
 
-/// Extends a signal by `padding` samples at each end, point-reflected about its last sample there.
+/// Extends a signal by `padding` samples at each end, by point reflection about its first and its last sample.
 fn odd_extension(signal: &[f64], padding: usize) -> Vec<f64> {
     let (Some(first), Some(last)) = (signal.first(), signal.last()) else { return Vec::new() };
     let before = signal.iter().skip(1).take(padding).rev().map(|x| 2.0 * first - x);

@@ -1,4 +1,4 @@
-//! Adam with a falling learning rate, as in the papers; kept for comparison and for very large networks.
+//! Adam with a decreasing learning rate, as in the papers; kept for comparison and for very large networks.
 //!
 //! Source: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015; the schedules are PyTorch's
 //! `ReduceLROnPlateau` and `MultiStepLR`, the decay its `weight_decay`.
@@ -13,7 +13,7 @@ use std::ops::Range;
 const BETA_1: f64 = 0.9;
 const BETA_2: f64 = 0.999;
 const EPSILON: f64 = 1e-8;
-/// A loss this much below the best counts as better (PyTorch's relative threshold).
+/// Relative amount by which a loss must be below the best one to count as better (as in PyTorch).
 const THRESHOLD: f64 = 1e-4;
 
 /// Settings of Adam.
@@ -107,7 +107,7 @@ impl Adam {
         self.epoch
     }
 
-    /// One epoch: every sample once.
+    /// Runs one epoch, in which every sample is used once.
     pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
         let (mut squares, mut rows) = (0.0, 0);
         for batch in self.batches(objective.samples()) {
@@ -217,7 +217,7 @@ mod tests {
     fn decay_pulls_weights_to_zero_and_none_leaves_them() {
         let mut adam_with = adam(Schedule::Constant, 1e-2);
         adam_with.iterate(&Flat);
-        // The first step of Adam has the length of the learning rate, whatever the gradient.
+        // The first step of Adam has the length of the learning rate, whatever the size of the gradient.
         assert!((adam_with.weights[0] - 0.9).abs() < 1e-6 && (adam_with.weights[1] + 2.9).abs() < 1e-6);
         let mut without = adam(Schedule::Constant, 0.0);
         without.iterate(&Flat);

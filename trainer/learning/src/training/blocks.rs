@@ -1,4 +1,4 @@
-//! Sum of a loss over samples evaluated side by side.
+//! Sum of a loss over samples that are evaluated side by side.
 
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{Bounds, NormalEquations, Samples};
@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Moves weights that have a range back into it.
 type Projection = Box<dyn Fn(&mut [f64]) + Sync>;
 
-/// Losses with their workspaces, one for every thread that asks.
+/// Losses with their workspaces; each thread takes one.
 type Losses = Pool<Box<dyn Loss>>;
 
 /// Σ r² of a loss over samples.
@@ -25,7 +25,7 @@ pub(super) struct Blocks {
     bounds: Bounds,
 }
 
-/// Residuals and derivatives of a block.
+/// Residuals and derivatives of a block of samples.
 struct Rows {
     residual: Vec<Row>,
     derivatives: Vec<Vec<Row>>,
@@ -43,7 +43,7 @@ fn squares(residual: &[Row], count: usize) -> f64 {
     (0..count).flat_map(|k| residual.iter().map(move |r| r.0[k] * r.0[k])).sum()
 }
 
-/// Place of a block: its first sample, and the range of samples, whose last sample pads the block.
+/// Place of a block: its first sample, and the range of samples. The last sample of the range pads an incomplete block.
 pub(super) type Place<'s> = (usize, &'s Range<usize>);
 
 /// Σ r² of samples, block by block; `evaluate` writes the residuals of a block.
@@ -60,8 +60,8 @@ pub(super) fn sum_of_squares(
     Ok(sum)
 }
 
-/// Writes residuals of samples and their derivatives, block by block; derivatives with respect to `fixed` weights are 0. `evaluate` writes
-/// the residuals of a block and adds its derivatives.
+/// Writes residuals of samples and their derivatives, block by block; those with respect to `fixed` weights are zero.
+/// `evaluate` writes the residuals of a block and adds its derivatives to rows of zeros.
 pub(super) fn linearise_blocks(
     (components, parameters, fixed): (usize, usize, &[usize]),
     samples: &Range<usize>,
@@ -101,8 +101,8 @@ impl Blocks {
         Self { bounds, ..self }
     }
 
-    /// Evaluates the block from `start` on, padded with the last of `samples`. A sample that cannot be computed counts as predicted by a
-    /// constant velocity, whatever the weights.
+    /// Evaluates the block from `start` on, padded with the last of `samples`. The residual of a sample that cannot be
+    /// computed is that of a prediction by a constant velocity, whatever the weights.
     fn evaluate(
         &self,
         loss: &mut dyn Loss,
@@ -205,7 +205,7 @@ impl Residuals for Blocks {
         })
     }
 
-    /// Numbers behind the weight block belong to other losses.
+    /// Numbers after the weight block belong to other losses.
     fn enter(&self, mut weights: Vec<f64>) -> Vec<f64> {
         weights.truncate(self.parameters);
         weights

@@ -158,7 +158,7 @@ fn a_body_comes_back_and_one_that_cannot_be_becomes_the_prior() {
     assert!(Inertia(far).consistency() > 0.0);
 }
 
-/// JᵀJ and Jᵀr in θ are those of a Jacobian times ∂w/∂θ, which is a difference of weights.
+/// JᵀJ and Jᵀr in θ are those of the Jacobian times ∂w/∂θ, which is approximated by differences of weights.
 #[test]
 fn normal_equations_of_a_body_are_in_its_free_numbers() {
     let (bounds, weights) = with_a_body();

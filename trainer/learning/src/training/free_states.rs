@@ -1,13 +1,14 @@
-//! The acceleration loss for states that are logged with noise and do not follow each other in time: the states are free variables.
+//! The acceleration loss for states that are logged with noise, in any order: the states are free variables.
 //!
-//! It is min over θ, q̂, v̂ of Σ |q̃ − q̂|²/σ_q² + |ṽ − v̂|²/σ_v² + |ã − v̇(q̂, v̂; θ)|²/σ_a², row by row. The acceleration at a logged
-//! state is off by the noise times ∂v̇/∂(q, v), which a loss at logged states mistakes for forces, and weights most where motion is
-//! wildest.
+//! It is min over θ, q̂, v̂ of Σ |q̃ − q̂|²/σ_q² + |ṽ − v̂|²/σ_v² + |ã − v̇(q̂, v̂; θ)|²/σ_a², row by row. At a logged
+//! state the acceleration has an error of the noise times ∂v̇/∂(q, v). A loss at logged states would mistake this error
+//! for forces, and weight it most where motion is most violent.
 //!
-//! Before every iteration the states are re-estimated by Gauss–Newton: with J = ∂v̇/∂(q, v) at the states, C = JΣJᵀ + σ_a², c = J(x̃ − x̂)
-//! and r = v̇(q̂, v̂) + c − ã, they are x̂ = x̃ − ΣJᵀC⁻¹r. The remaining term of a row is rᵀC⁻¹r: an iteration of the weights minimises the
-//! squares of W(v̇(q̂, v̂; θ) + c − ã), WᵀW = C⁻¹, with x̂, c and W held. Source: Boggs, Byrd and Schnabel, "A stable and efficient
-//! algorithm for nonlinear orthogonal distance regression", 1987.
+//! Before every iteration the states are re-estimated by Gauss–Newton: x̂ = x̃ − ΣJᵀC⁻¹r with J = ∂v̇/∂(q, v) at the
+//! states, C = JΣJᵀ + σ_a², c = J(x̃ − x̂) and r = v̇(q̂, v̂) + c − ã. The remaining term of a row is rᵀC⁻¹r. An
+//! iteration on the weights therefore minimises the squares of W(v̇(q̂, v̂; θ) + c − ã), WᵀW = C⁻¹, with x̂, c and W
+//! fixed. Source: Boggs, Byrd and Schnabel, "A stable and efficient algorithm for nonlinear orthogonal distance
+//! regression", 1987.
 
 mod whitening;
 
@@ -26,14 +27,15 @@ use whitening::{numbers_below, solve, whiten, whitening};
 
 /// Gauss–Newton steps of the states in each iteration.
 const STEPS: usize = 3;
-/// Gauss–Newton steps from the logged states.
+/// Gauss–Newton steps of the states when they start at the logged states.
 const FIRST_STEPS: usize = 8;
 /// Largest distance of a state from its logged value, in standard deviations.
 const FURTHEST: f64 = 6.0;
-/// Degrees of freedom of the Student distribution assumed for held-back rows: single outliers count little.
+/// Degrees of freedom of the Student distribution assumed for held-back rows, which gives single outliers little
+/// influence.
 const FREEDOM: f64 = 4.0;
 
-/// Standard deviations of logged states; quantities without a number count as exact.
+/// Standard deviations of logged states; a quantity for which none is given counts as exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StateNoise {
@@ -46,7 +48,7 @@ pub struct StateNoise {
 }
 
 impl StateNoise {
-    /// Whether all numbers are finite and not negative, and positions or velocities are noisy.
+    /// Whether all numbers are finite and not negative, and at least one of positions and velocities is noisy.
     pub fn is_noise(&self) -> bool {
         let numbers = [self.q, self.v, self.a];
         numbers.iter().all(|x| x.is_finite() && *x >= 0.0) && self.q + self.v > 0.0
@@ -59,7 +61,8 @@ struct Evaluator {
     slopes: AccelerationSlopes,
 }
 
-/// The loss. Its parameters: the weight block, then for every row q̂, v̂, c and W; W is stored row by row up to its diagonal.
+/// The loss. Its parameters are the weight block and then, for every row, q̂, v̂, c and W. W is stored row by row up to
+/// its diagonal.
 struct FreeStates {
     evaluators: Pool<Evaluator>,
     parameters: usize,
@@ -109,7 +112,7 @@ impl FreeStates {
         self.samples.n
     }
 
-    /// Positions of the numbers of a row.
+    /// Positions of the parameters of a row.
     fn numbers(&self, row: usize) -> Range<usize> {
         let size = 3 * self.n() + numbers_below(self.n());
         let first = self.parameters + size * row;
@@ -133,7 +136,7 @@ impl FreeStates {
         block
     }
 
-    /// Writes W(v̇ + c − ã) of the rows from `start` on and, into zeros, its derivatives.
+    /// Writes W(v̇ + c − ã) of the rows from `start` on, and its derivatives into buffers that are 0 before.
     fn evaluate(
         &self,
         evaluator: &mut Evaluator,
@@ -199,7 +202,7 @@ impl FreeStates {
         if i < self.n() { self.noise.q } else { self.noise.v }
     }
 
-    /// The most likely states of rows, x̃ − ΣJᵀC⁻¹r, limited in their distance from x̃; x̃ if that is NaN.
+    /// The most likely states of rows, x̃ − ΣJᵀC⁻¹r, limited in their distance from x̃; x̃ itself if the result is NaN.
     fn likely(&self, logged: &Block, at: &Linearised) -> Vec<Row> {
         let n = self.n();
         let w = whitening(&at.scaled, n, self.noise.a);
@@ -221,7 +224,8 @@ impl FreeStates {
             .collect()
     }
 
-    /// Takes `steps` steps of the states of all rows and stores the result. Returns for each row −2 ln p per component, up to a constant.
+    /// Takes `steps` steps of the states of all rows and stores the result. Returns −2 ln p per component for each row,
+    /// up to a constant.
     fn solve_states(&self, weights: &mut [f64], steps: usize) -> Vec<f64> {
         let (n, all) = (self.n(), 0..self.samples.len());
         let of_block = |block: usize| {
@@ -323,8 +327,8 @@ impl Residuals for FreeStates {
         true
     }
 
-    /// The exponential of the mean of −2 ln p per component of the logged accelerations. With equal C in all rows and a correct model it is
-    /// proportional to the variance of the acceleration errors, (m/s²)² or (rad/s²)².
+    /// The exponential of the mean of −2 ln p per component of the logged accelerations. If C is the same in all rows
+    /// and the model is correct, it is proportional to the variance of the acceleration errors, (m/s²)² or (rad/s²)².
     fn held_back_loss(&self, weights: &[f64]) -> Option<f64> {
         let mut weights = self.as_logged(weights.to_vec());
         let unlikely = self.solve_states(&mut weights, FIRST_STEPS);

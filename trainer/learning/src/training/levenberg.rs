@@ -25,7 +25,7 @@ pub struct Levenberg {
     pub loss: f64,
     /// Damping μ, relative to the mean diagonal of JᵀJ.
     mu: f64,
-    /// Factor by which the next refused step raises μ.
+    /// Factor by which the next rejected step raises μ.
     raise: f64,
     /// Strength λ of the penalty λ|θ|² that is added to the loss.
     decay: f64,
@@ -50,20 +50,21 @@ impl Levenberg {
         Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
     }
 
-    /// Sets the initial damping relative to the diagonal of JᵀJ, 10⁻² by default; a smaller value suits a nearly linear problem.
+    /// Sets the initial damping relative to the diagonal of JᵀJ (10⁻² by default). A smaller value suits a nearly
+    /// linear problem.
     #[must_use]
     pub fn with_damping(self, mu: f64) -> Self {
         Self { mu, ..self }
     }
 
-    /// Adds a penalty λ|θ|² on the weights, in the units of the loss: for noisy or few data.
+    /// Adds a penalty λ|θ|² on the weights, in the units of the loss, for noisy data or few samples.
     #[must_use]
     pub fn with_decay(self, decay: f64) -> Self {
         Self { decay, ..self }
     }
 
-    /// Does `iterations` iterations, or stops at the first that does not lower the loss; `watch` is called after each with its number, from
-    /// 1.
+    /// Does `iterations` iterations, but stops at the first that does not lower the loss. `watch` is called after each
+    /// with its number, from 1.
     #[must_use]
     pub fn run(
         mut self,
@@ -80,8 +81,8 @@ impl Levenberg {
         self
     }
 
-    /// Runs as [`Levenberg::run`] and returns the weights, of all iterations and the start, with the lowest held-back loss by `judge`. Of
-    /// equal losses the last counts, also if `judge` can evaluate none.
+    /// Runs as [`Levenberg::run`] and returns the weights with the lowest held-back loss by `judge`, among those of the
+    /// start and of all iterations. Of equal losses the last counts, also if `judge` cannot evaluate any of them.
     #[must_use]
     pub fn best(
         self,
@@ -106,7 +107,8 @@ impl Levenberg {
         loss + self.decay * weights.iter().take(objective.weights()).map(|w| w * w).sum::<f64>()
     }
 
-    /// One iteration: normal equations once, then steps of growing damping until one lowers the loss.
+    /// Does one iteration: computes the normal equations once, then tries steps with growing damping until one lowers
+    /// the loss.
     pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
         if objective.settle(&mut self.weights) {
             self.loss = objective.loss(&self.weights);
@@ -129,8 +131,8 @@ impl Levenberg {
         Progress::Converged
     }
 
-    /// Scale of the damping μ for every number: the mean diagonal of JᵀJ or, for numbers of different units, each number's own diagonal
-    /// entry (Marquardt), bounded from below.
+    /// Scale of the damping μ for every number: the mean diagonal of JᵀJ or, if the numbers have different units, each
+    /// number's own diagonal entry (Marquardt), bounded from below.
     fn damping(&self, objective: &dyn Objective, equations: &NormalEquations) -> Vec<f64> {
         let diagonal = (0..equations.gradient.len()).map(|i| equations.gram[(i, i)]);
         if objective.is_of_many_units() {
@@ -159,7 +161,7 @@ impl Levenberg {
         objective.project(&mut trial);
         let loss = objective.completed_loss(&mut trial);
         let decrease = self.cost(objective, self.loss, &self.weights) - self.cost(objective, loss, &trial);
-        // NaN if the trial cannot be evaluated.
+        // The decrease is NaN if the trial cannot be evaluated.
         if decrease.is_nan() || decrease <= 0.0 {
             return false;
         }

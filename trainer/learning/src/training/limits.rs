@@ -1,6 +1,6 @@
-//! Steps of numbers with closed ranges, which may end at an end of their range.
+//! Steps of numbers with closed ranges; a number may end at a bound of its range.
 //!
-//! Source: Nocedal and Wright, "Numerical Optimization", section 16.7 (projected steps over the numbers that are free).
+//! Source: Nocedal and Wright, "Numerical Optimization", section 16.7 (projected steps over the free numbers).
 
 use super::NormalEquations;
 use crate::matrix::cholesky;
@@ -14,12 +14,13 @@ pub(super) struct Limited<'a> {
 }
 
 impl Limited<'_> {
-    /// A damped step of the numbers that are not held at an end, clipped to the ranges; `None` if the matrix is not positive definite in
-    /// double precision.
+    /// A damped step of the numbers that are not held at a bound, clipped to the ranges; `None` if the matrix is not
+    /// positive definite in double precision.
     pub fn step(&self, equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
         let is_free = |k: &usize| !self.is_held(*k, equations.gradient[*k]);
         let mut free: Vec<usize> = (0..self.numbers.len()).filter(is_free).collect();
-        // A number at an end that the step would leave is held there, and the step is computed again for the rest.
+        // If the step would carry a number at a bound beyond it, the number is held there, and the step is computed
+        // again for the others.
         loop {
             let mut step = vec![0.0; self.numbers.len()];
             let found = solved(equations, damping, &free)?;
@@ -37,7 +38,7 @@ impl Limited<'_> {
         least == most || x <= least && gradient > 0.0 || x >= most && gradient < 0.0
     }
 
-    /// Whether a number stays free: it is not at an end that the step would carry it beyond.
+    /// Whether a number stays free: it is not at a bound beyond which the step would carry it.
     fn stays(&self, k: usize, step: f64) -> bool {
         let (x, [least, most]) = (self.numbers[k], self.limits[k]);
         (least..=most).contains(&(x + step)) || x > least && x < most
@@ -60,11 +61,11 @@ fn solved(equations: &NormalEquations, damping: &[f64], free: &[usize]) -> Optio
     Some(step.data.into())
 }
 
-/// Decrease of the mean square that the linear model predicts for any step: −(2 δᵀJᵀr + δᵀJᵀJδ)/rows.
+/// Decrease of the mean square that the linear model predicts for an arbitrary step: −(2 δᵀJᵀr + δᵀJᵀJδ)/rows.
 pub(super) fn fall(equations: &NormalEquations, step: &[f64]) -> f64 {
     let moved = |i: usize| (0..step.len()).map(|j| equations.entry(i, j) * step[j]).sum::<f64>();
     let sum = |i: usize| step[i] * (2.0 * equations.gradient[i] + moved(i));
     let fall = -(0..step.len()).map(sum).sum::<f64>() / equations.rows as f64;
-    // For a clipped step it may be a rounding error of 0.
+    // For a clipped step the decrease may be a rounding error of 0.
     fall.max(f64::MIN_POSITIVE)
 }

@@ -1,4 +1,4 @@
-//! Starting weights for rigid bodies: least squares on the torques of logged motion.
+//! Starting weights for rigid bodies: least squares on the torques of the logged motion.
 
 use super::blocks::Blocks;
 use super::{Levenberg, Objective, Samples};
@@ -10,23 +10,25 @@ use leastaction_programs::System;
 use leastaction_programs::losses::TorqueLoss;
 use nalgebra::{DMatrix, DVector};
 
-/// Ridge of the linear fit, relative to its largest diagonal entry: it keeps numbers that the log does not show.
+/// Ridge of the linear fit, relative to its largest diagonal entry: it keeps numbers that the log does not determine at
+/// their values.
 const RIDGE: f64 = 1e-6;
-/// Number of linear fits, each at the lengths that the previous round has reached.
+/// Number of linear fits, each at the lengths that the previous round has found.
 const ROUNDS: usize = 4;
 /// Gauss–Newton iterations on all learned numbers after each linear fit.
 const ITERATIONS: usize = 15;
-/// Lower bound in a linear fit: a number that must be positive keeps at least this fraction of its value. The moment of inertia of a body
-/// about its centre of mass is at least this fraction of the one about its joint.
+/// Lower bound in a linear fit: a number that must be positive keeps at least this fraction of its value. The moment of
+/// inertia of a body about its centre of mass is at least this fraction of its moment of inertia about the joint.
 const LEAST_PART: f64 = 0.05;
 
-/// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Another family keeps the initial
-/// weights.
+/// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Any other
+/// family keeps its initial weights.
 ///
-/// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in friction's b, c and c_load.
-/// These are fitted with lengths and the width of friction held, and then made to give positive masses and inertias. Then Gauss–Newton
-/// iterations on the same balance change all learned numbers; both steps are repeated. Noise of v̇ makes inertias too small: the result is
-/// a start, not an estimate.
+/// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in the
+/// friction numbers b, c and c_load. These are fitted with lengths and the width of friction held fixed, and then
+/// modified where necessary so that masses and inertias are positive. Gauss–Newton iterations on the same balance then
+/// change all learned numbers. Both steps are repeated. Noise of v̇ makes inertias too small, so the result is a
+/// starting point, not an estimate.
 ///
 /// # Errors
 /// [`ModelError::Shape`] if a list does not have n numbers per sample; an error also if the shape is inconsistent.
@@ -66,14 +68,14 @@ fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<B
     Ok(blocks.with_bounds(bounds))
 }
 
-/// A number in which the balance is linear: the change of the weights with it, and its size.
+/// A number in which the balance is linear: the derivatives of the weights with respect to it, and its size.
 struct Linear {
-    /// Positions of weights, with their derivatives in the number.
+    /// Positions of weights, with their derivatives with respect to the number.
     slopes: Vec<(usize, f64)>,
     size: f64,
 }
 
-/// A body in the weight block, with the numbers of it that are learned.
+/// A body in the weight block, and which of its numbers are learned.
 struct Body {
     start: usize,
     numbers: BodyParameters<f64>,
@@ -105,7 +107,8 @@ impl Body {
         inertia + mass * (x * x + y * y)
     }
 
-    /// The linear numbers: m, with mc and I + m|c|² held if c and I are learned; mc; I + m|c|²; J.
+    /// The numbers in which the balance is linear: m (with mc and I + m|c|² fixed if c and I are learned), mc, I +
+    /// m|c|², J.
     fn linear(&self) -> Vec<Linear> {
         let (Self { start, numbers, learned, usual_rotor }, mut all) = (self, Vec::new());
         let (at, about_joint) = (|place: usize| start + place, self.about_joint());
@@ -146,7 +149,7 @@ impl Body {
         let about_joint = self.about_joint() + step(learned.inertia);
         let about_joint = about_joint.max(LEAST_PART * self.about_joint());
         let rotor = (numbers.rotor + step(learned.rotor)).max(LEAST_PART * numbers.rotor);
-        // For given moments mc, a heavier body has its centre closer to the joint, and a smaller m|c|².
+        // For given moments mc, the centre of a heavier body is closer to the joint, and its m|c|² is smaller.
         let square: f64 = (0..2).filter(|k| learned.centre[*k]).map(|k| moments[k] * moments[k]).sum();
         let least = (square / ((1.0 - LEAST_PART) * about_joint)).max(LEAST_PART * numbers.mass);
         let mass = if learned.mass { mass.max(least) } else { mass };
@@ -170,7 +173,8 @@ fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     linear.map(|(i, number)| (start + i, number.value)).collect()
 }
 
-/// Weights after one Gauss–Newton step in the linear numbers, which is exact; `None` if the step cannot be taken.
+/// Weights after one Gauss–Newton step in the linear numbers, which solves the linear problem exactly; `None` if the
+/// step cannot be taken.
 fn linear_fit(
     architecture: &Architecture,
     bodies: &BodiesArchitecture,

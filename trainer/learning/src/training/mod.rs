@@ -1,7 +1,7 @@
 //! Learning the weights of a model from motion: the losses and the optimisers.
 //!
-//! These optimisers also train a model of another kind if it is an [`Objective`]: through a loss over programs ([`objective_of`]), or
-//! through its [`Residuals`].
+//! These optimisers also train models of other kinds, if they are given as an [`Objective`]: either through a loss over
+//! programs ([`objective_of`]), or through the model's [`Residuals`].
 
 mod adam;
 mod blocks;

@@ -1,4 +1,4 @@
-//! Starting weights of an inertia network that takes over the energies of another model, over the range of the logs.
+//! Starting weights of an inertia network that reproduces the energies of another model, over the range of the logs.
 
 use super::blocks::Blocks;
 use super::{Levenberg, Progress, Samples};
@@ -15,7 +15,8 @@ const EQUATIONS: usize = 4;
 const STATES: [usize; 2] = [512, 4096];
 /// Iterations on torques, then on accelerations.
 const ITERATIONS: [usize; 2] = [40, 60];
-/// Ratio of mean squared error to mean square that is small enough: windows continue from there.
+/// Ratio of mean squared error to mean square at which the fit is good enough: training over windows continues from
+/// there.
 const GOOD: f64 = 1e-7;
 
 /// Range of the logged motion.
@@ -26,12 +27,13 @@ pub struct Covered<'a> {
     pub sizes: [Vec<f64>; 2],
 }
 
-/// Weights of an inertia network, starting from `initial`, whose inertia and potential match those of a model of the same coordinates.
+/// Weights of an inertia network whose inertia and potential match those of a model with the same coordinates; the fit
+/// starts from `initial`.
 ///
-/// The states are positions of the logs with random velocities and accelerations of the logs' size. At these, both models without their
-/// forces should need the same torque, M v̇ + L_vq v − L_q. First the torques are fitted, which works from any weights; then the
-/// accelerations under these torques, which give light coordinates the same weight as heavy ones. Numbers after the network in the weight
-/// block are kept.
+/// The states are positions of the logs with random velocities and accelerations of the logs' size. At these states
+/// both models, without friction and other forces, should need the same torque, M v̇ + L_vq v − L_q. First the torques
+/// are fitted, which works from any weights. Then the accelerations under these torques are fitted, which gives light
+/// coordinates the same weight as heavy ones. Numbers after the network in the weight block are kept.
 ///
 /// # Errors
 /// [`ModelError`] if a shape is inconsistent.
@@ -59,7 +61,7 @@ pub fn network_start(
     Ok(fitted(&accelerations, (weights, mean_square(&samples.states[2])), ITERATIONS[1]))
 }
 
-/// Weights after at most `iterations` iterations; ends early once the residual is small relative to `whole`.
+/// Weights after at most `iterations` iterations; stops early once the residual is small relative to `whole`.
 fn fitted(objective: &Blocks, (weights, whole): (Vec<f64>, f64), iterations: usize) -> Vec<f64> {
     let mut state = Levenberg::new(objective, weights);
     for _ in 0..iterations {
@@ -82,21 +84,21 @@ fn states_like(Covered { q, sizes }: &Covered, n: usize, count: usize) -> Sample
     let positions = (0..count).flat_map(|k| &q[n * (row(k) as usize).min(rows - 1)..][..n]).copied();
     let mut states = [positions.collect::<Vec<_>>(), Vec::new(), Vec::new()];
     for (all, size) in states[1..].iter_mut().zip(sizes) {
-        // Uniform distribution with this root mean square.
+        // A uniform distribution over this range has the wanted root mean square.
         let most = |i: usize| 3_f64.sqrt() * if size[i] > 0.0 { size[i] } else { 1.0 };
         all.extend((0..count * n).map(|k| stream.random_range(-1.0..1.0) * most(k % n)));
     }
     Samples { n, states, controls: [vec![0.0; count * n], Vec::new(), Vec::new()], ..Samples::default() }
 }
 
-/// Largest number of passes until friction that grows with the torque is consistent with the torque: each reduces the error by at least the
-/// factor of the largest c_load.
+/// Largest number of passes until friction that grows with the torque is consistent with the torque. Each pass reduces
+/// the error at least by the factor of the largest c_load.
 const PASSES: usize = 200;
 /// Tolerance on the change of a torque, relative to 1 N m or N plus its size.
 const SETTLED: f64 = 1e-12;
 
-/// Inverse dynamics: torques of a model at states (q, v, v̇) of samples, \[samples\]\[n\], flat: τ = M v̇ + L_vq v − L_q − Q(q, v, τ). The
-/// controls of the samples are not used.
+/// Inverse dynamics: torques of a model at states (q, v, v̇) of samples, \[samples\]\[n\], flat. τ = M v̇ + L_vq v −
+/// L_q − Q(q, v, τ). The controls of the samples are not used.
 pub fn inverse_dynamics(model: &System, weights: &[f64], samples: &Samples) -> Vec<f64> {
     let (n, count) = (model.n(), samples.len());
     let (mut loss, mut torques) = (TorqueLoss::new(model), Vec::with_capacity(count * n));

@@ -3,8 +3,8 @@ use crate::matrix::{add_gram, column, column_mut};
 use leastaction_programs::Row;
 use nalgebra::DMatrix;
 
-/// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (lower triangle), Jᵀr and rᵀr. Memory is that of
-/// JᵀJ, whatever the number of samples.
+/// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (lower triangle), Jᵀr and rᵀr.
+/// The memory needed is that of JᵀJ, whatever the number of samples.
 #[derive(Clone, Debug)]
 pub struct NormalEquations {
     /// JᵀJ; only the lower triangle is meaningful.
@@ -23,7 +23,7 @@ impl NormalEquations {
         Self { gram: DMatrix::zeros(p, p), gradient: vec![0.0; p], squares: 0.0, rows: 0 }
     }
 
-    /// Adds the rows of a chunk. It runs sequentially, and is thus identical on any number of threads.
+    /// Adds the rows of a chunk. The sum is sequential, so it is the same on any number of threads.
     pub fn add(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) {
         add_gram(&mut self.gram, jacobian);
         self.add_gradient(jacobian, residual);
@@ -38,15 +38,15 @@ impl NormalEquations {
         self.rows += residual.len();
     }
 
-    /// Adds gradients of ½Σ r² held side by side, of the first `count` samples.
+    /// Adds gradients of ½Σ r² that are held side by side, for the first `count` samples.
     pub(super) fn add_row(&mut self, gradient: &[Row], count: usize) {
         for (sum, row) in self.gradient.iter_mut().zip(gradient) {
             *sum += row.0[..count].iter().sum::<f64>();
         }
     }
 
-    /// Adds the normal equations of the penalty λ|θ|² on the mean square, for the first numbers of θ. Numbers on which no residual depends,
-    /// known ones among them, stay where they are.
+    /// Adds the normal equations of the penalty λ|θ|² on the mean square, for the first numbers of θ. Numbers on which
+    /// no residual depends, known numbers among them, get no penalty and stay where they are.
     pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
         let decay = decay * self.rows as f64;
         for (i, w) in weights.iter().take(self.gradient.len()).enumerate() {
@@ -76,7 +76,8 @@ impl NormalEquations {
     pub(super) fn scale(&mut self, slopes: impl Iterator<Item = (usize, f64)>) {
         for (position, slope) in slopes {
             self.gradient[position] *= slope;
-            // `gram` is empty when only the gradient is summed. The diagonal entry is in the row and in the column.
+            // `gram` is empty when only the gradient is summed. The diagonal entry is scaled twice: as part of the row
+            // and as part of the column.
             let columns = self.gram.ncols().min(position + 1);
             (0..columns).for_each(|j| self.gram[(position, j)] *= slope);
             if columns > 0 {
@@ -85,7 +86,7 @@ impl NormalEquations {
         }
     }
 
-    /// Transforms the M weights from `position` on to as many θ; ∂w_j/∂θ_k is `slopes[k][j]`.
+    /// Transforms the M weights from `position` on to the same number of θ; ∂w_j/∂θ_k is `slopes[k][j]`.
     fn mix<const M: usize>(&mut self, position: usize, slopes: &[[f64; M]; M]) {
         let mixed = |own: [f64; M]| slopes.map(|row| row.iter().zip(own).map(|(slope, x)| slope * x).sum());
         let of: [f64; M] = mixed(std::array::from_fn(|j| self.gradient[position + j]));

@@ -14,13 +14,14 @@ use leastaction_programs::steps::RungeKutta;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Loss to minimise. The discrete losses use the DEL integrator, with rods RATTLE.
+/// Loss to minimise. The discrete losses use the DEL integrator; for a model with rods that is RATTLE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LossKind {
     /// The residual of the three-point DEL equation at logged positions (SyMo), in units of momentum.
     DelResidual,
-    /// The error of the next position as given by the implicit step (E2E-SyMo), differentiated by the implicit function theorem.
+    /// The error of the next position, which is the solution of the implicit step (E2E-SyMo); it is differentiated by
+    /// the implicit function theorem.
     NextPosition,
     /// The error of the acceleration at logged positions and velocities.
     Acceleration,
@@ -35,14 +36,15 @@ pub enum LossKind {
 pub struct TorqueTerms {
     /// Units of the residuals by coordinate, N m or N; empty: 1 for each.
     pub units: Vec<f64>,
-    /// Offsets o of the drives, τ = u + o, N m or N, after the model's weights; `None` if there are none.
+    /// Offsets o of the drives, τ = u + o, N m or N, whose positions follow the model's weights; `None` if there are
+    /// none.
     pub offsets: Option<Offsets>,
 }
 
 /// Place of the drives' offsets after the weights of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offsets {
-    /// Counts of numbers between the weights and the offsets, and after the offsets, on which the torque does not depend.
+    /// Counts of further numbers before and after the offsets; the torque does not depend on these numbers.
     pub beside: [usize; 2],
     /// Whether the offsets are known, not learned.
     pub are_known: bool,
@@ -63,8 +65,8 @@ pub trait Objective: Sync {
     fn samples(&self) -> usize;
     /// Mean squared residual component; infinite if a sample cannot be evaluated at these weights.
     fn loss(&self, weights: &[f64]) -> f64;
-    /// The loss over only those samples that can be computed at these weights; in the loss the rest may count as predicted by a constant
-    /// velocity.
+    /// The loss over only those samples that can be computed at these weights; in [`Objective::loss`] the others may
+    /// count as predicted by a constant velocity.
     fn solved(&self, weights: &[f64]) -> Solved {
         let loss = self.loss(weights);
         let unsolved = if loss.is_finite() { 0 } else { self.samples() };
@@ -76,16 +78,16 @@ pub trait Objective: Sync {
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
     /// Moves weights that have a range (damping ≥ 0) back into it.
     fn project(&self, weights: &mut [f64]);
-    /// Number of parameters in the normal equations, from the first on. The parameters after these belong to single samples, and are
-    /// eliminated.
+    /// Number of parameters in the normal equations, from the first on. The parameters after these belong to single
+    /// samples and are eliminated.
     fn shared(&self) -> usize {
         self.parameters()
     }
-    /// Number of model weights, from the first parameter on, that a penalty on weights applies to.
+    /// Number of model weights, from the first parameter on, to which a penalty on weights applies.
     fn weights(&self) -> usize {
         self.shared()
     }
-    /// All parameters, from those of an earlier objective or of the model alone.
+    /// All parameters, given those of an earlier objective or of the model alone.
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
         weights
     }
@@ -93,11 +95,12 @@ pub trait Objective: Sync {
     fn settle(&self, _weights: &mut [f64]) -> bool {
         false
     }
-    /// The loss after the parameters of single samples are solved anew to follow a change of the shared ones.
+    /// The loss after the parameters of single samples are solved for again, so that they follow a change of the shared
+    /// ones.
     fn completed_loss(&self, weights: &mut [f64]) -> f64 {
         self.loss(weights)
     }
-    /// The criterion that decides between weights, over samples that they were not learned from.
+    /// The criterion that decides between weights, evaluated on samples that were not used for learning.
     fn held_back_loss(&self, weights: &[f64]) -> f64 {
         self.loss(weights)
     }
@@ -109,17 +112,18 @@ pub trait Objective: Sync {
     fn tolerance(&self) -> f64 {
         0.0
     }
-    /// Closed ranges of the parameters, at which steps are clipped; empty unless parameters may end at an end of their range.
+    /// Closed ranges of the parameters, to which steps are clipped; empty unless parameters may end at a bound of their
+    /// range.
     fn limits(&self) -> &[[f64; 2]] {
         &[]
     }
-    /// The ranges of weights, which the optimisers see as unbounded numbers θ; everything else sees the weights.
+    /// The ranges of weights. The optimisers see such weights as unbounded numbers θ; everything else sees the weights.
     fn bounds(&self) -> &Bounds {
         &bounds::NONE
     }
 }
 
-/// An error over those samples that can be computed.
+/// An error over the samples that can be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solved {
     /// Mean squared component; `None` if no sample can be computed.
@@ -129,7 +133,7 @@ pub struct Solved {
 }
 
 impl Solved {
-    /// Mean of the squared errors of samples; a sample that cannot be computed is `None`.
+    /// Mean of the squared errors of samples; `None` stands for a sample that cannot be computed.
     pub fn of(squares: &[Option<f64>]) -> Self {
         let solved = squares.iter().flatten().count();
         Self::new(squares.iter().flatten().sum(), solved, squares.len() - solved)
@@ -188,7 +192,8 @@ pub fn torque_objective(
     of_architecture((architecture, parameters, known), samples, make)
 }
 
-/// The objective of a loss in `parameters` numbers, the first of which the shape learns; those in `known` are known.
+/// The objective of a loss with `parameters` parameters. The first of them are the weights of the shape; those in
+/// `known` are fixed.
 fn of_architecture(
     (architecture, parameters, known): (&Architecture, usize, Range<usize>),
     samples: Samples,
@@ -211,7 +216,7 @@ pub fn objective_of(
     Box::new(Blocks::new(make, (parameters, Vec::new()), samples, Box::new(|_| ())))
 }
 
-/// Refuses rods under a loss that does not support them, or with energies that steps on rods do not support.
+/// Refuses rods for a loss that does not support them, and energies that steps on rods do not support.
 fn check_rods(system: &System, rods: &Rods, kind: LossKind) -> Result<(), ModelError> {
     let refused = |what| Err(ModelError::Shape { what, found: rods.count(), compiled: 0 });
     match kind {

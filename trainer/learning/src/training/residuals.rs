@@ -1,5 +1,5 @@
-//! Sums over samples in fixed parts, each computed in order on one thread and added in a fixed tree. The results do not depend on the
-//! number of threads.
+//! Sums over samples, in fixed parts. Each part is computed in order on one thread, and the parts are added in a fixed
+//! tree, so that the results do not depend on the number of threads.
 
 use super::{Bounds, NormalEquations, Objective, Solved};
 use crate::matrix::column_mut;
@@ -11,16 +11,16 @@ use std::ops::Range;
 
 /// Samples per matrix product; not a power of two, so that columns of the Jacobian do not share cache lines.
 const CHUNK: usize = 240;
-/// Largest number of parts with sums of their own, and thus of useful threads.
+/// Largest number of parts with separate sums, and thus of useful threads.
 const PARTS: usize = 64;
 /// Number of parts for few samples.
 const FEW_PARTS: usize = 8;
-/// Number of samples that outweighs the cost of clearing and adding one more JᵀJ.
+/// Number of samples in a part that makes up for the cost of clearing and adding its JᵀJ.
 const WORTH_A_GRAM: usize = 512;
-/// Largest number of entries in the JᵀJ of all parts together: 1 GiB. A single JᵀJ may be larger.
+/// Largest number of entries in the JᵀJ of all parts together; they take 1 GiB. A single JᵀJ may be larger.
 const GRAM_NUMBERS: usize = 1 << 27;
 
-/// The residual of one sample could not be computed at these weights.
+/// Error: the residual of a sample could not be computed at these weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failed;
 
@@ -172,8 +172,8 @@ fn parts_with_gram(samples: usize, p: usize) -> usize {
 /// Sum of one thread over the chunks of a part.
 type Part<'a> = dyn Fn(&[Range<usize>]) -> Option<NormalEquations> + Sync + 'a;
 
-/// Adds the sums of all parts, each computed on one thread, as a binary tree. A single thread holds no more of them at once than the depth
-/// of the tree.
+/// Adds the sums of all parts, each computed on one thread, as a binary tree. A single thread holds at most as many
+/// sums at once as the tree is deep.
 fn merged(parts: &[Vec<Range<usize>>], part: &Part) -> Option<NormalEquations> {
     if let [chunks] = parts {
         return part(chunks);

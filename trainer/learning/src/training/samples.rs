@@ -15,7 +15,8 @@ pub enum SampleError {
     Missing(&'static str),
 }
 
-/// Samples of a loss: three consecutive positions with their controls, or one state with its acceleration or with the next state.
+/// Samples of a loss: three consecutive positions with their controls, or one state with its acceleration or with the
+/// next state.
 ///
 /// All numbers are \[samples\]\[n\], flat.
 #[derive(Clone, Debug, Default)]
@@ -28,8 +29,8 @@ pub struct Samples {
     pub states: [Vec<f64>; 3],
     /// Velocities v₊ after a step for the next-state loss; otherwise empty.
     pub next_velocities: Vec<f64>,
-    /// Controls at the same times. For acceleration and torque losses the first entry is u; for the next-state loss the first two are u and
-    /// u₊.
+    /// Controls at the same times. For acceleration and torque losses only the first entry, u, is used; for the
+    /// next-state loss the first two, u and u₊.
     pub controls: [Vec<f64>; 3],
     /// Behaviour of the controls between these times.
     pub control: ControlKind,
@@ -118,8 +119,8 @@ impl Samples {
         Ok(samples)
     }
 
-    /// Accelerations for logs without them: for every five consecutive states, the middle state with the acceleration of the polynomial of
-    /// degree 9 through their positions and velocities, with an error of O(h⁸).
+    /// Accelerations for logs without them. From every five consecutive states it takes the middle state, with the
+    /// acceleration of the polynomial of degree 9 through their positions and velocities; the error is O(h⁸).
     ///
     /// v̇₀ = \[−5q₀ + 64/27 (q₁ + q₋₁) + 7/54 (q₂ + q₋₂)\]/h² − \[8/9 (v₁ − v₋₁) + 1/36 (v₂ − v₋₂)\]/h. Noise of σ on positions
     /// becomes 6σ/h² on accelerations.
@@ -159,7 +160,7 @@ impl Samples {
         }
     }
 
-    /// Splits off the last `held_back` samples.
+    /// Splits the samples into two sets: all but the last `held_back`, and the last `held_back`.
     #[must_use]
     pub fn split(&self, held_back: usize) -> [Self; 2] {
         let first = self.len().saturating_sub(held_back);
@@ -175,7 +176,7 @@ impl Samples {
         Self { states, controls, next_velocities: of_some(&self.next_velocities, of), ..*self }
     }
 
-    /// Mean square of the third state; for the acceleration loss, of the accelerations.
+    /// Mean square of the third state; for the acceleration loss these are the accelerations.
     pub fn mean_square(&self) -> f64 {
         let [.., last] = &self.states;
         last.iter().map(|x| x * x).sum::<f64>() / last.len() as f64
@@ -203,12 +204,12 @@ impl Samples {
     }
 }
 
-/// Applies `change` to numbers that only some losses have; empty stays empty.
+/// Applies `change` to numbers that only some losses have; an empty list stays empty.
 fn of_some(x: &Vec<f64>, change: impl Fn(&Vec<f64>) -> Vec<f64>) -> Vec<f64> {
     if x.is_empty() { Vec::new() } else { change(x) }
 }
 
-/// The accelerations of `count` states from the third on; see [`Samples::interpolated`].
+/// The accelerations of `count` states, starting with the third; see [`Samples::interpolated`].
 fn interpolated(q: &Rows, v: &Rows, h: f64, count: usize) -> Vec<f64> {
     let (q, v) = (q.as_flat(), v.as_flat());
     let n = q.len() / (count + 4).max(1);

@@ -3,22 +3,22 @@
 use crate::matrix::{cholesky, singular};
 use nalgebra::DMatrix;
 
-/// Precision with which samples show a number.
+/// Precision with which the samples determine a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
     /// Standard error.
     Within(f64),
-    /// Not determined: it can move together with other numbers without a residual.
+    /// Not determined: it can change together with other numbers without changing a residual.
     Together,
     /// At an end of its range.
     AtBound,
 }
 
-/// Largest share of a number in directions that are not shown for the number to count as shown.
+/// Largest share of a number in undetermined directions at which the number still counts as determined.
 const FREE: f64 = 1e-4;
 
-/// The 97.5th percentile of Student's t distribution with `free` degrees of freedom, by the Cornish–Fisher expansion (within 0.3% from four
-/// on): the half-width of a 95% interval in standard errors.
+/// The 97.5th percentile of Student's t distribution with `free` degrees of freedom, by the Cornish–Fisher expansion
+/// (within 0.3% from four degrees of freedom on). It is the half-width of a 95% interval in standard errors.
 #[must_use]
 pub fn student(free: usize) -> f64 {
     /// The 97.5th percentile of the normal distribution.
@@ -29,17 +29,17 @@ pub fn student(free: usize) -> f64 {
     z + powers[0] / (4.0 * free) + powers[1] / (96.0 * free.powi(2)) + third / (384.0 * free.powi(3))
 }
 
-/// Directions, in the space of scaled numbers, that samples show.
+/// Directions, in the space of scaled numbers, that samples determine.
 pub(crate) struct Directions {
     /// Orthonormal basis, as columns.
     basis: DMatrix<f64>,
-    /// Share of every number in the remaining directions.
+    /// Share of every number in the undetermined directions.
     free: Vec<f64>,
 }
 
 impl Directions {
-    /// Eigenvectors of the scaled matrix of the normal equations with eigenvalues above `least`(largest eigenvalue); none if the
-    /// decomposition fails.
+    /// Eigenvectors of the scaled matrix of the normal equations whose eigenvalues are above `least` of the largest
+    /// one; none if the decomposition fails.
     pub fn of(scaled: &DMatrix<f64>, least: impl FnOnce(f64) -> f64) -> Self {
         let p = scaled.nrows();
         let Some(eigen) = singular(scaled) else {
@@ -52,12 +52,12 @@ impl Directions {
         Self { basis, free }
     }
 
-    /// Number of directions that samples do not show.
+    /// Number of directions that the samples do not determine.
     pub fn hidden(&self) -> usize {
         self.basis.nrows() - self.basis.ncols()
     }
 
-    /// Whether a number is determined, not free to move together with others without a residual.
+    /// Whether a number is determined: it cannot change together with others without changing a residual.
     pub fn shows(&self, i: usize) -> bool {
         self.free[i] <= FREE
     }
@@ -68,13 +68,13 @@ impl Directions {
         Some(&self.basis * cholesky(within)?.inverse() * self.basis.transpose())
     }
 
-    /// Change of the numbers if a part of the samples is left out: the inverse of the rest's matrix times the part's gradient. If the part
-    /// alone shows a direction, the inverse of the whole replaces that of the rest.
+    /// Change of the numbers if a part of the samples is left out: the inverse of the rest's matrix times the part's
+    /// gradient. If only that part determines some direction, the inverse of the whole replaces that of the rest.
     pub fn moved(&self, rest: &DMatrix<f64>, gradient: &DMatrix<f64>, whole: &DMatrix<f64>) -> DMatrix<f64> {
         self.inverse(rest).as_ref().unwrap_or(whole) * gradient
     }
 
-    /// The shown number with the strongest correlation to number i by this covariance, and the correlation.
+    /// The determined number that is most strongly correlated with number i by this covariance, and the correlation.
     pub fn strongest(&self, covariance: &DMatrix<f64>, i: usize) -> Option<(usize, f64)> {
         let correlation = |j: usize| {
             let both = covariance[(i, i)] * covariance[(j, j)];

@@ -40,7 +40,7 @@ impl Default for Calibration {
 }
 
 impl Calibration {
-    /// The actuator of n coordinates with its known numbers; learned numbers have the ideal values.
+    /// The actuator of n coordinates with its known numbers; learned numbers have their ideal values.
     pub fn known_actuator(&self, n: usize) -> Actuator {
         let known = |setting: Setting, ideal: f64| match setting {
             Setting::Known(number) => number,
@@ -103,7 +103,7 @@ pub struct CalibrationLayout {
     pub logs: usize,
     /// Settings of the numbers.
     pub calibration: Calibration,
-    /// Size of u, N or N m: the prior standard deviation of a learned o is a twentieth of it.
+    /// Typical size of u, N or N m: the prior standard deviation of a learned o is a twentieth of it.
     pub control: f64,
 }
 
@@ -151,7 +151,7 @@ impl CalibrationLayout {
         [self.offset(0) - self.start, self.end() - self.delay()]
     }
 
-    /// End of the positions (exclusive).
+    /// End (exclusive) of the positions of the calibration numbers.
     pub fn end(&self) -> usize {
         self.zero(self.logs, 0)
     }
@@ -170,8 +170,8 @@ impl CalibrationLayout {
         numbers
     }
 
-    /// Initial values after an earlier calibration: learned numbers start from the earlier values, known ones keep theirs, and zero offsets
-    /// restart, since they belong to the earlier logs.
+    /// Initial values after an earlier calibration. Learned numbers start from the earlier values, known ones keep
+    /// their own, and zero offsets start anew, since they belong to the earlier logs.
     pub(crate) fn initial_at(&self, before: &Actuator) -> Vec<f64> {
         let Calibration { gain, offset, delay, .. } = self.calibration;
         let mut numbers = self.initial();
@@ -187,7 +187,7 @@ impl CalibrationLayout {
         numbers
     }
 
-    /// The calibration within the numbers that windows share.
+    /// Reads the calibration from the numbers that windows share.
     pub fn read(&self, weights: &[f64]) -> Calibrated {
         let of = |range: Range<usize>| weights.get(range).unwrap_or_default().to_vec();
         Calibrated {
@@ -229,7 +229,7 @@ impl CalibrationLayout {
         [(gain, of_gain), (offset, of_offset), (delay, self.delay()..self.delay() + 1)]
     }
 
-    /// Positions of numbers that are not learned; `learned` says of which logs z is learned.
+    /// Positions of numbers that are not learned; `learned` says for which logs z is learned.
     pub(super) fn fixed(&self, learned: impl Fn(usize) -> bool) -> Vec<usize> {
         let known = self.settings().into_iter().filter(|(setting, _)| *setting != Setting::Learned);
         let mut fixed: Vec<usize> = known.flat_map(|(_, positions)| positions).collect();
@@ -238,7 +238,7 @@ impl CalibrationLayout {
         fixed
     }
 
-    /// Weak priors on the learned numbers, for what a log does not show.
+    /// Weak priors on the learned numbers, for directions that a log does not determine.
     pub(super) fn priors(&self) -> Vec<Prior> {
         let offset = 0.05 * self.control.max(f64::MIN_POSITIVE.sqrt());
         let sizes = [(1.0, GAIN_SIZE), (0.0, offset), (0.0, DELAY_SIZE)];

@@ -1,16 +1,18 @@
-//! Standard errors of the numbers that a loss over windows has learned.
+//! Standard errors of the numbers that were learned with a loss over windows.
 //!
-//! The covariance of the learned numbers is the jackknife's, (L − 1)/L · Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, the change of the numbers
-//! if log l is left out: defects of the model correlate the residuals within a log, but not between logs. H is the matrix of the normal
-//! equations with ρ″/2 in place of ρ′/2x (their ratio, averaged over residuals, is a single number) and with the priors; H_l and g_l are
-//! the part of H and the gradient over the windows of log l. Start states are eliminated from all of them. H⁻¹ in place of (H − H_l)⁻¹
-//! would give errors that are too small if a few logs show most. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into parts
-//! that count as logs, more than [`MOST_LOGS`] are merged.
+//! The covariance of the learned numbers is estimated by the jackknife, (L − 1)/L · Σ_l δ_l δ_lᵀ, where δ_l = (H −
+//! H_l)⁻¹ g_l is the change of the numbers if log l is left out: defects of the model correlate the residuals within a
+//! log, but not between logs. H is the matrix of the normal equations with the priors, and with ρ″/2 in place of ρ′/2x
+//! (their ratio, averaged over residuals, is a single number). H_l and g_l are the part of H and the gradient over the
+//! windows of log l. Start states are eliminated from all of them. With H⁻¹ in place of (H − H_l)⁻¹ the errors would be
+//! too small if a few logs carry most of the information. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut
+//! into parts that count as logs, more than [`MOST_LOGS`] are merged.
 //!
-//! A zero offset belongs to a single log and is not shown without it. In place of that log's term, σ² times the inverse of the offset's
-//! block of H is added, with σ² the mean square of the residuals, as if residuals were independent, even those of one sample in several
-//! windows. The part of a zero that free start states leave over has one sign in the middle of a window and the other at its ends, so such
-//! residuals do not add up.
+//! A zero offset belongs to a single log and is not determined without that log. In place of that log's term, σ² times
+//! the inverse of the offset's block of H is added, where σ² is the mean square of the residuals. This treats residuals
+//! as independent, even those of one sample in several windows. That is justified because the part of a zero that free
+//! start states leave over has one sign in the middle of a window and the other sign at its ends, so such residuals do
+//! not add up.
 //!
 //! Correlations are taken from H⁻¹, which is robust even with few logs.
 
@@ -24,19 +26,19 @@ use leastaction_models::parallel;
 use nalgebra::DMatrix;
 use std::ops;
 
-/// Number of logs that suffices for a jackknife over whole logs.
+/// Number of logs that suffices for a jackknife in which whole logs are left out.
 const FEWEST_LOGS: usize = 5;
-/// Number of parts that fewer logs are cut into.
+/// Number of parts that a smaller number of logs is cut into.
 const PARTS: usize = 32;
-/// Largest number of groups that are left out one by one; more logs are merged into groups.
+/// Largest number of groups that are left out one by one; a larger number of logs is merged into groups.
 const MOST_LOGS: usize = 64;
 /// Largest number of learned numbers: the eigenvalues of a matrix of this size take seconds.
 const MOST_NUMBERS: usize = 800;
 /// Largest number of windows whose residuals are evaluated.
 const WINDOWS: usize = 4096;
-/// Share of a number's information in a single log above which only that log shows it.
+/// Share of a number's information in a single log above which the number counts as belonging to that log.
 const OWN: f64 = 0.99;
-/// Threshold below which eigenvalues of the scaled matrix are rounding errors of 0.
+/// Threshold below which eigenvalues of the scaled matrix count as rounding errors of 0.
 const RANK: f64 = 1e-9;
 
 pub use crate::training::Shown;
@@ -59,11 +61,11 @@ pub struct LearnedNumber {
 pub struct Certainty {
     /// Learned numbers in the order of their positions.
     pub numbers: Vec<LearnedNumber>,
-    /// Number of directions in their space that the logs do not show.
+    /// Number of directions in the space of these numbers that the logs do not determine.
     pub hidden: usize,
     /// Number of logs, or parts of logs, taken as independent.
     pub clusters: usize,
-    /// Whether these are whole logs.
+    /// Whether these clusters are whole logs.
     pub whole_logs: bool,
 }
 
@@ -74,8 +76,9 @@ impl Certainty {
     }
 }
 
-/// The precision of numbers that minimise a loss. `weights` are all numbers, as the optimiser has them; `ranges` are those of the learned
-/// numbers by position. `None` if there are no learned numbers or too many for a matrix, or if the loss cannot be evaluated.
+/// The precision of numbers that minimise a loss. `weights` are all parameters, as the optimiser has them; `ranges` are
+/// the ranges of the learned numbers, with their positions. `None` if there are no learned numbers or too many for a
+/// matrix, or if the loss cannot be evaluated.
 pub fn certainty(loss: &WindowLoss, weights: &[f64], ranges: &[(usize, Range)]) -> Option<Certainty> {
     let learned = loss.learned();
     let is_at_bound = |position: &usize| {
@@ -115,7 +118,7 @@ fn ends(range: Range, w: f64) -> bool {
     }
 }
 
-/// Groups of windows whose residuals are taken as independent between groups.
+/// Groups of windows; residuals of different groups are taken as independent.
 struct Clusters {
     parts: Vec<ops::Range<usize>>,
     whole_logs: bool,
@@ -141,7 +144,7 @@ struct Spread {
     /// Scales 1/√(JᵀJ)_ii.
     sizes: Vec<f64>,
     directions: Directions,
-    /// H⁻¹ within the shown directions.
+    /// H⁻¹ within the determined directions.
     inverse: DMatrix<f64>,
     variances: Vec<f64>,
 }
@@ -171,7 +174,7 @@ impl Spread {
             let mut moved = directions.moved(&rest, &gradient, &inverse);
             let owns = |i: &usize| entry(&log, positions, *i, *i) > OWN * data(*i, *i);
             let own: Vec<usize> = (0..p).filter(owns).collect();
-            // Without its log a number stays at its prior.
+            // Without its log, a number that belongs to that log stays at its prior.
             own.iter().for_each(|i| moved[(*i, 0)] = 0.0);
             Some((moved, own))
         };
@@ -212,7 +215,7 @@ fn entry(equations: &NormalEquations, positions: &[usize], i: usize, j: usize) -
     equations.entry(positions[i], positions[j])
 }
 
-/// Variances of numbers that belong to a single log, given all other numbers; 0 for the rest.
+/// Variances of numbers that belong to a single log, for fixed values of all other numbers; 0 for the rest.
 fn of_single_logs(loss: &WindowLoss, positions: &[usize], own: &DMatrix<f64>, mean_square: f64) -> Vec<f64> {
     let (layout, mut variances) = (loss.layout(), vec![0.0; positions.len()]);
     for log in 0..layout.logs {

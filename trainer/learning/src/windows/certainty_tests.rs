@@ -81,7 +81,7 @@ fn error(of: &LearnedNumber) -> f64 {
     }
 }
 
-/// Over many logs with different noise, the estimates scatter as their standard errors say.
+/// Over many logs with different noise, the estimates scatter as much as their standard errors say.
 #[test]
 fn standard_errors_are_those_of_repeated_logs() {
     const SEEDS: usize = 36;
@@ -98,7 +98,7 @@ fn standard_errors_are_those_of_repeated_logs() {
         let deviation = (squares / (SEEDS - 1) as f64).sqrt();
         let said = all.iter().map(|of| error(&of.numbers[k]).powi(2)).sum::<f64>() / SEEDS as f64;
         let ratio = said.sqrt() / deviation;
-        // A standard deviation from 36 values is known to an eighth.
+        // A standard deviation estimated from 36 values has an error of about an eighth.
         assert!((0.65..1.5).contains(&ratio), "{k}: {ratio}");
     }
 }
@@ -107,7 +107,7 @@ fn standard_errors_are_those_of_repeated_logs() {
 fn what_is_only_shown_in_combination_is_said_to_be() {
     let architecture = pendulum(true);
     let certainty = learned(&architecture, &logs(&pendulum(false), 1), false);
-    // Only m c and I + m c² of m, c and I are shown.
+    // The logs determine only m c and I + m c², not m, c and I.
     assert_eq!(certainty.hidden, 1);
     let shown: Vec<Shown> = certainty.numbers.iter().map(|of| of.shown).collect();
     assert_eq!(shown[..3], [Shown::Together; 3]);

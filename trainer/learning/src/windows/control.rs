@@ -21,8 +21,9 @@ enum Kind {
     Delay,
 }
 
-/// Weights of the values at the start and at the end of the k-th of `parts` equal parts of a step (linear in between) in the start and the
-/// end of the straight line over the whole step with the same impulse and first moment.
+/// Weights of the control's values at the start and the end of the k-th of `parts` equal parts of a step, where it is
+/// linear within the part. They give the start and the end of the straight line over the whole step that has the same
+/// impulse and first moment.
 fn shares(k: usize, parts: usize) -> [[f64; 2]; 2] {
     let m = parts as f64;
     let beside = 0.5 * ((k as f64 + 0.5) / m - 0.5);
@@ -50,7 +51,7 @@ pub(super) fn part_of(whole: &Acting, part: usize, parts: usize) -> Acting {
     }
 }
 
-/// Kind and coordinate of a number that the control depends on.
+/// Kind and coordinate of a number on which the control depends.
 fn kind(layout: &CalibrationLayout, number: usize) -> (Kind, Option<usize>) {
     match number {
         k if k < layout.n => (Kind::Gain, Some(k)),
@@ -63,7 +64,7 @@ impl Lanes<'_> {
     /// Force over the step from `sample` to `sample + parts`, with tangents if they are wanted.
     pub fn acting(&self, sample: usize, parts: usize, with_tangents: bool) -> Acting {
         let delay = self.numbers[self.layout.delay()];
-        // u and its derivative with respect to d, at both ends, for every coordinate.
+        // Values of u and its derivative with respect to d, at both ends, for every coordinate.
         let mut commands = vec![[[Row::default(); 2]; 2]; self.logs.n];
         for part in 0..parts {
             let shares = shares(part, parts);
@@ -88,8 +89,9 @@ impl Lanes<'_> {
 
     /// Delayed command u_i and its derivative with respect to d, at the start and the end of a sample's step.
     ///
-    /// A held u that arrives within the step jumps there, from b to a after the fraction p of the step: the straight line with the same
-    /// impulse and first moment goes from m − 3p(1 − p)(a − b) to m + 3p(1 − p)(a − b), m = pb + (1 − p)a.
+    /// A held u that changes within the step jumps from b to a after the fraction p of the step. The straight line with
+    /// the same impulse and first moment goes from m − 3p(1 − p)(a − b) to m + 3p(1 − p)(a − b), where m = pb + (1 −
+    /// p)a.
     fn command(&self, sample: usize, i: usize, delay: f64) -> [[Row; 2]; 2] {
         let at = |sample: usize| {
             let u = self.windows.map(|of| self.logs.delayed_control(of.log, of.first + sample, i, delay));

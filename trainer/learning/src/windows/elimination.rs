@@ -27,8 +27,9 @@ impl Rows {
         &self.jacobian[k * self.columns..(k + 1) * self.columns]
     }
 
-    /// Replaces J by PJ and r by Pr, P = I − X(XᵀX)⁻¹Xᵀ with X the last `count` columns of J, by Gram–Schmidt. Returns the δ of these
-    /// columns that minimises |r + Xδ|. A column that depends on earlier ones, or is NaN, is skipped.
+    /// Replaces J by PJ and r by Pr, where P = I − X(XᵀX)⁻¹Xᵀ and X is the last `count` columns of J, by Gram–Schmidt.
+    /// Returns the δ of these columns that minimises |r + Xδ|. A column that depends on earlier ones, or is NaN, is
+    /// skipped.
     pub fn eliminate(&mut self, count: usize) -> Vec<Row> {
         let first = self.columns - count;
         let mut shares = vec![vec![Row::default(); count]; count];
@@ -38,7 +39,7 @@ impl Rows {
             shares[c].copy_from_slice(&along[first..]);
             of_residual[c] = residual;
         }
-        // X is a matrix of orthogonal columns times a unit triangle with the entries `shares`.
+        // X is a matrix with orthogonal columns times a unit upper triangular matrix with the entries `shares`.
         let mut step = vec![Row::default(); count];
         for c in (0..count).rev() {
             let mut sum = of_residual[c];
@@ -48,7 +49,8 @@ impl Rows {
         step
     }
 
-    /// Projects column c of X out of all columns that are not done; returns the coefficients of the columns and of the residual.
+    /// Projects column c of X out of all columns that have not been processed; returns the coefficients of the columns
+    /// and of the residual.
     fn project_out(&mut self, first: usize, c: usize) -> (Vec<Row>, Row) {
         let columns = self.columns;
         let (mut along, mut of_residual) = (vec![Row::default(); columns], Row::default());
@@ -60,7 +62,7 @@ impl Rows {
         let inverse = Row(along[first + c].0.map(|square| if square > 1e-30 { 1.0 / square } else { 0.0 }));
         let scaled = |x: &Row| x.product(&inverse);
         along.iter_mut().for_each(|x| *x = scaled(x));
-        // Earlier columns are orthogonal to it already; the column itself is kept.
+        // Earlier columns of X are already orthogonal to column c; column c itself is kept.
         along[first..=first + c].fill(Row::default());
         of_residual = scaled(&of_residual);
         let [minus, of] = [Row(of_residual.0.map(|x| -x)), of_residual];

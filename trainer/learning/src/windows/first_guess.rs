@@ -5,8 +5,8 @@ use crate::training::{Objective, linear_start};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
 
-/// For rigid bodies the least-squares fit to smoothed states if it predicts these windows better than `initial`; otherwise, and for all
-/// other models, `initial`.
+/// For rigid bodies, the least-squares fit to smoothed states if it predicts these windows better than `initial`.
+/// Otherwise, and for all other models, `initial`.
 ///
 /// # Errors
 /// See [`linear_start`].

@@ -6,15 +6,16 @@ use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Least number of positions that a state is estimated from, and least time that they span, s: with few neighbours noise hides velocities.
+/// Least number of positions from which a state is estimated.
 const GUESS: usize = 7;
+/// Least time that these positions span, s: over a shorter time noise hides velocities.
 const GUESS_TIME: f64 = 0.06;
-/// Largest number of positions that a state is estimated from.
+/// Largest number of positions from which a state is estimated.
 const LONGEST_GUESS: usize = 121;
-/// Length of a log's rest, relative to the stride, from which it gets a window of its own.
+/// Length of the remainder at the end of a log, relative to the stride, from which on it gets a window of its own.
 const REST: f64 = 0.5;
 
-/// Motion relative to the root mean square of all windows below which a window is at rest.
+/// Ratio of a window's motion to the root mean square over all windows below which the window counts as at rest.
 const AT_REST: f64 = 0.1;
 
 /// Positions and controls of logs with a common step, as a loss over windows reads them.
@@ -93,10 +94,10 @@ impl WindowLogs {
         self.logs[log].u.get(sample * self.n + i).copied().unwrap_or(0.0)
     }
 
-    /// Command u_i that acts at a sample after a delay (≥ 0, s), and its derivative with respect to the delay; constant before the first
-    /// sample; 0 without control.
+    /// Command u_i that acts at a sample after a delay (≥ 0, s), and its derivative with respect to the delay. The
+    /// command is constant before the first sample, and 0 without control.
     ///
-    /// Between samples it is interpolated linearly; for a held u this is the mean over a step, too.
+    /// Between samples the command is interpolated linearly; for a held u the result is also its mean over a step.
     pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
         let u = &self.logs[log].u;
         if u.is_empty() {
@@ -114,7 +115,7 @@ impl WindowLogs {
         [after + part * (before - after), (before - after) / self.h]
     }
 
-    /// Number of positions that a state is estimated from; odd.
+    /// Number of positions from which a state is estimated; odd.
     fn guessed_from(&self) -> usize {
         ((GUESS_TIME / self.h + 0.5) as usize).clamp(GUESS, LONGEST_GUESS) / 2 * 2 + 1
     }
@@ -147,8 +148,8 @@ impl WindowLogs {
         [value, slope / self.h]
     }
 
-    /// States q, v and v̇ in the middle of parabolas fitted to a few samples each, and the mean of u over these samples, \[states\]\[n\],
-    /// flat. They are noisy and smoothed, and thus only good for a first guess.
+    /// States q, v and v̇ in the middle of parabolas, each fitted to a few samples, and the mean of u over these
+    /// samples, \[states\]\[n\], flat. They are noisy and smoothed, and thus only good for a first guess.
     pub fn smoothed(&self) -> [Vec<f64>; 4] {
         let mut states: [Vec<f64>; 4] = Default::default();
         let (count, middle) = (self.guessed_from(), self.guessed_from() / 2);
@@ -196,7 +197,7 @@ impl WindowLogs {
         motion.iter().enumerate().any(|(i, motion)| self.moved(window, steps, i) >= AT_REST * motion)
     }
 
-    /// The root mean square of fourth differences of q_i at samples `apart` apart.
+    /// The root mean square of fourth differences of q_i, taken over samples that are `apart` samples apart.
     pub(super) fn fourth_difference(&self, logs: Range<usize>, i: usize, apart: usize) -> f64 {
         let (mut sum, mut count) = (0.0, 0_usize);
         for log in logs {
@@ -210,15 +211,15 @@ impl WindowLogs {
         (sum / count.max(1) as f64).sqrt()
     }
 
-    /// The noise of sensor i: a robust standard deviation of third or, if motion shows in these, of fifth differences, divided by that for
-    /// unit noise, √20 or √252.
+    /// The noise of sensor i: a robust standard deviation of third differences or, if these also show motion, of fifth
+    /// differences, divided by its value for unit noise, √20 or √252.
     pub(crate) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
         let third = self.difference(logs.clone(), i, &[1.0, -3.0, 3.0, -1.0]) / 20_f64.sqrt();
         let fifth = self.difference(logs, i, &[1.0, -5.0, 10.0, -10.0, 5.0, -1.0]) / 252_f64.sqrt();
         if fifth > 0.0 && fifth < MOTION * third { fifth } else { third }
     }
 
-    /// A robust standard deviation of sums of consecutive positions with these weights.
+    /// A robust standard deviation of weighted sums of consecutive positions; `shares` are the weights.
     fn difference(&self, logs: Range<usize>, i: usize, shares: &[f64]) -> f64 {
         let mut differences = Vec::new();
         for log in logs {
@@ -233,7 +234,8 @@ impl WindowLogs {
     }
 }
 
-/// Ratio of the noise from fifth differences to that from third differences below which the third differences show motion as well.
+/// Ratio of the noise estimated from fifth differences to that from third differences, below which the third
+/// differences also show motion.
 const MOTION: f64 = 0.9;
 
 /// Quantity taken from a fitted parabola.
@@ -252,8 +254,8 @@ fn parabola(values: &[f64]) -> [f64; 2] {
     })
 }
 
-/// Weights of `count` values at 0, 1, 2, … in a quantity of the fitted parabola at time `at`, by the orthogonal polynomials 1, t and t² −
-/// (mean of t²) about the middle.
+/// Weights of `count` values at 0, 1, 2, … that give a quantity of the fitted parabola at time `at`. They follow from
+/// the orthogonal polynomials 1, t and t² − (mean of t²) about the middle.
 fn shares(count: usize, at: usize, of: Share) -> Vec<f64> {
     let middle = 0.5 * (count as f64 - 1.0);
     let times: Vec<f64> = (0..count).map(|k| k as f64 - middle).collect();
@@ -319,7 +321,7 @@ mod tests {
         assert_eq!(moves, [true, false]);
     }
 
-    /// A swing at 7 rad/s: third differences at 20 Hz show it more than noise of 0.01.
+    /// A swing at 7 rad/s: at 20 Hz its third differences show motion more than noise of 0.01.
     #[test]
     fn motion_at_long_steps_is_not_taken_for_noise() {
         let mut stream = rand_pcg::Pcg64::seed_from_u64(5);

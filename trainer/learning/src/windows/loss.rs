@@ -15,12 +15,13 @@ use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Limits of the relative decrease of the loss below which iterations stop.
+/// Least value of the relative decrease of the loss below which iterations stop.
 const LEAST_TOLERANCE: f64 = 1e-6;
+/// Largest value of that relative decrease.
 const MOST_TOLERANCE: f64 = 1e-4;
 
-/// The loss over windows ([`windows`](super)). Its parameters: the weight block, the calibration numbers, s of every coordinate, and the
-/// start states (q, v) of all windows. Windows share the first two.
+/// The loss over windows ([`windows`](super)). Its parameters are the weight block, the calibration numbers, s of every
+/// coordinate, and the start states (q, v) of all windows. All windows share the first two.
 pub struct WindowLoss {
     logs: Arc<WindowLogs>,
     windows: Vec<Window>,
@@ -28,7 +29,7 @@ pub struct WindowLoss {
     pace: Pace,
     learned: Learned,
     layout: CalibrationLayout,
-    /// Positions of the shared numbers that are not varied.
+    /// Positions of the shared numbers that are held fixed.
     fixed: Vec<usize>,
     priors: Vec<Prior>,
     /// Sensor noise of every coordinate.
@@ -71,7 +72,8 @@ impl WindowLoss {
         let (own, step) = (learned.weights.clone(), h / pace.steps_in_sample());
         let make = move || integrator.steps(&system, (step, order), own.clone());
         let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
-        // A mechanism at rest is held by stiction, which smooth friction does not model.
+        // A mechanism at rest is held by stiction, which smooth friction does not model, so windows at rest are left
+        // out.
         let moves = |window: &Window| logs.moves(*window, steps, &motion);
         if windows.iter().any(moves) {
             windows.retain(moves);
@@ -127,7 +129,7 @@ impl WindowLoss {
         }
     }
 
-    /// Results of `work` for all blocks of windows side by side, in order.
+    /// Results of `work` for all blocks of windows that are evaluated side by side, in order.
     fn of_blocks<T: Send>(&self, work: impl Fn(usize, usize, &mut dyn Steps) -> T + Sync) -> Vec<T> {
         parallel::map(self.windows.len().div_ceil(WIDTH), &|block| {
             let first = block * WIDTH;
@@ -136,7 +138,7 @@ impl WindowLoss {
         })
     }
 
-    /// Sets s of every coordinate from the residuals.
+    /// Sets the scale s of every coordinate from the residuals.
     fn set_scales(&self, weights: &mut [f64]) {
         let n = self.n();
         let parts = self.of_blocks(|first, count, stepper| {
@@ -298,7 +300,8 @@ impl Residuals for WindowLoss {
         true
     }
 
-    /// Smaller decreases do not matter: an error of one standard error in a learned number raises the loss by about one residual's share.
+    /// Smaller decreases do not matter: if a learned number is off by one standard error, the loss rises by about one
+    /// residual's share.
     fn tolerance(&self) -> f64 {
         (0.03 / (self.windows.len() * self.components()) as f64).clamp(LEAST_TOLERANCE, MOST_TOLERANCE)
     }

@@ -9,30 +9,31 @@ use leastaction_programs::System;
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps, VariationalSteps};
 use serde::{Deserialize, Serialize};
 
-/// Relative difference below which steps count as equal: a model file holds them in single precision.
+/// Relative difference below which two steps count as equal: a model file holds the step in single precision.
 const SAME_STEP: f64 = 1e-6;
 
 /// Integrator from one sample to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
-    /// Explicit Runge–Kutta steps, with a length adapted to motion and noise: gives energies and forces in continuous time.
+    /// Explicit Runge–Kutta steps, whose length is adapted to motion and noise: gives energies and forces in continuous
+    /// time.
     #[default]
     RungeKutta,
-    /// Steps of the discrete Euler–Lagrange equation from sample to sample, as in a controller: gives the energies and forces with which
-    /// steps of this length predict best.
+    /// Steps of the discrete Euler–Lagrange equation from sample to sample, as in a controller: gives the energies and
+    /// forces with which steps of this length predict best.
     Del,
 }
 
 impl Integrator {
-    /// Integrator and order for a model along samples h (s) apart: the step that it was trained with if that has this length, else
-    /// Runge–Kutta of order 4.
+    /// Integrator and order for a model along samples that are h (s) apart: the integrator of the step that the model
+    /// was trained with if that step is h, else Runge–Kutta of order 4.
     pub fn of_trained(step: Option<TrainedStep>, h: f64) -> (Self, u8) {
         let fits = |step: &TrainedStep| (f64::from(step.h) - h).abs() < SAME_STEP * h;
         step.filter(fits).map_or((Self::RungeKutta, 4), |step| (Self::Del, step.order.number()))
     }
 
-    /// Steps of h (s), with derivatives with respect to the weights at these positions.
+    /// Steps of h (s), with derivatives with respect to the weights at the positions `learned`.
     pub(crate) fn steps(self, system: &System, (h, order): (f64, u8), learned: Vec<usize>) -> Box<dyn Steps> {
         match self {
             Self::RungeKutta => {

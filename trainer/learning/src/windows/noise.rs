@@ -10,20 +10,21 @@ pub struct Noise {
     pub coordinate: usize,
     /// Robust standard deviation of the noise, m or rad.
     pub deviation: f64,
-    /// Fraction of the second differences of positions, which show accelerations, that is noise.
+    /// Fraction of the second differences of positions, which stand for accelerations, that is due to noise.
     pub part: f64,
 }
 
-/// Fraction of second differences below which noise does not matter, as in a log of exact motion in single precision.
+/// Fraction of second differences below which noise does not matter; a log of exact motion in single precision is below
+/// it.
 const PART: f64 = 0.02;
-/// Growth per order of differences, from third to fifth, that distinguishes noise from motion. Noise grows by (252/20)^¼ ≈ 1.88. Exact
-/// motion grows less: 1.5 times under a held control that changes at every sample, and the less under a smooth control, the shorter the
-/// step.
+/// Growth per order of differences, from third to fifth, that distinguishes noise from motion. White noise grows by
+/// (252/20)^¼ ≈ 1.88. Exact motion grows less: by 1.5 under a held control that changes at every sample, and under a
+/// smooth control by less, the shorter the step is.
 const RATIO: f64 = 1.66;
-/// Least number of differences: with fewer the ratio is arbitrary.
+/// Least number of differences: with fewer of them the ratio is unreliable.
 const FEWEST: usize = 100;
 
-/// The noisiest coordinate, if any is noisy, judged by the growth of high-order differences.
+/// The noisiest coordinate, if any coordinate is noisy, judged by the growth of differences of high order.
 pub fn noise_of(data: &Dataset) -> Option<Noise> {
     let each = (0..data.n).filter_map(|coordinate| {
         let [second, third, fifth] = [2, 3, 5].map(|order| difference(data, coordinate, order));
@@ -35,7 +36,7 @@ pub fn noise_of(data: &Dataset) -> Option<Noise> {
     each.max_by(|a, b| a.part.total_cmp(&b.part))
 }
 
-/// The robust standard deviation of a coordinate's differences of an order.
+/// The robust standard deviation of a coordinate's differences of the given order.
 fn difference(data: &Dataset, coordinate: usize, order: usize) -> f64 {
     let mut all = Vec::new();
     for trajectory in &data.trajectories {

@@ -5,7 +5,8 @@ use std::ops::Range;
 
 /// Largest interpolation error of positions within a step, relative to the sensor's noise.
 const PART: f64 = 0.1;
-/// Error of a cubic in the middle between two positions and velocities, relative to the fourth difference of positions at the same spacing.
+/// Error of the cubic through two positions and velocities, at its middle, relative to the fourth difference of
+/// positions at the same spacing.
 const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 384.0;
 
 /// Ratio of steps to samples; at least one of the two numbers is 1.
@@ -48,7 +49,8 @@ impl Pace {
     }
 }
 
-/// Hermite's cubic: weights of q and v at the start of a step of h, and of q and v at its end, in the position at a fraction of the step.
+/// Hermite's cubic: weights that give the position at the fraction `part` of a step of h, for q and v at its start, and
+/// for q and v at its end.
 pub(super) fn cubic(part: f64, h: f64) -> [[f64; 2]; 2] {
     let rest = 1.0 - part;
     let start = [rest * rest * (1.0 + 2.0 * part), h * part * rest * rest];
@@ -82,7 +84,7 @@ mod tests {
     fn steps_are_as_long_as_noise_hides() {
         assert_eq!(pace(1e-3, 0.005), Pace { samples: 5, substeps: 1 });
         assert_eq!(pace(1e-3, 0.0004), Pace { samples: 1, substeps: 3 });
-        // Error (2π m h)⁴/384 rad, compared with a tenth of the noise.
+        // The error is (2π m h)⁴/384 rad; it is compared with a tenth of the noise.
         let some = pace(1e-7, 0.02).samples;
         assert!((1..12).contains(&some), "{some}");
         assert!(pace(1e-5, 0.02).samples > some);

@@ -9,7 +9,8 @@ use leastaction_programs::dynamics::Failures;
 use leastaction_programs::steps::{State, Steps, Tangents, combine_positions};
 use leastaction_programs::{Row, WIDTH};
 
-/// κ of the pseudo-Huber function, in robust standard deviations: larger residuals count less than their square.
+/// κ of the pseudo-Huber function, in robust standard deviations: the contribution of larger residuals grows more
+/// slowly than their square.
 const KNEE: f64 = 2.0;
 
 /// Windows side by side, with the numbers on which their motion depends.
@@ -43,7 +44,7 @@ pub(super) fn pseudo_huber(x: f64) -> f64 {
     2.0 * square / ((1.0 + square / (KNEE * KNEE)).sqrt() + 1.0)
 }
 
-/// √(ρ′(x)/2x), the factor of least-squares rows that gives the gradient of ρ.
+/// √(ρ′(x)/2x), the factor of least-squares rows with which the rows give the gradient of ρ.
 fn share(x: f64) -> f64 {
     (1.0 + x * x / (KNEE * KNEE)).sqrt().sqrt().recip()
 }
@@ -65,7 +66,8 @@ impl Learned {
     }
 }
 
-/// ρ′(x)/2x, the weight of a square in the Gauss–Newton matrix, and ρ″(x)/2, its weight in the Hessian of the loss.
+/// ρ′(x)/2x, the weight of a row's square in the Gauss–Newton matrix, and ρ″(x)/2, its weight in the Hessian of the
+/// loss.
 pub(super) fn curvatures(x: f64) -> [f64; 2] {
     let root = (1.0 + x * x / (KNEE * KNEE)).sqrt();
     [root.recip(), root.powi(3).recip()]
@@ -93,7 +95,7 @@ impl Between {
         }
     }
 
-    /// The positions from the cubic with these weights of start and end.
+    /// The positions from the cubic, given the weights of its start and end.
     fn at(
         &mut self,
         [start, end]: [[f64; 2]; 2],
@@ -128,7 +130,7 @@ impl Lanes<'_> {
         Row(std::array::from_fn(|lane| (state[i].0[lane] + measured.0[lane]) / scale))
     }
 
-    /// Calls `visit` with the state at every sample; within a step only the positions are valid.
+    /// Calls `visit` with the state at every sample; at samples within a step only the positions are valid.
     fn roll(
         &self,
         stepper: &mut dyn Steps,
@@ -161,8 +163,8 @@ impl Lanes<'_> {
         failures
     }
 
-    /// Residuals, one row of all windows each: sample by sample, coordinate by coordinate. Windows that cannot be computed have the
-    /// residuals of a constant velocity.
+    /// Residuals, sample by sample and coordinate by coordinate; each row has one residual per window. Windows that
+    /// cannot be computed have the residuals of a constant velocity.
     pub fn residuals(&self, stepper: &mut dyn Steps, starts: &State) -> (Vec<Row>, Failures) {
         let n = self.n();
         let mut residuals = Vec::new();
@@ -199,9 +201,9 @@ impl Lanes<'_> {
         }
     }
 
-    /// Residuals and their derivatives, weighted so that their squares have the gradient of Σρ, and Σρ of every window. Columns: the
-    /// learned numbers of the weight block and of g, o and d, then z, then start states; or start states alone. Windows that cannot be
-    /// computed have rows of 0, and a sum of NaN.
+    /// Residuals and their derivatives, weighted so that the sum of their squares has the gradient of Σρ, and Σρ of
+    /// every window. The columns are the learned numbers of the weight block and of g, o and d, then z, then start
+    /// states; or start states alone. Windows that cannot be computed have rows of 0 and a sum of NaN.
     pub fn rows(&self, stepper: &mut dyn Steps, starts: &State, of: In) -> (Rows, Row) {
         let n = self.n();
         let (weights, controls, zeros) = match of {

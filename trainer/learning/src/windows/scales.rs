@@ -13,7 +13,7 @@ pub(super) fn robust_deviation(mut amounts: Vec<f64>) -> f64 {
     OF_MEDIAN * *median
 }
 
-/// Histogram of absolute values in bins of equal ratio; sums of parts are independent of their order.
+/// Histogram of absolute values in bins of equal ratio; the order in which values are added does not matter.
 #[derive(Clone, Debug)]
 pub(super) struct Amounts {
     counts: Vec<u64>,
@@ -21,8 +21,9 @@ pub(super) struct Amounts {
 
 /// Bins per factor of ten.
 const CLASSES: f64 = 32.0;
-/// Smallest value distinguished from 0, as a power of ten, and the number of decades above it.
+/// Smallest value that is distinguished from 0, as a power of ten.
 const SMALLEST: f64 = -15.0;
+/// Number of decades above it.
 const DECADES: usize = 30;
 
 impl Amounts {
@@ -31,7 +32,7 @@ impl Amounts {
         Self { counts: vec![0; DECADES * CLASSES as usize] }
     }
 
-    /// Adds |x|; NaN counts as large.
+    /// Adds |x|; NaN counts as a large value.
     pub fn add(&mut self, x: f64) {
         let last = self.counts.len() - 1;
         let class = (x.abs().log10() - SMALLEST) * CLASSES;
@@ -44,7 +45,7 @@ impl Amounts {
         self.counts.iter_mut().zip(&other.counts).for_each(|(a, b)| *a += b);
     }
 
-    /// The standard deviation of a normal distribution with the same median; 0 if there are no values.
+    /// The standard deviation of a normal distribution with the same median absolute value; 0 if there are no values.
     pub fn scale(&self) -> f64 {
         let all: u64 = self.counts.iter().sum();
         let mut below = 0;

@@ -9,8 +9,8 @@ const NOTHING: f64 = 1e-3;
 /// Factor that shortens a step that does not lower the sum.
 const SHORTER: f64 = 0.25;
 
-/// Gauss–Newton steps of start states until they hardly change anything, each window on its own; a step that raises its sum is undone and
-/// shortened.
+/// Gauss–Newton steps of start states until they hardly change. Each window is treated on its own: a step that raises
+/// its sum is undone and shortened.
 pub(super) fn solved(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State, iterations: usize) -> State {
     let count = starts.len();
     let mut linearise = |starts: &State| {
@@ -43,7 +43,8 @@ pub(super) fn solved(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State, ite
     best
 }
 
-/// One Gauss–Newton step of start states, kept for a window if it lowers the window's sum; also returns Σρ of every window afterwards.
+/// Takes one Gauss–Newton step of start states, which a window keeps if it lowers the window's sum; also returns Σρ of
+/// every window afterwards.
 pub(super) fn stepped(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State) -> (State, Row) {
     let (mut rows, mut sums) = lanes.rows(stepper, starts, In::Starts);
     let step = rows.eliminate(starts.len());

@@ -33,7 +33,7 @@ pub struct DataConfig {
     /// Fraction of the trajectories, taken from the end, that is held back for validation, in [0, 1).
     #[serde(default = "validation", deserialize_with = "fields::fraction")]
     pub validation: f64,
-    /// Behaviour of u between samples; by default as the log states, or held if it states nothing.
+    /// Behaviour of u between samples; by default as the log states, or held if the log states nothing.
     #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::control_kind")]
     pub control: Option<ControlKind>,
     /// Time intervals to leave out.

@@ -14,13 +14,13 @@ pub(super) fn check_coordinates(architecture: &Architecture, data: &Dataset) -> 
     Err(PlanError::Coordinates(architecture.family.mismatch(data.n)))
 }
 
-/// Refuses a noise of logged states unless the loss can estimate it.
+/// Refuses a given noise of logged states unless the loss can take it into account.
 pub(super) fn check_state_noise(training: &TrainingConfig, loss: TrainingLoss) -> Result<(), PlanError> {
     let takes = (loss, training.optimiser) == (TrainingLoss::Acceleration, OptimiserKind::LevenbergMarquardt);
     if takes || training.state_noise.is_none() { Ok(()) } else { Err(PlanError::StateNoise) }
 }
 
-/// Refuses to learn sensor and drive numbers that a fit of an arm to torques cannot learn.
+/// Refuses to learn those sensor and drive numbers that the fit of an arm to torques cannot learn.
 pub(super) fn check_torque_calibration(
     config: &Config,
     architecture: &Architecture,

@@ -1,4 +1,4 @@
-//! The stage that learns networks beside an arm from torques.
+//! The stage that learns networks beside an arm, by the torque loss.
 
 use super::super::TorqueError;
 use super::{NETWORKS, PlanError, Stage};
@@ -10,8 +10,8 @@ use crate::training::{Objective, Offsets, Samples, TorqueTerms, torque_objective
 use crate::windows::{CalibrationLayout, Setting};
 use leastaction_models::{Actuator, Architecture, Number};
 
-/// The stage of networks beside bodies and rotors, which stay as fitted; friction and drive offsets are refined if they are learned. Its
-/// parameters are those that windows share.
+/// The stage of networks beside the fitted bodies and rotors, which stay fixed; friction and drive offsets are refined
+/// if they are learned. The parameters of the stage are those that all windows share.
 ///
 /// # Errors
 /// [`TorqueError`] if no trajectory can be filtered, [`PlanError`] if the shape is inconsistent.

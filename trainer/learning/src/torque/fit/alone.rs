@@ -1,13 +1,15 @@
 //! Estimates of base parameters and joint numbers from the samples alone, with their standard errors.
 //!
-//! A prior draws every number towards the description, by an amount that depends on the truth: an interval around such a fit has no known
-//! coverage. The estimates here are therefore those of least squares without a prior and without the bounds of bodies, in the combinations
-//! that torques depend on at all ([`BaseParameters`]) and in the joints' numbers.
+//! A prior draws every number towards the description by an amount that depends on the truth, so the coverage of an
+//! interval around such a fit is unknown. The estimates here are therefore those of least squares without a prior and
+//! without the constraint of physical consistency. They are estimates of the combinations on which torques depend at
+//! all ([`BaseParameters`]) and of the joints' numbers.
 //!
-//! The residuals of filtered samples are correlated over the filter's memory, and over longer times by what the model lacks; the residuals
-//! of different joints share the noise of the accelerations. The covariance is therefore that of the jackknife over blocks of time, (L −
-//! 1)/L Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, the change of the estimate if block l is left out; H = JᵀJ, and H_l and g_l = J_lᵀr_l are
-//! the parts of block l. 95 % of the true values lie within [`student`]`(L − 1)` standard errors, if the model is right.
+//! The residuals of filtered samples are correlated over the filter's memory, and over longer times because of effects
+//! that the model lacks; the residuals of different joints share the noise of the accelerations. The covariance is
+//! therefore estimated by the jackknife over blocks of time, (L − 1)/L Σ_l δ_l δ_lᵀ, where δ_l = (H − H_l)⁻¹ g_l is the
+//! change of the estimate if block l is left out. H = JᵀJ, and H_l and g_l = J_lᵀr_l are the parts of block l. If the
+//! model is right, 95 % of the true values lie within [`student`]`(L − 1)` standard errors.
 //!
 //! Source: Künsch, "The jackknife and the bootstrap for general stationary observations", 1989.
 
@@ -19,16 +21,16 @@ use crate::training::{Directions, NormalEquations, Shown, normal_equations_of, s
 use leastaction_models::tree::INERTIAL;
 use nalgebra::DMatrix;
 
-/// Number of blocks of time, left out in turn.
+/// Number of blocks of time, each left out in turn.
 const BLOCKS: usize = 32;
-/// Relative threshold on the slope of the torques in a number: below this fraction of the largest slope it is rounding, and torques do not
-/// depend on the number.
+/// Relative threshold for the derivatives of the torques with respect to a number. If they are below this fraction of
+/// the largest derivative, they are rounding errors, and torques do not depend on the number.
 const ROUNDING: f64 = 1e-10;
 
 /// An estimate from the samples alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Least-squares value; meaningless if the number is not shown.
+    /// Least-squares value; meaningless if the samples do not determine the number.
     pub value: f64,
     /// Standard error, or the reason why there is none.
     pub shown: Shown,
@@ -41,7 +43,7 @@ pub struct Estimate {
 pub struct Alone {
     /// Base parameters of the learned parameters.
     pub base: BaseParameters,
-    /// Joint numbers that follow the base parameters: the joint, and which of its numbers.
+    /// Joint numbers, whose estimates follow those of the base parameters: the joint, and which of its numbers.
     pub joints: Vec<(usize, JointNumber)>,
     /// Estimates of the base parameters, then of the joint numbers.
     pub estimates: Vec<Estimate>,
@@ -67,7 +69,7 @@ impl Alone {
     }
 }
 
-/// Torques in terms of the base parameters β. These include the rotors; the rotors of the joints are 0.
+/// Torques as functions of the base parameters β. These include the rotors, so the rotors of the joints are 0.
 struct OfBase<'a> {
     problem: &'a Problem<'a>,
     /// Columns of β among all parameters.
@@ -180,7 +182,7 @@ fn of_known(start: &Start, known: &[usize]) -> Vec<f64> {
 
 /// Covariance of numbers in scaled units: each number divided by the root of its diagonal entry in H.
 struct Spread {
-    /// Scales 1/√H_ii; 0 for a number that torques depend on only by rounding.
+    /// Scales 1/√H_ii; 0 for a number on which torques do not depend, except by rounding.
     sizes: Vec<f64>,
     directions: Directions,
     /// Covariance within the shown directions.

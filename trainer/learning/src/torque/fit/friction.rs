@@ -19,7 +19,7 @@ pub struct JointNumbers {
     pub width: f64,
     /// Offset o of the logged torque (N m, N).
     pub offset: f64,
-    /// Smoothing s > 0 (N m, N): a load below it counts quadratically.
+    /// Smoothing s > 0 (N m, N): the effect of a load below s is quadratic.
     pub smoothing: f64,
 }
 
@@ -55,7 +55,8 @@ impl JointNumber {
         [Self::Rotor, Self::Viscous, Self::Coulomb, Self::Load, Self::Width, Self::Offset, Self::Smoothing];
 }
 
-/// Default smoothing s of a load's size √(τ² + s²) − s (N m, N): smooth at 0, with almost no effect below 0.1 N m.
+/// Default smoothing s of the magnitude of a load, √(τ² + s²) − s (N m, N). The magnitude is smooth at 0, and a load
+/// below 0.1 N m has almost no effect.
 pub const SOFTNESS: f64 = 0.1;
 
 impl JointNumbers {
@@ -72,7 +73,7 @@ impl JointNumbers {
         Self { rotor, viscous, coulomb, load, width, offset, smoothing }
     }
 
-    /// The logged torque for a torque `bodies` of the bodies alone, at velocity v and acceleration a.
+    /// The logged torque, given the torque `bodies` of the bodies alone, at velocity v and acceleration a.
     #[must_use]
     pub fn torque(&self, bodies: f64, v: f64, a: f64) -> f64 {
         self.drive(bodies, v, a) + self.offset

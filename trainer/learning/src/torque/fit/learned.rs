@@ -1,4 +1,4 @@
-//! Selection of learned and known numbers of a fit.
+//! Selection of the learned and the known numbers of a fit.
 
 use super::friction::{JOINT, JointNumber, SOFTNESS};
 
@@ -21,7 +21,7 @@ pub enum Bodies {
 pub struct Learned {
     /// Constraint on the bodies.
     pub bodies: Bodies,
-    /// Bodies that are known whatever `bodies` says, by their indices in the tree.
+    /// Indices in the tree of bodies that are known whatever `bodies` says.
     pub known: Vec<usize>,
     /// Rotor inertia ≥ 0.
     pub rotors: bool,
@@ -42,8 +42,8 @@ pub struct Learned {
 }
 
 impl Default for Learned {
-    /// Consistent bodies, rotors, offsets, and all friction, including growth with the load at a known smoothing; widths from 0.02 to 1
-    /// rad/s.
+    /// Consistent bodies, rotors, offsets, and all friction are learned, including its growth with the load at a known
+    /// smoothing. Widths are learned from 0.02 to 1 rad/s.
     fn default() -> Self {
         Self {
             bodies: Bodies::Consistent,

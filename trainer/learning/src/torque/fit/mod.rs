@@ -1,8 +1,8 @@
 //! Fits of bodies, rotors and friction to torques, near a prior.
 //!
-//! The objective is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|². s_i is a robust scale of coordinate i's residuals after linear least squares; θ are the
-//! [log-Cholesky numbers](leastaction_models::tree::LogCholesky) of every body relative to the tree's own, which are the prior: what the
-//! log does not show stays there.
+//! The objective is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|². Here s_i is a robust scale of coordinate i's residuals after linear
+//! least squares, and θ are the [log-Cholesky parameters](leastaction_models::tree::LogCholesky) of every body relative
+//! to the same body of the tree. The tree is the prior: whatever the log does not determine stays there.
 
 mod alone;
 mod friction;
@@ -63,7 +63,8 @@ pub struct Fitted {
     pub arm: Arm,
     /// Number of learned parameters.
     pub parameters: usize,
-    /// Number of parameters that the samples alone determine, without the prior: singular values down to 10⁻⁶ of the largest count.
+    /// Number of parameters that the samples alone determine, without the prior: the number of singular values above
+    /// 10⁻⁶ of the largest.
     pub rank: usize,
     /// Strength λ of the prior.
     pub prior: f64,
@@ -78,16 +79,17 @@ const DETERMINED: f64 = 1e-6;
 /// [`FitError`].
 pub fn fit(tree: &Tree, samples: &Samples, learned: &Learned, prior: f64) -> Result<Fitted, FitError> {
     let start = Start::new(tree, samples, learned)?;
-    // The path starts at a stiff prior: far from the minimum a weak prior leads into corners.
+    // The path starts at a strong prior: far from the minimum, a fit with a weak prior can end in a poor local minimum.
     let strengths: Vec<f64> = [1e4, 1e2, 1.0].into_iter().filter(|s| *s > prior).chain([prior]).collect();
     let path = start.path(&strengths);
     Ok(start.fitted(path.last().unwrap_or(&start.x), prior))
 }
 
-/// Fits an arm to samples with the strength of prior that cross-validation chooses from `strengths`, which are in descending order. `folds`
-/// gives the fold of each sample, in blocks of time since neighbouring samples are alike; each fold is predicted by a fit to the rest. The
-/// error is the mean over coordinates of the mean squared error divided by the variance of τ. The strongest prior is taken whose error
-/// exceeds the least error by at most one standard error of the difference over the folds. Also returns all strengths with their errors.
+/// Fits an arm to samples with the prior strength that cross-validation chooses from `strengths`, which are in
+/// descending order. `folds` gives the fold of each sample, in blocks of time because neighbouring samples are alike;
+/// each fold is predicted by a fit to the other folds. The error is the mean over coordinates of the mean squared error
+/// divided by the variance of τ. The strongest prior is chosen whose error exceeds the smallest error by at most one
+/// standard error of the difference over the folds. Also returns all strengths with their errors.
 ///
 /// # Errors
 /// [`FitError`].
@@ -120,7 +122,7 @@ pub fn fit_by_folds(
     let tried: Vec<(f64, f64)> =
         strengths.iter().enumerate().map(|(k, strength)| (*strength, mean(k))).collect();
     let least = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1)).unwrap_or(0);
-    // The test is on the difference from the least error, which cancels what all strengths have in common.
+    // The test uses differences from the smallest error, in which the variation common to all strengths cancels.
     let is_as_good = |k: usize| {
         let differences: Vec<f64> = errors.iter().map(|fold| fold[k] - fold[least]).collect();
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
@@ -179,8 +181,8 @@ pub fn mean_nmse(errors: &[f64], variances: &[f64]) -> f64 {
     errors.iter().zip(variances).map(|(e, v)| e / v).sum::<f64>() / errors.len() as f64
 }
 
-/// Estimates, from the samples alone and without the prior, of the base parameters of what is learned and of the joints' numbers; `tree`
-/// supplies the known numbers.
+/// Estimates of the base parameters of the learned bodies and rotors, and of the joints' numbers, from the samples
+/// alone, without the prior; `tree` supplies the known numbers.
 ///
 /// # Errors
 /// [`FitError`].
@@ -199,13 +201,13 @@ fn minimum<T: Torques>(squares: &Squares<T>, x: Vec<f64>) -> Vec<f64> {
     Levenberg::new(squares, x).with_damping(DAMPING).run(squares, ITERATIONS, |_, _| ()).weights
 }
 
-/// Common part of the fits to the same samples.
+/// Common part of several fits to the same samples.
 struct Start<'a> {
     tree: &'a Tree,
     problem: Problem<'a>,
     x: Vec<f64>,
     bounds: Vec<[f64; 2]>,
-    /// Linear least-squares solution, of the bodies and then of the rotors.
+    /// Linear least-squares solution: the bodies, then the rotors.
     linear: Vec<f64>,
 }
 
@@ -244,7 +246,7 @@ impl<'a> Start<'a> {
         Ok(Self { tree, problem, x: x.collect(), bounds, linear })
     }
 
-    /// The minimisers for these strengths of the prior, each started from the one before.
+    /// The minimisers for these strengths of the prior, each started from the minimiser for the previous strength.
     fn path(&self, strengths: &[f64]) -> Vec<Vec<f64>> {
         let mut x = self.x.clone();
         let mut minimum = |prior: &f64| {

@@ -28,13 +28,13 @@ pub(super) struct Problem<'a> {
 
 /// Torques of the bodies, row by row, as functions of some numbers.
 pub(super) trait Torques: Sync {
-    /// Values that all rows share.
+    /// Values that all rows share, evaluated once for given numbers.
     type At;
     /// The samples.
     fn problem(&self) -> &Problem<'_>;
     /// Number of variables.
     fn count(&self) -> usize;
-    /// Evaluates the shared values, for torques alone or for their derivatives too.
+    /// Evaluates the shared values, either for torques only or also for their derivatives.
     fn at(&self, numbers: &[f64], with_derivatives: bool) -> Self::At;
     /// The torque of a row.
     fn torque(&self, at: &Self::At, row: usize) -> f64;

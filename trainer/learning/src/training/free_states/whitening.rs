@@ -10,7 +10,8 @@ pub(super) fn numbers_below(n: usize) -> usize {
     n * (n + 1) / 2
 }
 
-/// W, lower triangular, row by row up to the diagonal. `columns` are the columns of A, n rows each. If C = 0, W = 1.
+/// W, lower triangular, stored row by row up to the diagonal. `columns` are the columns of A, with n rows each. If C =
+/// 0, W = 1.
 pub(super) fn whitening(columns: &[Row], n: usize, deviation: f64) -> Vec<Row> {
     let mut all = vec![Row::default(); numbers_below(n)];
     for lane in 0..WIDTH {

@@ -1,4 +1,4 @@
-//! Views of a fit over windows: its windows by log, its residuals, its learned numbers.
+//! Access to a fit over windows: its windows by log, its residuals, its learned numbers.
 
 use super::WindowLoss;
 use crate::training::Residuals;
@@ -8,7 +8,7 @@ use leastaction_programs::WIDTH;
 use std::ops::Range;
 
 impl WindowLoss {
-    /// The windows of every log that has any, in order.
+    /// The windows of every log that has any, in the order of the logs.
     pub(in crate::windows) fn windows_of_logs(&self) -> Vec<Range<usize>> {
         let mut first = 0;
         let of = |part: &[Window]| {
@@ -19,8 +19,8 @@ impl WindowLoss {
         self.windows.chunk_by(|a, b| a.log == b.log).map(of).collect()
     }
 
-    /// For every window its log and the logarithm of the mean squared position error, (m, rad)², from its best start state; the squared
-    /// sensor noise is added as a floor.
+    /// For every window, its log and the logarithm of its mean squared position error, (m, rad)², from the best start
+    /// state. The squared sensor noise is added to the error as a floor.
     pub fn held_back_errors(&self, weights: &[f64]) -> Vec<(usize, f64)> {
         let weights = self.enter(weights[..self.layout.end().min(weights.len())].to_vec());
         let (n, scales) = (self.n(), self.scales(&weights).to_vec());
@@ -48,8 +48,8 @@ impl WindowLoss {
         self.scales(weights).to_vec()
     }
 
-    /// Scaled residuals (q̂_i + z_i − q̃_i)/s_i of every coordinate, over at most `most` windows from throughout the logs; windows that
-    /// cannot be computed are left out.
+    /// Scaled residuals (q̂_i + z_i − q̃_i)/s_i of every coordinate, over at most `most` windows taken from all parts
+    /// of the logs; windows that cannot be computed are left out.
     pub fn scaled_residuals(&self, weights: &[f64], most: usize) -> Vec<Vec<f64>> {
         let blocks = self.windows.len().div_ceil(WIDTH);
         let stride = blocks.div_ceil((most / WIDTH).max(1)).max(1);

@@ -6,7 +6,7 @@ use crate::windows::starts;
 use leastaction_programs::steps::State;
 use leastaction_programs::{Row, WIDTH};
 
-/// Largest number of steps of a new start state from the guess by a parabola.
+/// Largest number of Gauss–Newton steps of a new start state from its guess by a parabola.
 const FIRST_STEPS: usize = 8;
 /// Fractions of a window over which new start states are found before the whole window is used.
 const GROWING: [f64; 2] = [0.25, 0.5];
@@ -31,8 +31,8 @@ impl WindowLoss {
         }
     }
 
-    /// Completes these shared numbers with initial calibration numbers as needed, scales as large as the motion, and start states from
-    /// parabolas.
+    /// Completes these shared numbers with initial calibration numbers if they are missing, scales that equal the
+    /// motion, and start states from parabolas.
     pub(super) fn with_guessed_starts(&self, mut weights: Vec<f64>) -> Vec<f64> {
         let n = self.n();
         weights.truncate(self.layout.end());
@@ -51,7 +51,7 @@ impl WindowLoss {
         weights
     }
 
-    /// Replaces the start states by the best ones, found over growing parts of the windows.
+    /// Replaces the start states by the best ones, found over successively longer parts of the windows.
     pub(super) fn with_best_starts(&self, mut weights: Vec<f64>) -> Vec<f64> {
         for steps in self.growing() {
             let solved = self.of_blocks(|first, _, stepper| {
@@ -63,8 +63,8 @@ impl WindowLoss {
         weights
     }
 
-    /// Numbers of steps over which start states are found, one after the other, the whole window last: over a short part even a rough guess
-    /// leads to the best state.
+    /// Numbers of steps over which start states are found successively; the last is the whole window. Over a short part
+    /// of a window, even a rough guess leads to the best state.
     fn growing(&self) -> impl Iterator<Item = usize> {
         let parts = GROWING.map(|part| self.pace.whole((part * self.steps as f64) as usize));
         let all = self.steps;
