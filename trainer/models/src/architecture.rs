@@ -31,8 +31,8 @@ impl<F: Into<AnyFamily>> From<F> for Architecture {
 }
 
 impl Architecture {
-    /// Returns the shape described by a model file, with its first tree selected if there are several. All numbers of the laws count as
-    /// known.
+    /// Returns the shape described by a model file; if the file has several trees, the first one is selected. All
+    /// numbers of the laws count as known.
     ///
     /// # Errors
     /// [`ModelError::OtherFamily`] for a family that this program does not know, [`ModelError::Law`] for a law of force that the family
@@ -48,7 +48,8 @@ impl Architecture {
         Ok(Self { family, friction, corrections })
     }
 
-    /// Word for the mechanisms of the model (tree or graph) and the name of the selected one; `None` for a family without them.
+    /// The word for the mechanisms of the model (tree or graph), and the name of the selected one; `None` for a family
+    /// without them.
     pub fn part(&self) -> Option<(&'static str, &str)> {
         self.family.parts().map(|Parts { what, meant, .. }| (what, meant))
     }
@@ -113,7 +114,7 @@ impl Architecture {
         self.with_header(|family| Header { laws: self.laws(), ..Header::new(family) }.parameters())
     }
 
-    /// Laws of force beside the energies, whose numbers end the weight block.
+    /// Laws of force beside the energies; their numbers are at the end of the weight block.
     pub fn laws(&self) -> Laws<'_> {
         self.corrections.laws(self.friction_laws())
     }
@@ -223,7 +224,7 @@ impl Architecture {
         self.family.rods()
     }
 
-    /// Refuses a model with rods; `what` says what must have none.
+    /// Refuses a model with rods; `what` names, in the error, the feature that does not support them.
     ///
     /// # Errors
     /// [`ModelError::Shape`] with the number of rods; see also [`Architecture::rods`].

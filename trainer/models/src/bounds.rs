@@ -1,20 +1,21 @@
 //! Numbers with a range, as the optimisers see them: free parameters θ from which the numbers follow. Everywhere else, weight blocks hold
 //! the numbers themselves.
 //!
-//! A number above 0 is w = e^θ, so that a step of θ changes it in proportion to its size. The damping of Levenberg–Marquardt and the steps
-//! of Adam are the same for every θ; they therefore suit numbers from 10⁻³ to 10³, whatever their unit. ln(1 + e^θ) is linear from 1 on and
-//! has this property only below 1. If Gauss–Newton goes too far up, the step is refused and damped like any other; down, it takes δθ = (w*
-//! − w)/w > −1 for a residual that is linear in w. A number between a and b is w = a + ½(b − a)(1 + tanh θ).
+//! A number above 0 is w = e^θ, so that a step of θ changes it in proportion to its size. The damping of
+//! Levenberg–Marquardt and the steps of Adam are the same for every θ; this change of variables makes them suitable for
+//! numbers from 10⁻³ to 10³, whatever their unit. (ln(1 + e^θ) has this property only below 1; from there on it is
+//! linear.) If a Gauss–Newton step goes too far up, it is rejected and damped like any other. Downwards, for a residual
+//! that is linear in w, it takes δθ = (w* − w)/w > −1. A number between a and b is w = a + ½(b − a)(1 + tanh θ).
 //!
-//! θ is limited so that the number stays a little away from its bound in double precision: at the bound its slope would be 0 and nothing
-//! could move it any more. See [`LEAST`] and [`MARGIN`].
+//! θ is limited so that the number stays a little away from its bound in double precision: at the bound its derivative
+//! would be 0, and nothing could move it any more. See [`LEAST`] and [`MARGIN`].
 
 use crate::tree::{INERTIAL, Inertia, LogCholesky};
 use serde::{Deserialize, Serialize};
 
 /// Smallest value of a number above 0; the largest is its reciprocal.
 pub const LEAST: f64 = 1e-12;
-/// Distance that numbers between two bounds keep from both, as a fraction of the interval.
+/// Distance that a number between two bounds keeps from both, as a fraction of the interval.
 pub const MARGIN: f64 = 1e-4;
 
 /// Range of a number of a weight block.
@@ -42,7 +43,7 @@ impl Range {
         }
     }
 
-    /// θ, limited to the range that numbers may reach.
+    /// θ, limited to values whose numbers keep their distance from the bounds.
     fn held(self, theta: f64) -> f64 {
         let most = match self {
             Self::Any => return theta,
@@ -73,8 +74,8 @@ impl Range {
     }
 }
 
-/// The restricted numbers of a weight block: single numbers with a range, and the ten inertial numbers of each body, kept physically
-/// consistent together. All others may take any value.
+/// The restricted numbers of a weight block: single numbers with a range, and the ten inertial numbers of each body,
+/// which are kept physically consistent together. All other numbers may take any value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bounds {
     ranges: Vec<(usize, Range)>,
@@ -92,7 +93,7 @@ impl Bounds {
         Self { ranges, bodies: Vec::new() }
     }
 
-    /// Returns these bounds, with the ten numbers from each of these positions on as a body.
+    /// Returns these bounds, with the ten numbers that start at each of these positions treated as a body.
     #[must_use]
     pub fn with_bodies(self, bodies: Vec<(usize, LogCholesky)>) -> Self {
         Self { bodies, ..self }

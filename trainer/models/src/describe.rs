@@ -5,7 +5,7 @@ use crate::words::Describe;
 use serde::Serialize;
 use std::ops::Deref;
 
-/// Makes the enum of all descriptions.
+/// Defines the enum of all descriptions.
 macro_rules! any_description {
     ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
         /// Description of a shape in words, for any family.

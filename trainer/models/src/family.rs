@@ -28,7 +28,7 @@ pub trait Family {
         self.coordinates().chars().map(unit).collect::<Vec<_>>().join(",")
     }
 
-    /// Says, in the terms of a configuration, that the data has another number of coordinates.
+    /// Returns a message, in the terms of a configuration, that the data has another number of coordinates.
     fn mismatch(&self, data: usize) -> String;
 
     /// Energies and forces as a program, for the selected tree or graph.
@@ -40,12 +40,13 @@ pub trait Family {
     /// Returns random values for the learned network weights and the given values for all other numbers.
     fn initial_weights(&self, seed: u64) -> Vec<f64>;
 
-    /// The family's own laws of force, whose numbers end its part of the weight block.
+    /// The family's own laws of force, whose numbers are at the end of its part of the weight block.
     fn laws(&self) -> Laws<'static> {
         Laws::NONE
     }
 
-    /// Number of groups of coordinates with numbers of their own for the laws, as in a model file; 0 if no laws are possible.
+    /// Number of groups of coordinates, as in a model file; the laws have separate numbers for each group. 0 if no laws
+    /// are possible.
     fn groups(&self) -> usize {
         self.n()
     }
@@ -120,7 +121,8 @@ pub trait Family {
     /// Name of the part that can only be read from a file.
     fn constant_type(&self) -> Result<ConstantType, &'static str>;
 
-    /// Reason why free motion cannot be learned from, if it leaves a common factor of all masses undetermined.
+    /// Reason why the model cannot be learned from free motion; present if free motion leaves a common factor of all
+    /// masses undetermined.
     fn open_gauge(&self) -> Option<OpenGauge> {
         None
     }
@@ -136,7 +138,7 @@ pub enum OpenGauge {
         /// Mechanism built from them: tree or graph.
         of: &'static str,
     },
-    /// The scale shows only under torques.
+    /// The scale is determined only by torques.
     Torques,
 }
 

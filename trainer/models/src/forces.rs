@@ -1,4 +1,4 @@
-//! Forces of a model beside its energies: friction by formulas and by networks.
+//! Forces of a model in addition to those of its energies: friction by formulas and by networks.
 
 use crate::Model;
 use leastaction_core::model::ModelError;
@@ -16,7 +16,7 @@ pub struct Driven {
 }
 
 impl Model {
-    /// Forces Q(q, v, τ) beside the control, N or N m, at each of these states.
+    /// Forces Q(q, v, τ) in addition to the control, N or N m, at each of these states.
     ///
     /// # Errors
     /// An error if the shape is inconsistent or the weights do not fit it.

@@ -7,9 +7,9 @@ use leastaction_programs::dynamics::InverseDynamics;
 use leastaction_programs::{Row, WIDTH};
 
 impl Model {
-    /// Returns the commands u of inverse dynamics at states \[samples\]\[n\] (q, v and v̇, flat): the actuator's output τ = g u + o gives
-    /// the acceleration; its delay is ignored. For friction that grows with the load, τ solves the implicit equation. Commands that do not
-    /// exist are NaN.
+    /// Returns the commands u of inverse dynamics at states \[samples\]\[n\] (q, v and v̇, flat): with them the
+    /// actuator's output τ = g u + o causes the acceleration; its delay is ignored. If friction grows with the load, τ
+    /// is the solution of an implicit equation. A command that does not exist is NaN.
     ///
     /// # Errors
     /// See [`Model::system`]; [`ModelError::Shape`] if the states have different lengths.
@@ -26,7 +26,7 @@ impl Model {
             let first = block * WIDTH;
             let [q, v, a] = states.map(|all| side_by_side(all, n, (first, count)));
             let mut tau = vec![Row::default(); n];
-            // A command that does not exist is NaN.
+            // A command that does not exist is NaN, so the failures need no handling.
             let _failures = pool.with(|own| own.evaluate(&self.weights, [&q, &v, &a], &mut tau));
             let lanes = WIDTH.min(count - first);
             (0..lanes).flat_map(|lane| tau.iter().map(move |tau| tau.0[lane])).collect::<Vec<f64>>()

@@ -8,7 +8,8 @@ pub const MAX_UNITS: usize = 1024;
 pub const MAX_ELEMENT_UNITS: usize = 64;
 /// Maximum number of coordinates of a tree, as in a model file.
 pub const MAX_TREE_COORDINATES: usize = 64;
-/// Maximum number of coordinates of a trained graph: the mass matrix of a sample is dense, and takes a pass over the graph per coordinate.
+/// Maximum number of coordinates of a trained graph: the mass matrix of a sample is dense, and needs a pass over the
+/// graph per coordinate.
 pub const MAX_GRAPH_COORDINATES: usize = 192;
 /// Maximum number of hidden layers, as in a model file.
 pub use leastaction_core::energy::MAX_HIDDEN;

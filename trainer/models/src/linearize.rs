@@ -28,8 +28,8 @@ pub struct Linearization {
 }
 
 impl Model {
-    /// Returns the derivatives at a state under a control u; `None` if the inertia is singular, a number is not finite, or the model has
-    /// rods.
+    /// Returns the derivatives at a state under a control u; `None` if the mass matrix is singular, a number is not
+    /// finite, or the model has rods.
     ///
     /// With B = ∂v̇/∂u = M⁻¹(1 + ∂Q/∂τ)g, the derivatives of inverse dynamics are ∂u/∂v̇ = B⁻¹, ∂u/∂q = −B⁻¹ ∂v̇/∂q and likewise in v.
     ///
@@ -90,7 +90,7 @@ mod tests {
     const STATE: [[f64; 2]; 3] = [[0.3, -0.7], [0.4, -0.2], [0.6, 0.9]];
     const STEP: f64 = 1e-5;
 
-    /// Dry friction that grows with the load, so that Q sees τ, and drives of different gains.
+    /// Dry friction that grows with the load, so that Q depends on τ, and drives with different gains.
     fn machine() -> Model {
         let dry = [0.3, 0.4, 0.2, 0.25].map(Number::known);
         let architecture = Architecture {
@@ -109,7 +109,7 @@ mod tests {
         a
     }
 
-    /// Central differences in the entry j of an input, of every output.
+    /// Derivatives of every output with respect to entry j of an input, for all j, by central differences.
     fn differences(input: usize, of: impl Fn([[f64; 2]; 3]) -> [f64; 2], at: [[f64; 2]; 3]) -> Vec<f64> {
         let moved = |j: usize, step: f64| {
             let mut at = at;

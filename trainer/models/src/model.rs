@@ -12,13 +12,13 @@ use leastaction_programs::System;
 pub struct Model {
     /// Shape of the model.
     pub architecture: Architecture,
-    /// Weight block; if the model was read from a file, every number is representable in `precision`.
+    /// Weight block; if the model was read from a file, every number can be represented in `precision`.
     pub weights: Vec<f64>,
     /// Precision of the weights in a file.
     pub precision: Precision,
     /// Actuator, step, range and provenance.
     pub facts: Facts,
-    /// Version of the format of the file that it was read from.
+    /// Format version of the file from which the model was read.
     pub version: u8,
 }
 
@@ -36,14 +36,14 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Creates facts from a trained step and a provenance text.
+    /// Creates facts with a trained step and a provenance text.
     pub fn new(trained_step: Option<TrainedStep>, provenance: &str) -> Self {
         Self { trained_step, provenance: provenance.to_owned(), ..Self::default() }
     }
 }
 
 impl Model {
-    /// Creates a model with this shape and these weights, whose commands are forces.
+    /// Creates a model with this shape and these weights; its commands are forces.
     pub fn new(architecture: impl Into<Architecture>, weights: Vec<f64>) -> Self {
         Self {
             architecture: architecture.into(),

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// Stack size of a thread in bytes; the values that the passes through a wide network hand to each other lie on the stack.
+/// Stack size of a thread in bytes; the passes through a wide network hand large values to each other on the stack.
 const STACK: usize = 16 << 20;
 
-/// Maximum useful number of threads per processor: more would only wait, and wake up for nothing.
+/// Maximum useful number of threads per processor: more threads would only wait and wake up without work.
 const FOR_EACH_PROCESSOR: usize = 4;
 
 /// Thread pool with as many threads as processors, or as many as RAYON_NUM_THREADS says; `None` if it cannot be created.
@@ -44,7 +44,7 @@ pub fn map<T: Send>(count: usize, work: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> 
     within(|| (0..count).into_par_iter().map(work).collect())
 }
 
-/// Workspaces that threads take in turn; as many are made as are in use at once.
+/// Workspaces that threads take in turn; there are as many as are in use at the same time.
 pub struct Pool<T> {
     make: Box<dyn Fn() -> T + Send + Sync>,
     free: Mutex<Vec<T>>,
@@ -56,7 +56,7 @@ impl<T> Pool<T> {
         Self { make: Box::new(make), free: Mutex::new(Vec::new()) }
     }
 
-    /// Calls `work` with a workspace that no other thread uses meanwhile. Its previous content must not matter.
+    /// Calls `work` with a workspace that no other thread uses at the same time. Its previous content must not matter.
     pub fn with<U>(&self, work: impl FnOnce(&mut T) -> U) -> U {
         let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = free().pop();

@@ -28,7 +28,8 @@ impl<'a, P: Particles<f64, D>, const D: usize> Driven<'a, P, D> {
         self.solve(q, v, u, out).map(|_| ())
     }
 
-    /// Multiplier of every rod, N: positive if the rod pushes its ends apart; `None` as for accelerations.
+    /// Force in every rod, N: the multiplier of its constraint, positive if the rod pushes its ends apart; `None` as
+    /// for accelerations.
     pub fn multipliers(&self, q: &[f64], v: &[f64], u: &[f64]) -> Option<Vec<f64>> {
         self.solve(q, v, u, &mut vec![0.0; q.len()])
     }

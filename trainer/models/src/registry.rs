@@ -5,7 +5,8 @@ use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
-/// Makes the enum of all families, and everything that follows from their list alone: conversions, names, reading and writing of headers.
+/// Defines the enum of all families, and everything that follows from their list: conversions, names, reading and
+/// writing of headers.
 macro_rules! any_family {
     ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
         /// A model's family, one of all.
@@ -46,8 +47,8 @@ macro_rules! any_family {
                 }
             }
 
-            /// Returns the family described by a model file with these laws, with the first of several trees or graphs selected. All its
-            /// numbers are known.
+            /// Returns the family described by a model file with these laws; if the file has several trees or graphs,
+            /// the first one is selected. All its numbers are known.
             ///
             /// # Errors
             /// [`ModelError::OtherFamily`] for a family that this program does not know.
@@ -81,7 +82,7 @@ macro_rules! any_family {
 with_families!(any_family);
 
 impl AnyFamily {
-    /// Length of the family's part of the weight block, which comes first, in numbers.
+    /// Number of entries in the family's part of the weight block, which comes first.
     ///
     /// # Errors
     /// An error if the shape is outside the range of the format.

@@ -27,7 +27,7 @@ impl Model {
         for block in positions.chunks(WIDTH) {
             let at = |lane: usize, i: usize| block.get(lane).or(block.last()).map_or(0.0, |q| q[i]);
             let q: Vec<Row> = (0..n).map(|i| Row(std::array::from_fn(|lane| at(lane, i)))).collect();
-            // A singular M gives no accelerations, and therefore no slope.
+            // If M is singular, there are no accelerations, and therefore no slope.
             let _failures = accelerations.evaluate(weights, [&q, &zero, &zero], &mut a, None);
             all.extend((0..block.len()).map(|lane| {
                 let mass: Vec<f64> = (0..n * n).map(|k| accelerations.mass(k / n, k % n).0[lane]).collect();

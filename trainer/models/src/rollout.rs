@@ -19,12 +19,12 @@ pub enum Beginning {
     Velocity,
 }
 
-/// Converts the number of an order for the programs: 4 is order 4, anything else order 2.
+/// Converts an order given as a number: 4 is order 4, any other number order 2.
 pub fn order_of(order: u8) -> Order {
     if order == 4 { Order::Four } else { Order::Two }
 }
 
-/// Places in a log that are stepped side by side: a trajectory, and the sample at which the motion begins.
+/// Places in logs that are stepped side by side: a trajectory, and the sample at which the motion begins.
 type Places<'d> = [(&'d Trajectory, usize)];
 
 /// Command u_i at a sample; the first or last command beyond the ends of a log, 0 without control.
@@ -41,8 +41,9 @@ struct Logged<'a> {
 }
 
 impl Model {
-    /// Returns the positions reached by stepping from the beginning of each trajectory, after the first two as logged, \[samples\]\[n\],
-    /// flat. The commands of the log are held between samples or linear; the force is what the actuator makes of them.
+    /// Returns the positions reached by stepping from the beginning of each trajectory, \[samples\]\[n\], flat; the
+    /// first two are as logged. The commands of the log are held between samples or linear; the force is what the
+    /// actuator produces from them.
     ///
     /// If a step fails, the rest of the trajectory is NaN.
     ///
@@ -61,8 +62,8 @@ impl Model {
         Ok(runs.into_iter().flatten().collect())
     }
 
-    /// Returns the mean squared error of each position of every trajectory but its first two, when predicted from the two before it, in the
-    /// order of the log; `None` if the step cannot be solved.
+    /// Returns mean squared errors of positions, each predicted from the two positions before it, for every position of
+    /// every trajectory except the first two, in the order of the log; `None` if the step cannot be solved.
     ///
     /// # Errors
     /// See [`Model::system`].
@@ -130,7 +131,7 @@ impl Logged<'_> {
     }
 
     fn step(&self, del: &mut Del, state: &mut DelState, (places, k): (&Places, usize)) {
-        // After a failure, everything is NaN.
+        // After a failure, everything is NaN, so the failures need no handling.
         del.step(&self.model.weights, state, self.forces(places, k).each_ref().map(Vec::as_slice));
     }
 
@@ -173,7 +174,7 @@ mod tests {
 
     const H: f64 = 1e-3;
 
-    /// A straight motion of 8 samples, v its velocities.
+    /// A uniform motion of 8 samples; `v` gives the logged velocity.
     fn motion(v: Option<f64>) -> Dataset {
         let rows = |x: &dyn Fn(usize) -> f64| Rows::from_flat(1, (0..8).map(x).collect()).unwrap();
         let q = rows(&|k| 0.3 + 0.7 * H * k as f64);

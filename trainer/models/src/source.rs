@@ -5,8 +5,8 @@
 pub struct LoadedType {
     /// Name of the type in `leastaction_core::model`, for example `BodiesModel`.
     pub name: &'static str,
-    /// Size parameters after its lifetime, for example `N, H, L`: N coordinates (M for a selected tree), hidden layers of H units, L of
-    /// them.
+    /// Size parameters after its lifetime, for example `N, H, L`: N coordinates (M for a selected tree), and L hidden
+    /// layers of H units.
     pub sizes: &'static str,
     /// Constants beside those sizes, each with a comment.
     pub constants: String,
@@ -34,7 +34,7 @@ pub struct ConstantType {
     pub network: Option<[usize; 2]>,
 }
 
-/// Names as they stand in a `use` declaration.
+/// Names in the form and order of a `use` declaration.
 pub(crate) fn listed(mut names: Vec<&str>) -> String {
     names.sort_unstable_by_key(|name| (*name != "self", *name));
     match names[..] {

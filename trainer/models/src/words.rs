@@ -3,7 +3,7 @@
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::bodies::Joint;
 
-/// Description of a shape in words; it serialises to the fields that a program reads.
+/// Description of a shape in words; it also serialises to fields for programs.
 pub trait Describe {
     /// Readable names and values, line by line.
     fn lines(&self) -> Vec<(&'static str, String)>;

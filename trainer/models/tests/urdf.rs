@@ -43,7 +43,7 @@ fn a_fixed_link_is_one_body_with_what_carries_it() {
     let placed = "<origin xyz='0.4 -0.1 0.2' rpy='1 -2 0.5'/>";
     let tip = joint("k", "fixed", ["a", "tip"], placed);
     let lumped = parse(&robot(&chain(&[link("tip"), tip])), Inertias::Required).unwrap();
-    // A joint that never turns is the same.
+    // A joint that never moves gives the same mechanism.
     let tip = joint("k", "prismatic", ["a", "tip"], &format!("{placed}<axis xyz='1 0 0'/>"));
     let apart = parse(&robot(&chain(&[link("tip"), tip])), Inertias::Required).unwrap();
     assert_eq!((lumped.coordinates(), apart.coordinates()), (1, 2));
@@ -173,13 +173,13 @@ fn hostile_text_is_refused_in_time() {
     assert!(error("<robot").contains("not XML"));
     assert!(error("").contains("not XML"));
     assert!(error("<sdf/>").contains("<sdf>"));
-    // A million links: in a file of this size, and beyond it.
+    // A million links make the file too large; 5000 links in a smaller file are still too many.
     let many: String = (0..1_000_000).map(|k| format!("<link name='{k}'/>")).collect();
     assert!(many.len() > MOST_BYTES);
     assert!(error(&robot(&[many])).contains("bytes"));
     let many: String = (0..5000).map(|k| format!("<link name='{k}'/>")).collect();
     assert!(error(&robot(&[many])).contains("5000 links"));
-    // Elements inside each other are passed over, and the stack stays.
+    // Nested unknown elements are skipped without recursion, so the stack does not overflow.
     let deep = format!("{}{}", "<x>".repeat(200_000), "</x>".repeat(200_000));
     let found = parse(&robot(&chain(&[deep])), Inertias::Required);
     assert_eq!(found.unwrap().coordinates(), 1);

@@ -102,7 +102,7 @@ impl Range {
     pub const NOT_BELOW: Self = Self { holds: |x| x >= 0.0, words: "a finite number, 0 or above" };
     pub const ANY: Self = Self { holds: |_| true, words: "a finite number" };
 
-    /// Returns the number, if it is in the range; `key` is the key that it stands at.
+    /// Returns the number, if it is in the range; `key` is its key in the configuration.
     pub fn number(&self, key: &'static str, value: f64, learned: bool) -> Result<Number, Problem> {
         let single = value as f32;
         if !single.is_finite() || !(self.holds)(single) {
@@ -122,7 +122,7 @@ impl Networks {
         let mut widths = [0; MAX_HIDDEN];
         widths.iter_mut().zip(units).for_each(|(slot, width)| *slot = *width);
         self.0.push(NetworkShape { inputs: inputs as u8, widths, outputs: outputs as u8, activation });
-        // A count beyond what the format holds is refused afterwards.
+        // A count beyond what the format can hold is refused later.
         u8::try_from(self.0.len() - 1).unwrap_or(u8::MAX)
     }
 }

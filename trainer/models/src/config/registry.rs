@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 
-/// Makes the enum of all configurations, and everything that follows from the list of families alone.
+/// Defines the enum of all configurations, and everything that follows from the list of families.
 macro_rules! any_config {
     ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
         /// `[model]` of a configuration, for any family.
@@ -91,14 +91,14 @@ macro_rules! any_config {
     };
 }
 
-/// Reader of the name of a family, so that an error has a place.
+/// Reader of the name of a family, which lets an error state its place.
 struct FamilyName;
 
 with_families!(any_config);
 
 impl ModelConfig {
-    /// Returns this configuration with only the requested correction networks, as they are given or else with their defaults; `None` if its
-    /// coordinates can have none.
+    /// Returns this configuration with exactly the requested correction networks, each as it is given or else with its
+    /// defaults; `None` if its coordinates can have none.
     pub fn with_networks(&self, with_dissipation: bool, with_potential: bool) -> Option<Self> {
         let mut own = self.clone();
         let (dissipation, potential) = own.networks()?;

@@ -1,4 +1,4 @@
-//! Model files on the host: written from weights in double precision, read back into them, and as source of Rust and C.
+//! Model files on the host: written from weights in double precision, read back, and exported as Rust or C source.
 
 mod c_source;
 mod rust_constants;
@@ -23,7 +23,7 @@ use thiserror::Error;
 /// Reason why a model cannot be written.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EncodeError {
-    /// A weight is not a number of the precision asked for.
+    /// A weight cannot be represented in the requested precision.
     #[error(
         "weight {index} is {value}, which {} bits cannot hold; {}", precision.bits(), precision.way_out()
     )]
@@ -47,7 +47,7 @@ impl Model {
     /// Returns the bytes of the model file in the current version of the format.
     ///
     /// # Errors
-    /// See [`encode_in`]; none for a model as it was read.
+    /// See [`encode_in`]; there is no error for an unchanged model that was read from a file.
     pub fn to_bytes(&self) -> Result<Vec<u8>, EncodeError> {
         encode_in(self.precision, &self.architecture, &self.weights, &self.facts)
     }
@@ -66,8 +66,8 @@ pub fn encode(
     encode_in(Precision::Single, architecture, weights, &Facts::new(trained_step, provenance))
 }
 
-/// Returns the bytes of the model file: the weights are rounded to the given precision, and the result is aligned, checksummed, and read
-/// back once.
+/// Returns the bytes of the model file. The weights are rounded to the given precision; the result is aligned,
+/// checksummed, and read back once as a check.
 ///
 /// # Errors
 /// [`EncodeError`] for anything that [`decode`] or the chip would refuse.

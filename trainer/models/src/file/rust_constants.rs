@@ -19,7 +19,7 @@ pub enum ConstantsError {
     /// The bytes are no valid model.
     #[error("{0}")]
     Model(#[from] ModelError),
-    /// A part of the model can only be made by the reader.
+    /// A part of the model can only be created by the reader of model files.
     #[error("{what} can only be read from the file: export without --constants")]
     Unsupported {
         /// Name of the part.
@@ -27,10 +27,10 @@ pub enum ConstantsError {
     },
 }
 
-/// Returns a Rust module for a microcontroller with the shape and the weights of a model as constants, and functions that make the model
-/// and its stepper from them. The module of [`rust_source`](super::rust_source) holds the file, its reader and its checksum instead, about
-/// 6 KB more code; here the compiler knows the shape and leaves out what only other shapes need. The module depends on `leastaction-core`
-/// alone.
+/// Returns a Rust module for a microcontroller with the shape and the weights of a model as constants, and with
+/// functions that make the model and its stepper from them. The module of [`rust_source`](super::rust_source) holds the
+/// file, its reader and its checksum instead, which takes about 6 KB more code; here the compiler knows the shape and
+/// omits what only other shapes need. The module depends on `leastaction-core` alone.
 ///
 /// # Errors
 /// [`ConstantsError::Unsupported`] for trees, graphs, laws with networks, and an actuator without a trained step;
@@ -137,7 +137,7 @@ fn write_type(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &Consta
     )
 }
 
-/// Name of the constant for these laws, none of which has a network.
+/// Name of the constant for these laws; none of them has a network.
 fn laws(laws: &Laws) -> &'static str {
     match (laws.contains(Law::Viscous), laws.contains(Law::Coulomb)) {
         (false, false) => "Laws::NONE",
@@ -147,7 +147,8 @@ fn laws(laws: &Laws) -> &'static str {
     }
 }
 
-/// Writes every number as the shortest decimal that reads back as the same number; in half precision, as its bits.
+/// Writes every number as the shortest decimal that reads back as the same number; a number in half precision is
+/// written as its bits.
 fn write_weights(to: &mut String, weights: &Weights) -> fmt::Result {
     let (kind, numbers): (_, Vec<String>) = match weights {
         Weights::Single(weights) => ("f32", weights.iter().map(|w| format!("{w:?}")).collect()),

@@ -13,8 +13,9 @@ const BYTES_A_LINE: usize = 16;
 /// First words of every module.
 pub const RUST_HEAD: &str = "//! A learned Lagrangian:";
 
-/// Returns a Rust module for a microcontroller that holds the model file as an aligned constant, with its sizes, its types, and functions
-/// that load it and make its stepper, which unites model, integrator, actuator and state. The module depends on `leastaction-core` alone.
+/// Returns a Rust module for a microcontroller. It holds the model file as an aligned constant, with its sizes and
+/// types, and has functions that load it and make its stepper, which unites model, integrator, actuator and state. The
+/// module depends on `leastaction-core` alone.
 ///
 /// # Errors
 /// [`ModelError`] for invalid bytes.

@@ -7,7 +7,8 @@ use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{ActuatorBytes, ModelError, TrainedStep};
 use std::fmt::{self, Write};
 
-/// Number of commands that a model without a trained step keeps for a delay: up to 8 whole steps and a part of one.
+/// Number of commands that are kept for the delay of a model without a trained step: enough for up to 8 whole steps and
+/// a fraction of one.
 const PAST: usize = 9;
 
 /// Facts about a model that determine the types of its stepper.
@@ -87,7 +88,7 @@ impl StepperType {
         self.write_made(to, "Stepper::new(load()?)")
     }
 
-    /// [`StepperType::write`] for a model held as constants.
+    /// Writes the same as [`StepperType::write`], but for a model held as constants.
     pub(super) fn write_of_constants(&self, to: &mut impl Write) -> fmt::Result {
         let made = match self.actuator() {
             None => "Stepper::new(load()?)",
@@ -163,7 +164,7 @@ impl StepperType {
             "\nconst TRAINED: TrainedStep = TrainedStep {{ order: Order::{order:?}, h: STEP, control: {control} }};"
         )?;
         let Some(actuator) = self.actuator() else { return Ok(()) };
-        // Checked before, for the number of commands kept.
+        // This was checked before, when the number of commands kept was computed.
         let (whole, rest) = actuator.delay_at_step(h).unwrap_or_default();
         let pairs = actuator.pairs().collect::<Vec<_>>();
         let [gain, offset] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>());
@@ -173,5 +174,5 @@ impl StepperType {
     }
 }
 
-/// Sentence in the doc comment of every function that makes a stepper.
+/// Sentence in the doc comments of all functions that make a stepper.
 const VALIDATES: &str = "Validates the model, once; the weights stay where they are.";

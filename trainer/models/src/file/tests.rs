@@ -51,7 +51,8 @@ fn a_program_with_dry_friction_names_its_forces() {
     }
 }
 
-/// The delay of 0.23 s in steps of 0.05 s, linear; in any step where the model was trained for none.
+/// Commands kept for a delay of 0.23 s: for steps of 0.05 s, linear, and for any step if the model was trained for
+/// none.
 #[test]
 fn a_stepper_keeps_as_many_commands_as_the_delay_needs() {
     let (architecture, weights, _) = example("");
@@ -90,7 +91,7 @@ fn halves_are_the_nearest_numbers_and_the_chip_loads_them() {
     assert!(bytes.len() + 2 * weights.len() <= single.len());
     let model = decode(&bytes).unwrap();
     assert_eq!(model.precision, Precision::Half);
-    // Between two halves, to the even one.
+    // A value halfway between two half-precision numbers is rounded to the even one.
     assert_eq!(model.weights[2], 1.0);
     for (trained, shipped) in weights.iter().zip(&model.weights) {
         assert!((trained - shipped).abs() <= trained.abs() * 2_f64.powi(-11) + 2_f64.powi(-25));
@@ -171,7 +172,7 @@ const VERSION_2: [&str; 4] = [
     include_str!("../../../../core/tests/golden/web.hex"),
 ];
 
-/// Models that this repository ships, as they were in version 1, and as they are.
+/// Models that this repository ships, as files of version 1 and of the current version.
 const SHIPPED: [(&str, &[u8], &[u8]); 5] = [
     (
         "cartpole.postcard",
@@ -200,7 +201,7 @@ const SHIPPED: [(&str, &[u8], &[u8]); 5] = [
     ),
 ];
 
-/// The files of both versions are of the same models; version 1 took the control as linear, and named no units.
+/// The files of both versions hold the same models. Version 1 took the control as linear, and named no units.
 #[test]
 fn files_of_version_1_are_the_same_models() {
     let golden = VERSION_1.into_iter().zip(VERSION_2);
@@ -236,7 +237,7 @@ fn damaged_files_of_version_1_are_refused() {
     }
 }
 
-/// Behind a right checksum, whatever stands there is read or refused without a panic.
+/// Arbitrary bytes with a correct checksum are read or refused without a panic.
 #[test]
 fn nonsense_of_version_1_is_refused() {
     for (name, text) in VERSION_1 {

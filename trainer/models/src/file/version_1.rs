@@ -82,7 +82,7 @@ fn check_sum(bytes: &[u8]) -> Result<(), ModelError> {
 }
 
 impl OldStep {
-    /// Version 1 did not say how a control goes on between samples: the losses took it to be linear.
+    /// Version 1 did not state the behaviour of a control between samples: the losses took it to be linear.
     fn converted(self) -> Result<TrainedStep, ModelError> {
         let order = Order::from_number(self.order).ok_or(ModelError::OutOfRange { what: "order" })?;
         Ok(TrainedStep { order, h: self.h, control: ControlKind::Linear })
@@ -107,11 +107,11 @@ impl<'a> OldFamily<'a> {
     }
 }
 
-/// Moves the damping of each type, which stood behind its length, to the end of the block: behind the networks, the mass, inertia, centre
-/// and length of each element type, and c₁ and c₂.
+/// Moves the damping of each type from its place after the type's length to the end of the block, after the networks,
+/// the mass, inertia, centre and length of each element type, and c₁ and c₂.
 fn with_damping_last(modular: &ModularHeader, weights: &[u8]) -> Result<Vec<u8>, ModelError> {
     let kinds = modular.shape.types.len();
-    // Version 2 has the same count of numbers, in another order.
+    // Version 2 has the same numbers in another order.
     let needed = modular.parameters()? + kinds;
     let width = weights.len() / needed.max(1);
     let wrong = ModelError::WeightCount { found: weights.len() / size_of::<f32>(), needed };

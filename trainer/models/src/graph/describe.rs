@@ -16,7 +16,7 @@ pub struct GraphDescription {
     edges: Vec<String>,
     /// All graphs.
     graphs: Vec<GraphOf>,
-    /// Name of the graph that coordinates and cost refer to.
+    /// Name of the graph to which coordinates and cost refer.
     graph: String,
 }
 

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// Smallest mass that training may reach, kg.
 const LEAST_MASS: f64 = 1e-6;
 
-/// Factor on the outputs of a network when it joins a simpler law.
+/// Factor on the outputs of a network when it is added to a simpler law.
 const CORRECTION: f64 = 1e-3;
 
 /// Node and edge types over host weights.
@@ -171,14 +171,15 @@ impl GraphArchitecture {
         simple
     }
 
-    /// Whether a number of a simpler law (drag, a field, the law of an edge type) is learned.
+    /// Whether a parameter of a simple law (drag, a field, the law of an edge type) is learned.
     fn has_laws(&self) -> bool {
         let nodes =
             self.node_types.iter().flat_map(|kind| kind.numbers.iter().skip(1).take(1 + self.dimension()));
         nodes.chain(self.edge_types.iter().flat_map(|kind| &kind.numbers)).any(|number| number.learned)
     }
 
-    /// Returns the shape that is learned first, with the simple laws alone; `None` if there are none or no network stands beside them.
+    /// Returns the shape that is learned first, with only the simple laws; `None` if there are none, or if no network
+    /// stands beside them.
     #[must_use]
     pub fn laws_alone(&self) -> Option<Self> {
         let simple = self.without_corrections();
@@ -252,7 +253,7 @@ impl Family for GraphArchitecture {
         "t".repeat(self.n())
     }
 
-    /// All coordinates are lengths: their unit is written once.
+    /// All coordinates are lengths, so their unit is written once.
     fn units(&self) -> String {
         "m".to_owned()
     }

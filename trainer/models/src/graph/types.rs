@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 pub struct GraphType {
     /// Name.
     pub name: String,
-    /// Numbers in the order of the weight block: mass, drag, field, kinetic embedding, embedding for a node type; c₁ and c₂ for an edge
-    /// type.
+    /// Numbers in the order of the weight block. For a node type: mass, drag, field, kinetic embedding, embedding. For
+    /// an edge type: c₁ and c₂.
     pub numbers: Vec<Number>,
 }
 
@@ -41,7 +41,7 @@ pub struct NamedGraph {
 }
 
 impl NamedGraph {
-    /// Largest distance in the list between two rods that share a node: the bandwidth of A M⁻¹ Aᵀ.
+    /// Largest distance, in the list of rods, between two rods that share a node: the bandwidth of A M⁻¹ Aᵀ.
     pub fn band(&self) -> usize {
         let ends = |rod: &Rod| [rod.from, Some(rod.to)];
         let share = |a: &Rod, b: &Rod| ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)));

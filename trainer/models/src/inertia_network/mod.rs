@@ -17,7 +17,7 @@ use leastaction_programs::energies::{Energies, InertiaNetworkEnergies};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// An inertia network over host weights; its type has the compiled sizes.
+/// An inertia network over weights on the host; the type has the compiled sizes.
 pub type HostSystem<'w, S, const N: usize, const H: usize> =
     System<InertiaNetwork<'w, <S as Scalar>::Weight, N, H, DEPTH>, Viscous<S, N>>;
 
@@ -36,8 +36,8 @@ pub struct InertiaNetworkArchitecture {
     pub damped: bool,
 }
 
-/// Number of rows of the largest factor B that a model file can hold for an inertia matrix of n coordinates: 2n − 1, but at most 254
-/// entries beside V. `None` if there would be fewer than n rows.
+/// Number of rows of the largest factor B that a model file can hold for an inertia matrix of n coordinates: 2n − 1,
+/// but B has at most 254 entries, since V also takes an output. `None` if there would be fewer than n rows.
 pub fn largest_factor(n: usize) -> Option<u8> {
     let rows = (2 * n).saturating_sub(1).min(254 / n.max(1));
     u8::try_from(rows).ok().filter(|_| rows >= n && n > 0)
@@ -110,7 +110,7 @@ impl InertiaNetworkArchitecture {
         sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
     }
 
-    /// Changes initial weights of the network so that H is well-conditioned.
+    /// Changes the initial weights of the network so that H is well-conditioned.
     fn condition(&self, weights: &mut [f64]) {
         let (n, layers) = (self.n(), self.layers());
         let Some((inputs, outputs)) = layers.last().copied() else { return };
@@ -171,10 +171,11 @@ impl Family for InertiaNetworkArchitecture {
         )))
     }
 
-    /// Returns random weights: uniform with Glorot's variance, biases and damping zero. H is made well-conditioned for any number of
-    /// coordinates, since a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are divided
-    /// by n − 1, because the condition number of a random triangular matrix grows exponentially with n (Viswanath and Trefethen, SIAM J.
-    /// Matrix Anal. Appl. 19, 1998). The weights of B are divided likewise, and its bias is the unit matrix above zeros.
+    /// Returns random weights: uniform with Glorot's variance; biases and damping are zero. H is made well-conditioned
+    /// for any number of coordinates, since with a nearly singular H the mechanism would move by radians in a step. The
+    /// weights that give L below its diagonal are divided by n − 1, because the condition number of a random triangular
+    /// matrix grows exponentially with n (Viswanath and Trefethen, SIAM J. Matrix Anal. Appl. 19, 1998). The weights
+    /// that give B are divided likewise, and their bias is the unit matrix above zeros.
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = random_layers(self.layers(), seed);
         self.condition(&mut weights);

@@ -1,4 +1,4 @@
-//! Actuator of a model: from commands to the forces that act.
+//! Actuator of a model, which turns commands into forces.
 
 use leastaction_core::forces::{self, ControlKind};
 use leastaction_core::model::{ActuatorBytes, ModelError};
@@ -65,8 +65,8 @@ impl Actuator {
         std::iter::once(self.delay).chain(pairs).flat_map(|x| (x as f32).to_le_bytes()).collect()
     }
 
-    /// Returns τ_i at the start and at the end of the step of h seconds from sample k on, with τ_i linear between them: as in core
-    /// ([`forces::Actuator`]), with the same impulse and moment as the force that acts.
+    /// Returns τ_i at the start and at the end of the step of h seconds from sample k on, with τ_i linear between them.
+    /// As in core ([`forces::Actuator`]), this force has the same impulse and moment as the force that acts.
     ///
     /// `command` gives u_i at a sample; negative samples precede the first one.
     pub fn over_step(
@@ -85,7 +85,8 @@ impl Actuator {
         [start, end]
     }
 
-    /// Returns τ_i at sample k, from the command that acts there; if it changes there, from the new one.
+    /// Returns τ_i at sample k from the command that acts there; if the command changes at the sample, the new one
+    /// counts.
     pub fn at_sample(
         &self,
         (h, kind): (f64, ControlKind),
@@ -103,7 +104,7 @@ impl Actuator {
         self.output(i, arrived)
     }
 
-    /// Force g_i u + o_i of a command that has arrived, N or N m.
+    /// Force g_i u + o_i for a delayed command u, N or N m.
     pub fn output(&self, i: usize, u: f64) -> f64 {
         self.gain(i) * u + self.offset(i)
     }

@@ -15,7 +15,7 @@ pub struct ModularDescription {
     pair: Option<String>,
     /// All trees.
     trees: Vec<Tree>,
-    /// Name of the tree that coordinates and cost refer to.
+    /// Name of the tree to which coordinates and cost refer.
     tree: String,
 }
 

@@ -42,13 +42,13 @@ pub struct NamedTree {
 }
 
 impl NamedTree {
-    /// Returns a tree of elements of these types, each of which hangs from the one before it.
+    /// Returns a tree of elements of these types in which each element hangs from the one before it.
     pub fn chain(name: &str, kinds: &[u8]) -> Self {
         let elements = kinds.iter().zip(0..).flat_map(|(kind, parent)| [*kind, parent]).collect();
         Self { name: name.to_owned(), elements }
     }
 
-    /// Returns a tree of elements of these types, none of which hangs from another.
+    /// Returns a tree of elements of these types in which no element hangs from another.
     pub fn apart(name: &str, kinds: &[u8]) -> Self {
         Self { name: name.to_owned(), elements: kinds.iter().flat_map(|kind| [*kind, 0]).collect() }
     }
@@ -69,7 +69,7 @@ pub struct ModularArchitecture {
     names: String,
     /// Coefficients c₁ and c₂.
     pub coefficients: [Number; 2],
-    /// Whether the element types have viscous damping, whose numbers end the weight block.
+    /// Whether the element types have viscous damping, whose numbers are then at the end of the weight block.
     pub damped: bool,
     /// All trees.
     pub trees: Vec<NamedTree>,
@@ -87,7 +87,8 @@ const NUMBERS_OF_TYPE: [(&str, &str); TYPE_NUMBERS] = [
 ];
 
 impl ModularArchitecture {
-    /// Returns a model of these types and trees with damping of its own; the first tree is selected.
+    /// Returns a model with these types and trees, and with damping that belongs to the types; the first tree is
+    /// selected.
     pub fn new(
         shape: ModularShape,
         types: Vec<NamedType>,
@@ -184,8 +185,8 @@ impl ModularArchitecture {
         self
     }
 
-    /// Whether every mass of the tree is learned and no moment of inertia is known: free motion then does not determine a common factor of
-    /// all of them.
+    /// Whether every mass of the tree is learned and no moment of inertia is known. Free motion then leaves a common
+    /// factor of them all undetermined.
     pub fn learns_every_mass(&self) -> bool {
         self.kinds().filter_map(|kind| self.types.get(kind)).all(|named| {
             let [mass, inertia, ..] = named.numbers;

@@ -72,7 +72,7 @@ impl Motion {
         }
     }
 
-    /// Wrench that causes this motion of a body.
+    /// Wrench that causes this motion for a body with the given inertia.
     fn wrench(&self, inertia: &Inertia) -> Wrench {
         let (moment, rotational, w) = (inertia.moment(), inertia.rotational(), &self.angular);
         Wrench {
@@ -93,7 +93,7 @@ impl Motion {
 }
 
 impl Body {
-    /// Force of a wrench on the body along its coordinate.
+    /// Component of a wrench along the body's coordinate.
     fn felt(&self, wrench: &Wrench) -> f64 {
         self.ratio
             * match self.joint {
@@ -137,7 +137,7 @@ impl Tree {
     /// Force τ (N m, N) under which the tree at q, v accelerates by a: M a + C v + ∂V/∂q, without friction.
     ///
     /// # Panics
-    /// If the length of q, v or a differs from the number of coordinates. All functions here panic then.
+    /// If the length of q, v or a differs from the number of coordinates. All functions of this module do.
     #[must_use]
     pub fn inverse_dynamics(&self, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
         self.forces([q, v, a], self.gravity)
@@ -165,7 +165,7 @@ impl Tree {
         rows
     }
 
-    /// Mass matrix M(q), \[n\]\[n\], kg m²: each column is the force for a unit acceleration from rest without gravity.
+    /// Mass matrix M(q), \[n\]\[n\], kg m²: each column is the force for a unit acceleration at rest without gravity.
     #[must_use]
     pub fn mass_matrix(&self, q: &[f64]) -> Vec<Vec<f64>> {
         let n = self.coordinates();

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-/// Count of the inertial numbers of a body.
+/// Number of inertial parameters of a body.
 pub const INERTIAL: usize = 10;
 
 /// Inertial numbers m, m c (x, y, z), and the rotational inertia xx, xy, yy, xz, yz, zz about the origin of the body's frame, in that
@@ -47,7 +47,8 @@ impl Inertia {
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// Pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm: the numbers are physically consistent exactly if it is positive semidefinite.
+    /// Pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm. The numbers are physically consistent if and only if it is positive
+    /// semidefinite.
     ///
     /// Source: Wensing, Kim and Slotine, "Linear matrix inequalities for physically consistent inertial parameter identification", 2018.
     #[must_use]
@@ -71,7 +72,7 @@ impl Inertia {
         Self::of_parts(pseudo[(3, 3)], moment, Matrix3::identity() * second.trace() - second)
     }
 
-    /// Returns the same body relative to a frame in which its own frame has rotation R and translation p.
+    /// Returns the same body relative to a frame in which the body's present frame has rotation R and translation p.
     #[must_use]
     pub fn placed(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
         let mut motion = Matrix4::identity();
@@ -97,9 +98,10 @@ impl Inertia {
     }
 }
 
-/// Log-Cholesky parameters θ of a body relative to another one, the prior: its pseudo-inertia is U₀ U(θ) U(θ)ᵀ U₀ᵀ, where U₀ is that of the
-/// prior, and U(θ) is upper triangular with the diagonal e^θ₀ … e^θ₃ and θ₄ … θ₉ above it, row by row. Every θ is a physically consistent
-/// body, every body with a positive definite pseudo-inertia has exactly one θ, that of the prior is 0, and θ has no unit.
+/// Log-Cholesky parameters θ of a body relative to another body, the prior. The pseudo-inertia of the body is U₀ U(θ)
+/// U(θ)ᵀ U₀ᵀ, where U₀ U₀ᵀ is that of the prior, and U(θ) is upper triangular with the diagonal e^θ₀ … e^θ₃ and θ₄ … θ₉
+/// above it, row by row. Every θ gives a physically consistent body, every body with a positive definite pseudo-inertia
+/// has exactly one θ, the prior has θ = 0, and θ has no unit.
 ///
 /// Source: Rucker and Wensing, "Smooth parameterization of rigid-body inertia", 2022.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +109,7 @@ pub struct LogCholesky {
     root: Matrix4<f64>,
 }
 
-/// Positions of θ₄ … θ₉.
+/// Positions of θ₄ … θ₉ in U(θ).
 const ABOVE: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 impl LogCholesky {
@@ -133,7 +135,7 @@ impl LogCholesky {
             let mut change = Matrix4::zeros();
             let (i, j) = if k < 4 { (k, k) } else { ABOVE[k - 4] };
             change[(i, j)] = if k < 4 { upper[(k, k)] } else { 1.0 };
-            // `of_pseudo` takes the symmetric part, so twice one term is the sum of both.
+            // `of_pseudo` takes the symmetric part, so twice one term of the product rule gives the sum of both.
             Inertia::of_pseudo(&(2.0 * self.root * change * root.transpose())).0
         })
     }

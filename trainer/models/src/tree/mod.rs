@@ -45,7 +45,7 @@ impl Pose {
         Self { rotation, translation: Vector3::new(a, 0.0, 0.0) + rotation * Vector3::new(0.0, 0.0, d) }
     }
 
-    /// Returns the pose `inner` composed with this one: that of a frame placed on this frame.
+    /// Returns the pose of a frame that has the pose `inner` in this frame.
     #[must_use]
     pub fn then(&self, inner: &Self) -> Self {
         Self {
@@ -76,7 +76,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Returns no limits.
+    /// Returns infinite limits.
     #[must_use]
     pub fn none() -> Self {
         let all = f64::INFINITY;
@@ -97,8 +97,8 @@ pub struct Body {
     pub joint: Joint,
     /// Pose of the joint's frame in the parent's.
     pub pose: Pose,
-    /// Number of the coordinate that moves it. Its joint is at ratio q + offset; ratio 1 and offset 0 except for joints that follow another
-    /// one.
+    /// Number of the coordinate that moves it. The position of its joint is ratio · q + offset, with ratio 1 and offset
+    /// 0 except for joints that follow another one.
     pub coordinate: usize,
     /// See `coordinate`.
     pub ratio: f64,
@@ -114,7 +114,7 @@ pub struct Body {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     bodies: Vec<Body>,
-    /// Rotor inertia J reflected to every coordinate, kg m² or kg: ½ J v² of kinetic energy.
+    /// Rotor inertia J reflected to every coordinate, kg m² or kg; it adds ½ J v² to the kinetic energy.
     pub rotors: Vec<f64>,
     /// Gravity in the base frame, m/s².
     pub gravity: Vector3<f64>,
@@ -161,7 +161,7 @@ impl Tree {
                 return Err(TreeError::NotFinite(body.name.clone()));
             }
         }
-        // A large coordinate number would allocate room for all below it.
+        // A large coordinate number would make later code allocate room for all numbers below it.
         let is_used = |k: &usize| bodies.iter().any(|body| body.coordinate == *k);
         if let Some(k) = (0..coordinates).find(|k| !is_used(k)) {
             return Err(TreeError::Unused(k));
@@ -217,8 +217,8 @@ impl Tree {
         self.bodies.iter().flat_map(of_body).chain(rotors).collect()
     }
 
-    /// Name of the joint that coordinate k belongs to: the first one that it moves with ratio 1 and offset 0, or else the first one that it
-    /// moves.
+    /// Name of the joint to which coordinate k belongs: the first joint that the coordinate moves with ratio 1 and
+    /// offset 0, or else the first joint that it moves.
     #[must_use]
     pub fn coordinate_name(&self, k: usize) -> &str {
         let mut moved = self.bodies.iter().filter(|body| body.coordinate == k);
@@ -226,8 +226,9 @@ impl Tree {
         own.or_else(|| moved.next()).map_or("", |body| &body.joint_name)
     }
 
-    /// Returns the same kinematics with guessed bodies in place of those without mass: `mass` (kg) is shared among them in proportion to
-    /// their lengths, and each is spread evenly between its frame and the frames that it carries, `radius` (m) wide in all directions.
+    /// Returns the same kinematics with guessed bodies in place of those without mass. `mass` (kg) is shared among them
+    /// in proportion to their lengths. Each is spread evenly along the line between its frame and the frames that it
+    /// carries, and has the radius `radius` (m) in all directions.
     #[must_use]
     pub fn with_guessed_inertias(&self, mass: f64, radius: f64) -> Self {
         let mut tree = self.clone();
@@ -237,7 +238,7 @@ impl Tree {
         let total: f64 = unknown.iter().map(|i| length(*i)).sum();
         for i in unknown {
             let (mass, centre) = (mass * length(i) / total, ends[i] / 2.0);
-            // Second moments about the centre: that of a rod, plus that of a ball around every point of it.
+            // Second moments about the centre: those of a rod, plus those of a ball around every point of the rod.
             let second = ends[i] * ends[i].transpose() / 12.0 + Matrix3::identity() * (radius * radius / 5.0);
             let inertia = mass * (Matrix3::identity() * second.trace() - second);
             tree.bodies[i].inertia = Inertia::of_centre(mass, centre, inertia);
@@ -252,7 +253,8 @@ impl Tree {
         sum / carried().count().max(1) as f64
     }
 
-    /// Limits of a coordinate: those of all joints that it moves; the effort is that of the joint that it belongs to.
+    /// Limits of a coordinate: position and velocity respect all joints that it moves; the effort is that of the joint
+    /// to which it belongs.
     #[must_use]
     pub fn limits(&self, coordinate: usize) -> Limits {
         let mut all = Limits::none();

@@ -1,9 +1,11 @@
 //! Construction of a tree from a robot description (URDF).
 //!
-//! The root link is fixed to the base, and its frame is that of the base. Links on fixed joints are merged with the body that carries them;
-//! links fixed to the base vanish. Joints that follow another one (`<mimic>`) move with its coordinate. Coordinates are in the order in
-//! which a walk from the base meets their joints, with the children of a link in the order of the file. Meshes, colours, transmissions and
-//! everything else are ignored. A document type is refused, and with it entities that grow; nothing here recurses, however deep the file.
+//! The root link is fixed to the base, and its frame is that of the base. Links on fixed joints are merged with the
+//! body that carries them; links fixed to the base vanish. Joints that follow another one (`<mimic>`) move with the
+//! coordinate of that joint. Coordinates are in the order in which a depth-first walk from the base meets their joints,
+//! with the children of a link in the order of the file. Meshes, colours, transmissions and everything else are
+//! ignored. A document type is refused, which excludes entities that expand; nothing here is recursive, however deep
+//! the file is nested.
 
 mod error;
 mod parts;
@@ -100,7 +102,7 @@ impl Description {
         // Body that each joint moves.
         let mut moved: HashMap<&str, usize> = HashMap::new();
         let mut is_met = vec![false; self.links.len()];
-        // Links still to be visited: the body that each belongs to, and its pose there.
+        // Links still to be visited, each with the body that it belongs to and its pose in that body.
         let mut open = vec![(self.root, None, Pose::identity())];
         while let Some((link, body, pose)) = open.pop() {
             is_met[link] = true;
@@ -109,7 +111,7 @@ impl Description {
                 let own = self.links[link].inertia.placed(&pose.rotation, &pose.translation);
                 body.inertia = body.inertia.with(&own);
             }
-            // The last link pushed is visited first.
+            // The last link pushed is visited first, so the order is reversed.
             for (k, child) in self.carried[link].iter().rev() {
                 let at = pose.then(&self.joints[*k].pose);
                 if self.joints[*k].kind == "fixed" {

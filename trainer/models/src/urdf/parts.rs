@@ -116,7 +116,7 @@ impl Link {
     }
 }
 
-/// Tolerance for rounding in the file, as a fraction of the largest moment.
+/// Tolerance for rounding in the file, relative to the largest moment.
 const ROUNDING: f64 = 1e-3;
 
 /// Whether the second moments ½ tr(I) 1 − I are nonnegative up to rounding.
@@ -151,7 +151,7 @@ impl JointElement {
         let none = f64::INFINITY;
         let lower = limit.number("lower")?;
         let upper = limit.number("upper")?;
-        // If only one limit is given, the other is 0.
+        // If only one of the limits is given, the other is 0.
         let position = match (kind, lower, upper) {
             ("continuous", ..) | (_, None, None) => [-none, none],
             (_, lower, upper) => [lower.unwrap_or(0.0), upper.unwrap_or(0.0)],

@@ -21,9 +21,9 @@ pub type BodyNumbers = [Number; BODY_PARAMETERS];
 ///
 /// Numbers that are known to be 0 are left out of the training programs, which makes them shorter.
 ///
-/// Motion does not determine all numbers. For a chain of revolute joints it shows only sums over bodies: for each body, m l of what it
-/// carries, m c and I + m c²; J and g of a drive on a moving body appear only as J(g² − g). Whatever it does not show stays near its
-/// initial value.
+/// Motion does not determine all numbers. For a chain of revolute joints it determines only sums over bodies: for each
+/// body, m l of the bodies that it carries, m c and I + m c². For a drive on a moving body, J and g appear only as J(g²
+/// − g). A number that motion does not determine stays near its initial value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodiesArchitecture {
     /// Encoded tree, see [`BodiesHeader::bodies`].
@@ -69,7 +69,7 @@ impl BodiesArchitecture {
         }
     }
 
-    /// Bodies in order, without any that a model file cannot hold.
+    /// Bodies in order; any body that a model file cannot hold is left out.
     pub fn bodies(&self) -> impl Iterator<Item = TreeBody> {
         self.header().bodies().flatten()
     }

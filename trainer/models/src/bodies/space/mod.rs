@@ -17,7 +17,7 @@ use leastaction_core::model::{ArmHeader, Laws, ModelError};
 use leastaction_programs::energies::{ArmEnergies, ArmJoint, Energies};
 use serde::{Deserialize, Serialize};
 
-/// Count of a body's numbers that describe its joint's frame and axis.
+/// Number of parameters of a body that describe its joint's frame and axis.
 const FRAME: usize = ARM_PARAMETERS - INERTIAL - 1;
 
 /// Names and units of the numbers of a body that can be learned, and of its rotor.
@@ -38,12 +38,12 @@ const NUMBERS_OF_BODY: [(&str, &str); 11] = [
 /// A body of an arm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArmBody {
-    /// Name of its joint; empty for a model file, which has none.
+    /// Name of its joint; empty if the arm comes from a model file, which has no names.
     pub name: String,
     /// R, p and axis of its joint, as in a model file.
     pub frame: Vec<f64>,
-    /// Ten inertial numbers of the body: its known values, or those at which training begins. The latter are also the prior, and the body
-    /// relative to which the numbers are learned.
+    /// Ten inertial numbers of the body: its known values, or the values at which training begins. In the latter case
+    /// they are also the prior, relative to which the learned numbers are expressed.
     pub inertia: [f64; INERTIAL],
     /// Whether the inertial numbers are learned.
     pub is_learned: bool,
@@ -63,8 +63,8 @@ pub struct ArmArchitecture {
 }
 
 impl ArmArchitecture {
-    /// Returns the shape of a tree in which every coordinate moves one body, in the same order; `None` for any other tree (a joint that
-    /// follows another one), or if a body sits on body 255 or beyond.
+    /// Returns the shape of a tree in which every coordinate moves one body, in the same order. `None` for any other
+    /// tree (if a joint follows another one), or if a body sits on body 255 or beyond.
     pub fn new(
         tree: &Tree,
         learned: impl Fn(usize) -> bool,
@@ -116,7 +116,7 @@ impl ArmArchitecture {
         }
     }
 
-    /// Joints and their parents in order, without any that a model file cannot hold.
+    /// Joints and their parents in order; any that a model file cannot hold is left out.
     pub fn tree_bodies(&self) -> impl Iterator<Item = TreeBody> {
         self.header().bodies().flatten()
     }
@@ -151,7 +151,7 @@ impl ArmArchitecture {
         Some(ArmParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
     }
 
-    /// Writes the bodies and rotors of `tree` into a weight block of this shape, where they are learned.
+    /// Writes the learned bodies and rotors of this shape into a weight block, with their values in `tree`.
     pub fn put(&self, tree: &Tree, weights: &mut [f64]) {
         for (k, ((own, body), rotor)) in self.bodies.iter().zip(tree.bodies()).zip(&tree.rotors).enumerate() {
             let Some(numbers) = weights.get_mut(Self::start(k)..Self::start(k + 1)) else { continue };
@@ -164,7 +164,7 @@ impl ArmArchitecture {
         }
     }
 
-    /// Returns the host's tree of this shape with the bodies and rotors of a weight block.
+    /// Returns the tree of this shape on the host, with the bodies and rotors of a weight block.
     pub fn host_tree(&self, weights: &[f64]) -> Option<Tree> {
         let body = |(k, (body, own)): (usize, (TreeBody, &ArmBody))| {
             let numbers = Self::body_of(weights, k)?;

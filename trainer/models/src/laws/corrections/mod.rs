@@ -11,13 +11,13 @@ use leastaction_programs::energies::{Energies, LawNetwork as HostNetwork, WithNe
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Initial diagonal entries of L: Q = −0.01 v, N s/m or N m s/rad. At 0 no entry would have a derivative.
+/// Initial diagonal entries of L: Q = −0.01 v, N s/m or N m s/rad. If the diagonal were 0, all derivatives would be 0.
 const FIRST_ENTRY: f64 = 0.1;
 /// Factor on the random initial outputs of the networks.
 const FIRST_OUTPUTS: f64 = 0.1;
 
-/// Networks beside a model's energies and friction: Q = −L(q, v)Lᵀv, which only takes energy away, and V + V_c(q). Their numbers end the
-/// weight block, in the order of the laws of a model file.
+/// Networks in addition to a model's energies and friction: Q = −L(q, v)Lᵀv, which only removes energy, and V + V_c(q).
+/// Their numbers are at the end of the weight block, in the order of the laws of a model file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Corrections {
     /// The network for L.
@@ -29,8 +29,8 @@ pub struct Corrections {
 /// Inputs of a network, and its hidden layers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionNetwork {
-    /// Input of each coordinate as a letter, up to the last coordinate that is an input: `t` its length, `a` its angle, `c` no position,
-    /// `-` not at all.
+    /// Input of each coordinate as a letter, up to the last coordinate that is an input: `t` its length, `a` its angle,
+    /// `c` its velocity without its position, `-` nothing.
     pub coordinates: String,
     /// Numbers of units in the hidden layers.
     pub widths: Vec<u16>,
@@ -76,7 +76,7 @@ impl CorrectionNetwork {
         }
     }
 
-    /// Count of the numbers of its layers; 0 for an invalid network.
+    /// Number of weights of its layers; 0 for an invalid network.
     fn count(&self, law: Law) -> usize {
         self.header().network(law).ok().and_then(|shape| shape.parameters()).unwrap_or(0)
     }
@@ -110,7 +110,7 @@ impl Corrections {
         *self == Self::default()
     }
 
-    /// Returns the networks of a model file, whose numbers end the weight block.
+    /// Returns the networks of a model file; their numbers are at the end of the weight block.
     pub(crate) fn from_laws(laws: Laws, weights: &[f64]) -> Self {
         let potential = laws.network(Law::Potential).map(|law| CorrectionNetwork::from_header(&law));
         let dissipation = laws.network(Law::Dissipation).map(|law| {
@@ -131,14 +131,15 @@ impl Corrections {
         self.potential.as_ref().map_or(laws, |of| laws.with_potential(of.header()))
     }
 
-    /// Count of the numbers of all networks.
+    /// Total count of the numbers of all networks.
     pub fn count(&self) -> usize {
         let of = |of: &DissipationNetwork| of.scales.len() + of.network.count(Law::Dissipation);
         self.dissipation.as_ref().map_or(0, of)
             + self.potential.as_ref().map_or(0, |of| of.count(Law::Potential))
     }
 
-    /// Ranges of the numbers of the dissipation and of the potential in a weight block of this length, which they end.
+    /// Ranges of the numbers of the dissipation and of the potential in a weight block of this length; they are at its
+    /// end.
     fn places(&self, length: usize) -> [Range<usize>; 2] {
         let start = length.saturating_sub(self.count());
         let potential = self.potential.as_ref().map_or(0, |of| of.count(Law::Potential));
@@ -146,12 +147,13 @@ impl Corrections {
         [start..middle, middle..length]
     }
 
-    /// Splits off the numbers of the dissipation and of the potential, which end a weight block.
+    /// Splits off the numbers of the dissipation and of the potential, which are at the end of a weight block.
     pub fn split<'w>(&self, weights: &'w [f64]) -> [&'w [f64]; 2] {
         self.places(weights.len()).map(|place| weights.get(place).unwrap_or_default())
     }
 
-    /// Writes numbers of the dissipation and of the potential to the end of a weight block; an empty list changes nothing.
+    /// Writes the numbers of the dissipation and of the potential to the end of a weight block; an empty list leaves
+    /// its part unchanged.
     pub fn put(&self, numbers: &[Vec<f64>; 2], weights: &mut [f64]) {
         for (place, own) in self.places(weights.len()).into_iter().zip(numbers) {
             let slots = weights.get_mut(place).unwrap_or_default();
@@ -159,10 +161,10 @@ impl Corrections {
         }
     }
 
-    /// Returns random weights that hardly act.
+    /// Returns random weights with which the networks have almost no effect.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let dissipation = self.dissipation.iter().flat_map(|of| of.initial_weights(seed));
-        // Another random stream than that of the dissipation.
+        // The random stream differs from that of the dissipation.
         let potential = self.potential.iter().flat_map(|of| of.initial_weights(Law::Potential, !seed));
         dissipation.chain(potential).collect()
     }
@@ -175,8 +177,8 @@ impl Corrections {
         numbers
     }
 
-    /// Positions of the numbers that training must leave unchanged, with the first number at `start`: the scales, and the last bias of a
-    /// potential, which has no effect.
+    /// Positions of the numbers that training must leave unchanged, counted from `start`: the scales, and the last bias
+    /// of a potential, which has no effect.
     pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
         let scales = start..start + self.dissipation.as_ref().map_or(0, |of| of.scales.len());
         let constant = self.potential.iter().map(|_| (start + self.count()).saturating_sub(1));

@@ -9,8 +9,8 @@ use leastaction_core::model::{FrictionNumber, Law, Laws, ModelError};
 use leastaction_programs::energies::{DryLaw, FrictionLaws};
 use serde::{Deserialize, Serialize};
 
-/// Bounds of a learned width ε, m/s or rad/s: at the steps that are learned from, a narrower one is indistinguishable from a jump; a wider
-/// one is viscous damping.
+/// Bounds of a learned width ε, m/s or rad/s: at the steps of usual logs a narrower transition cannot be distinguished
+/// from a jump, and with a wider one the law is viscous damping.
 pub const WIDTHS: [f64; 2] = [0.02, 1.0];
 /// Upper bound of a learned c_load.
 pub const MOST_LOAD: f64 = 0.95;
@@ -22,8 +22,8 @@ const DRY_NUMBERS: usize = FrictionNumber::ALL.len();
 ///
 /// Q = −(b v + (c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε)), N or N m.
 ///
-/// The numbers end the weight block in the order of the laws of a model file: b of every group, then c, c_load, τ_s and ε group after
-/// group.
+/// The numbers are at the end of the weight block, in the order of the laws of a model file: b of every group, then c,
+/// c_load, τ_s and ε group after group.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionArchitecture {
     /// Damping b ≥ 0 of every group, N s/m or N m s/rad; empty if there is no viscous damping beside the family's own.
@@ -54,7 +54,8 @@ impl FrictionArchitecture {
         self.viscous.is_empty() && self.dry.is_empty()
     }
 
-    /// Returns the friction laws of a model file that are not the family's own, with the numbers that end the weight block; all are known.
+    /// Returns the friction laws of a model file that are not the family's own, with their numbers, which are at the
+    /// end of the weight block; all are known.
     pub(crate) fn from_laws(laws: Laws, own: Laws, groups: usize, weights: &[f64]) -> Self {
         let known = |law: Law| laws.contains(law) && !own.contains(law);
         let viscous = if known(Law::Viscous) { groups } else { 0 };
@@ -77,7 +78,7 @@ impl FrictionArchitecture {
         }
     }
 
-    /// Laws of this friction for the host's programs; the load is left out where it is known to add nothing.
+    /// Laws of this friction for the host's programs; the load is left out if it is known to have no effect.
     pub(crate) fn laws_beside(&self) -> FrictionLaws {
         let grows = |[_, load, ..]: &[Number; DRY_NUMBERS]| load.learned || load.value != 0.0;
         let dry = match (self.dry.is_empty(), self.dry.iter().any(grows)) {
@@ -103,7 +104,7 @@ impl FrictionArchitecture {
         self.viscous.iter().chain(self.dry.iter().flatten()).copied()
     }
 
-    /// Returns the friction with the numbers that end a weight block.
+    /// Returns the friction with its numbers taken from the end of a weight block.
     #[must_use]
     pub fn with_numbers(mut self, weights: &[f64]) -> Self {
         let start = weights.len().saturating_sub(self.count());
@@ -139,12 +140,12 @@ impl FrictionArchitecture {
         self.viscous.len() + DRY_NUMBERS * self.dry.len()
     }
 
-    /// Positions of the known numbers, with the first number at `start`.
+    /// Positions of the known numbers, counted from `start`.
     pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
         known_positions(start, self.numbers())
     }
 
-    /// Ranges and positions of the learned numbers, with the first number at `start`.
+    /// Ranges and positions of the learned numbers, with positions counted from `start`.
     pub(crate) fn ranges(&self, start: usize) -> Vec<(usize, Range)> {
         let dry = self.dry.iter().flat_map(|_| FrictionNumber::ALL.map(range));
         let ranges = self.viscous.iter().map(|_| Range::Positive).chain(dry);

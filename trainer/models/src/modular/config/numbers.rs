@@ -5,12 +5,12 @@ use crate::config::parts::{NumberConfig, Range};
 use crate::modular::TYPE_NUMBERS;
 use crate::number::Number;
 
-/// Numbers of a point of 1 kg at the end of its element.
+/// Numbers of a point mass of 1 kg at the end of its element.
 pub(super) const DEFAULTS: [Number; TYPE_NUMBERS] =
     [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
 
 impl TypeConfig {
-    /// Keys that shape networks, each with whether it is given.
+    /// Keys that determine the shape of networks, each with whether it is given.
     pub(super) fn shape_keys(&self) -> impl Iterator<Item = (&'static str, bool)> {
         [
             ("transform", self.transform.is_some()),
@@ -22,7 +22,7 @@ impl TypeConfig {
         .into_iter()
     }
 
-    /// Mass, moment of inertia, centre, length and damping, taken from `defaults` where they are left out.
+    /// Mass, moment of inertia, centre, length and damping; numbers that are not given are taken from `defaults`.
     pub(super) fn numbers(
         &self,
         transform: TransformKind,

@@ -10,7 +10,7 @@ use crate::modular::ModularArchitecture;
 use crate::registry::AnyFamily;
 use std::path::Path;
 
-/// A trained tree of elements: its shape, with the trained numbers, and its weights.
+/// A trained tree of elements: its shape with the trained numbers, and its weights.
 pub(super) struct Source {
     pub architecture: ModularArchitecture,
     pub friction: FrictionArchitecture,
@@ -19,7 +19,8 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Opens a trained tree. Numbers learned in a run stay learned; those of a model file are all known.
+    /// Opens a trained tree. Numbers that were learned in a run stay learned; the numbers of a model file are all
+    /// known.
     pub fn read(path: &Path, open: Open) -> Result<Self, Problem> {
         let Model { architecture, weights, .. } = open(path).map_err(|message| Problem::From { message })?;
         let Architecture { family, friction, corrections } = architecture;
