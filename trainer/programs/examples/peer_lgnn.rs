@@ -20,9 +20,10 @@ const STEP: f64 = 1e-3;
 const COMPARED_STEPS: usize = 10;
 /// Numbers of springs for which the time of a step is measured.
 const SIZES: [usize; 4] = [5, 50, 500, 5_000];
-/// Length of a measured stretch, s: Linux counts processor time in ticks of some milliseconds.
+/// Duration of a measured stretch, s; it is much longer than the ticks of some milliseconds in which Linux counts
+/// processor time.
 const STRETCH: f64 = 0.05;
-/// Number of stretches, of which the fastest counts.
+/// Number of stretches; the fastest one counts.
 const STRETCHES: usize = 12;
 
 /// Number of calls between two readings of the clock.
@@ -117,7 +118,8 @@ impl Model {
             )?
         };
         let mut weights = panels(&shape, &mut numbers)?;
-        // Mass, drag and field of the node type before its embeddings, and c₁ and c₂ of the edge type after them: none of them is used.
+        // The block also needs mass, drag and field of the node type before its embeddings, and c₁ and c₂ of the edge
+        // type after them; none is used.
         weights.extend([1.0, 0.0, 0.0, 0.0]);
         weights.extend(take(&mut numbers, 2 * usize::from(EMBEDDING))?);
         weights.extend([0.0, 0.0]);
@@ -220,7 +222,8 @@ impl<'m> Ring<'m> {
         if solved { Ok(()) } else { Err("a singular mass".into()) }
     }
 
-    /// Velocity Verlet in the authors' version, with one acceleration per step: that at the new position and the old velocity.
+    /// Takes a step of velocity Verlet in the authors' version, which uses one acceleration per step: that at the new
+    /// position and the old velocity.
     fn step(&mut self) -> Outcome<()> {
         for ((q, v), a) in self.q.iter_mut().zip(&mut self.v).zip(&self.a) {
             *q += STEP * (*v + 0.5 * STEP * a);

@@ -1,6 +1,6 @@
-//! Programs compared with core's code over lanes of the same samples, whose sizes are types: nanoseconds per sample for the parts of
-//! losses, for an inertia network of two coordinates (core has no derivatives in the weights). Then the acceleration loss of a chain of two
-//! equal pendulums, whose networks are learned.
+//! Compares programs with core's code, whose sizes are types, over lanes of the same samples. It prints nanoseconds per
+//! sample for the parts of losses, for an inertia network of two coordinates (core has no derivatives with respect to
+//! the weights), and for the acceleration loss of a chain of two equal pendulums with learned networks.
 //!
 //! `cargo run --release -p leastaction-programs --example speed`
 
@@ -29,7 +29,7 @@ fn nanoseconds(samples: usize, mut run: impl FnMut()) -> f64 {
     best
 }
 
-/// A chain of two equal elements, networks of their angles, with a potential.
+/// A chain of two equal elements; position and potential are networks.
 fn pendulums() -> ModularEnergies {
     let network =
         |inputs, outputs| NetworkShape::new(inputs, &[16, 16], outputs, Activation::Tanh).expect("a network");

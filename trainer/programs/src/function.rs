@@ -24,7 +24,7 @@ pub enum Function {
 pub(crate) const ORDERS: usize = 4;
 
 impl Function {
-    /// Number of the function, by which equal operations are recognised.
+    /// Number of the function, which identifies equal operations.
     pub(crate) fn number(self) -> u32 {
         match self {
             Self::Activation(activation) => 16 + activation as u32,
@@ -45,7 +45,7 @@ impl Function {
         }
     }
 
-    /// Writes f and its derivatives at x, as far as there are places for them.
+    /// Writes f and its derivatives at x, for those orders that have a buffer.
     pub(crate) fn write(self, x: &[Row], to: [Option<&mut [Row]>; ORDERS]) {
         let wanted = to.each_ref().map(Option::is_some);
         let mut to = to.map(Option::unwrap_or_default);
@@ -67,7 +67,7 @@ impl Function {
             Self::Activation(activation) => activated(activation, x, wanted[3]),
             Self::Sine => {
                 let [sin, cos] = sin_cos(x);
-                // Higher derivatives are these with another sign; nothing asks for them.
+                // Higher derivatives are the same functions with other signs; nothing asks for them.
                 [sin, cos, Row::default(), Row::default()]
             }
             Self::SquareRoot => {
@@ -98,7 +98,7 @@ impl Function {
 
 /// Writes those derivatives of ½(z + √(z² + 4)) whose bits are set in `WANTED`.
 ///
-/// The function is max(z, 0) + 2/(|z| + √(z² + 4)); its derivatives take one division.
+/// The function is computed as max(z, 0) + 2/(|z| + √(z² + 4)); its derivatives take one division.
 fn squareplus<const WANTED: usize>(x: &[Row], to: [&mut [Row]; ORDERS]) {
     let (zero, two) = (f64x8::ZERO, f64x8::splat(2.0));
     for (i, x) in x.iter().enumerate() {

@@ -5,7 +5,8 @@ use crate::row::{Places, Row, WIDTH};
 /// Position that stands for no number.
 pub(crate) const NOWHERE: u32 = u32::MAX;
 
-/// Plan for reading rows from other rows: whole or shifted if neighbours remain neighbours, otherwise number by number.
+/// Plan for reading rows from other rows: whole or shifted rows if neighbouring numbers remain neighbours, otherwise
+/// number by number.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Picks {
     rows: Box<[Pick]>,
@@ -45,7 +46,7 @@ impl Turn {
         Self { units: UNITS, part: PART, to_columns: false, write: turned::<UNITS, PART, false> }
     }
 
-    /// Returns the pick of this kind that a row could be; the caller checks it.
+    /// Returns the only pick of this kind that could give the row; the caller checks whether it does.
     fn of_row(self, turn: usize, row: &Places) -> Option<Pick> {
         let of = |k: usize| turned_from(k, self.units, self.part, self.to_columns).0;
         let read = |k: usize| (row[k] != NOWHERE).then_some(row[k] as usize / WIDTH);
@@ -90,7 +91,7 @@ fn turned<const UNITS: usize, const PART: usize, const TO_COLUMNS: bool>(
     step: usize,
     turned: &mut Row,
 ) {
-    // Lanes without a number may lie beyond the last row, which is then read instead.
+    // Lanes without a number may refer to rows beyond the last, in place of which the last row is read.
     let mut rows = [&x[first]; UNITS];
     rows.iter_mut().enumerate().for_each(|(row, of)| *of = &x[(first + row * step).min(x.len() - 1)]);
     for k in 0..WIDTH {
@@ -123,7 +124,7 @@ impl Picks {
         Self { rows: rows.collect(), places: others.into() }
     }
 
-    /// Reads one row from the rows that its positions lie in.
+    /// Reads one row of the plan from the rows that contain its positions.
     #[inline(always)]
     pub fn read(&self, row: usize, x: &[Row], to: &mut Row) {
         match self.rows[row] {
@@ -165,8 +166,8 @@ impl Pick {
     }
 }
 
-/// Returns the shift that a row would have to be: its first position gives the first source row and the offset, and the position at which
-/// a second source row would begin gives that row.
+/// Returns the only shift that could give a row: its first position gives the first source row and the offset, and the
+/// position at which the second source row would begin gives that row.
 fn shifted(row: &Places) -> Pick {
     let (first, by) = (row[0] / WIDTH as u32, row[0] as usize % WIDTH);
     let next = row.get(WIDTH - by).filter(|next| **next != NOWHERE);
@@ -174,7 +175,7 @@ fn shifted(row: &Places) -> Pick {
     Pick::Shifted { rows: [first, second], by: by as u8 }
 }
 
-/// Shifts by every number of positions, compiled for each so that it is a constant.
+/// Shifts by every number of positions, each compiled for a constant number.
 const SHIFTS: [fn(&Row, &Row, &mut Row); WIDTH] = [
     shift::<0>,
     shift::<1>,
@@ -208,7 +209,7 @@ pub(crate) struct PickSums {
 }
 
 impl PickSums {
-    /// Creates sums whose summands are read from these positions; `ends` are the ends of the rows' summands.
+    /// Creates sums whose summands are read from these positions; `ends` says where the summands of each row end.
     pub fn new(places: &[u32], ends: Box<[usize]>) -> Self {
         Self { terms: Picks::with_zeros(places), ends }
     }

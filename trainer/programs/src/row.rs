@@ -58,7 +58,7 @@ impl Row {
         row
     }
 
-    /// Applies `f` to every sample's number and that of another row.
+    /// Applies `f` to the numbers of this row and of another row, sample by sample.
     #[inline(always)]
     pub(crate) fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let mut result = *self;

@@ -1,1 +1,1 @@
-//! Tests only: `tests/` holds programs of energies against leastaction-core in f64.
+//! This package has only tests: `tests/` compares programs of energies with leastaction-core in f64.

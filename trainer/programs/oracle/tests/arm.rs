@@ -1,4 +1,4 @@
-//! Arms against the recursions of core, and differences.
+//! Comparison of arms with the recursions of core, and with differences.
 
 mod common;
 
@@ -14,7 +14,7 @@ const fn body(joint: Joint, parent: Option<u8>) -> TreeBody {
     TreeBody { joint, parent }
 }
 
-/// Two branches, one of which slides.
+/// Two branches, one of which has a prismatic joint.
 const BRANCHED: [TreeBody; 5] = [
     body(Joint::Revolute, None),
     body(Joint::Revolute, Some(0)),
@@ -34,7 +34,7 @@ fn unit(a: Vector) -> Vector {
     a.map(|x| x / norm)
 }
 
-/// Random numbers: frames are rotations, axes are unit vectors, and the mass is such that M is positive definite.
+/// Random numbers, but frames are rotations, axes are unit vectors, and masses and inertias make M positive definite.
 fn weights(bodies: usize, seed: u64) -> Vec<f64> {
     let mut weights = common::random_weights(ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * bodies, seed);
     for own in weights[ARM_GRAVITY_PARAMETERS..].as_chunks_mut::<ARM_PARAMETERS>().0 {
@@ -75,7 +75,7 @@ fn values_and_derivatives_are_cores() {
     check_against_core(BRANCHED, 3);
 }
 
-/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) of the numbers that can be learned against differences, number by number.
+/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) of the numbers that can be learned against differences, for each number.
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();
@@ -84,7 +84,7 @@ fn gradients_are_the_differences_of_the_equation_of_motion() {
         let place = at.checked_sub(ARM_GRAVITY_PARAMETERS).map(|place| place % ARM_PARAMETERS);
         place.is_none_or(|place| place >= 15)
     };
-    // Frames are not read.
+    // The numbers of the frames are not read from the weights.
     let system = System::new(&model(&BRANCHED, &weights));
     common::check_gradients_of_motion::<N>((&system, &weights), 4, is_of_body);
 }

@@ -1,4 +1,4 @@
-//! Trees of rigid bodies against the formulas as they are printed, and differences of them.
+//! Comparison of trees of rigid bodies with the printed formulas, and with differences of them.
 
 mod common;
 
@@ -26,7 +26,7 @@ const BRANCHED: [TreeBody; 5] = [
 ];
 const CHAIN: [TreeBody; 2] = [body(Joint::Revolute, None), body(Joint::Revolute, Some(0))];
 
-/// Random numbers, masses and inertias positive.
+/// Random numbers; masses and inertias are positive.
 fn weights(bodies: usize, seed: u64) -> Vec<f64> {
     let mut weights = common::random_weights(GRAVITY_PARAMETERS + BODY_PARAMETERS * bodies, seed);
     for body in weights[GRAVITY_PARAMETERS..].chunks_exact_mut(BODY_PARAMETERS) {
@@ -131,7 +131,7 @@ fn values_and_derivatives_are_cores() {
     check_against_core(BRANCHED, 10);
 }
 
-/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) against differences of the equation of motion, number by number.
+/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) against differences of the equation of motion, for each number.
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();
@@ -139,12 +139,12 @@ fn gradients_are_the_differences_of_the_equation_of_motion() {
     common::check_gradients_of_motion::<N>((&system, &weights(N, 4)), 4, |_| true);
 }
 
-/// The mass matrix M of the double pendulum in textbooks, geared drives included.
+/// The mass matrix M of the double pendulum is that of textbooks, with geared drives included.
 #[test]
 fn the_double_pendulum_has_its_textbook_inertia() {
     let weights = weights(2, 5);
     let mut plain = weights.clone();
-    // The second joint at the end of the first link, both centres on the x axes.
+    // The second joint is at the end of the first link, and both centres are on the x axes.
     for zero in [3, 7, 12, 16] {
         plain[zero] = 0.0;
     }
@@ -187,7 +187,8 @@ fn bodies_hang_at_zero() {
     }
 }
 
-/// Numbers that are known are constants: the same values, shorter programs, no derivatives in them.
+/// Known numbers are constants: the values stay the same, the programs are shorter and have no derivatives with respect
+/// to them.
 #[test]
 fn known_numbers_are_constants() {
     const N: usize = BRANCHED.len();

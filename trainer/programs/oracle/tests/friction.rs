@@ -1,4 +1,4 @@
-//! Friction beside a family's forces, read from a weight block, against core in f64.
+//! Comparison of friction, which is read from a weight block, with core in f64.
 
 mod common;
 
@@ -50,7 +50,7 @@ fn numbers(laws: FrictionLaws, dry: [[f64; 4]; 2]) -> Vec<f64> {
     VISCOUS.iter().copied().filter(|_| laws.viscous).chain(dry).collect()
 }
 
-/// Random weights of the model, and these numbers.
+/// Random weights of the model, followed by these numbers.
 fn weights(laws: FrictionLaws, dry: [[f64; 4]; 2], damped: bool, seed: u64) -> Vec<f64> {
     let mut weights = random_weights(inertia_network(damped).parameters(), seed);
     weights.extend(numbers(laws, dry));
@@ -59,7 +59,7 @@ fn weights(laws: FrictionLaws, dry: [[f64; 4]; 2], damped: bool, seed: u64) -> V
 
 type Laws = (Viscous<f64, N>, Coulomb<f64, N>);
 
-/// The laws of core at the numbers that end a weight block.
+/// The laws of core with the numbers at the end of a weight block.
 fn laws(which: FrictionLaws, weights: &[f64]) -> Laws {
     let own = &weights[weights.len() - numbers(which, DRY).len()..];
     let (viscous, dry) = own.split_at(if which.viscous { 2 } else { 0 });
@@ -88,7 +88,7 @@ fn values_and_derivatives_are_cores() {
     }
 }
 
-/// A model's own damping stays, and its numbers precede those of friction; a boxed model gives the same.
+/// A model's own damping stays, and its numbers precede those of friction; a boxed model gives the same results.
 #[test]
 fn friction_adds_to_the_forces_of_the_model() {
     let which = FrictionLaws { viscous: false, ..ALL };
@@ -113,14 +113,14 @@ fn friction_adds_to_the_forces_of_the_model() {
     }
 }
 
-/// ∂(y·Q)/∂w of every number against central differences of core's force.
+/// Checks ∂(y·Q)/∂w for every number against central differences of core's force.
 #[test]
 fn gradients_are_the_differences_of_cores_force() {
     const STEP: f64 = 1e-5;
     for (seed, which) in (1..).zip(CASES) {
         let (model, weights) = (model(which, false), weights(which, DRY, false, seed));
         let own = Numbers::<N>::new(weights.clone(), 1.5, seed);
-        // y and v̇ are vectors 4 and 3.
+        // Vectors 4 and 3 are y and v̇.
         let (_, rows) = own.run(&System::new(&model).residual(1), &[0, 1, 2, 3, 4]);
         for place in weights.len() - numbers(which, DRY).len()..weights.len() {
             let moved = |step: f64| {
@@ -129,7 +129,8 @@ fn gradients_are_the_differences_of_cores_force() {
                 laws(which, &moved)
             };
             let (forth, back) = (moved(STEP), moved(-STEP));
-            // The derivative in a c_load that is known to be 0 is left out; it is the second and the sixth number of dry friction.
+            // There is no derivative with respect to a c_load that is known to be 0; c_load is the second and the sixth
+            // number of dry friction.
             let is_load = (weights.len() - place) % 4 == 3;
             for sample in (0..WIDTH).filter(|_| which.dry != DryLaw::Unloaded || !is_load) {
                 let [q, v, tau, y] = [0, 1, 2, 4].map(|vector| own.of(vector, sample));
@@ -153,10 +154,10 @@ fn groups_must_fit() {
     assert!(WithFriction::new(inertia_network(false), ALL, 2, vec![0, 1, 2]).is_none(), "no third group");
 }
 
-/// Friction so narrow that Newton's method without safeguards jumps to and fro.
+/// Friction with such a small width that Newton's method without safeguards jumps back and forth.
 const STIFF: [[f64; 4]; 2] = [[0.7, 0.25, 0.4, 0.005], [0.2, 0.6, 0.15, 0.01]];
 
-/// Steps through the change of sign, pushed to and fro, equal core's.
+/// Checks that steps through the change of sign, under a force that pushes back and forth, equal core's.
 fn check_steps<P: Path>(order: Order, dry: [[f64; 4]; 2]) {
     let weights = weights(ALL, dry, false, 9);
     let (system, core, h) = (System::new(&model(ALL, false)), core(ALL, &weights), 0.01);
@@ -189,7 +190,8 @@ fn steps_are_cores() {
     }
 }
 
-/// The state that two positions determine equals core's, even where the early friction makes the bubble's equation non-monotonic.
+/// Checks that the state determined by two positions equals core's, even where the early friction makes the bubble's
+/// equation non-monotonic.
 fn check_starts<P: Path>(order: Order, dry: [[f64; 4]; 2]) {
     let weights = weights(ALL, dry, false, 9);
     let (system, core, h) = (System::new(&model(ALL, false)), core(ALL, &weights), 0.01);

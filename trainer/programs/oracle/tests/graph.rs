@@ -1,4 +1,5 @@
-//! The graph family of any size against core in f64: value, derivatives, and gradients in the weights.
+//! Comparison of the graph family, for any size, with core in f64: value, derivatives, and gradients with respect to
+//! the weights.
 
 mod common;
 
@@ -16,12 +17,13 @@ use leastaction_programs::dynamics::{Accelerations, OneSampleAccelerations};
 use leastaction_programs::energies::{Energies, GraphEnergies};
 use leastaction_programs::{Program, Row, System};
 
-/// Lengths of the embeddings: of kinetic energies, of nodes, of edges. All are different, and none equals a dimension of space.
+/// Lengths of the embeddings: of kinetic energies, of nodes, of edges. All are different, and none is a dimension of
+/// space.
 const KINETIC: u8 = 1;
 const H: u8 = 4;
 const E: u8 = 5;
 
-/// The networks that the types name, none with widths that are multiples of a panel, in several activations.
+/// The networks to which the types refer, in several activations; none has widths that are multiples of a panel.
 fn networks(dimension: u8) -> [NetworkShape; 11] {
     let of = |inputs, widths: &[u16], outputs, activation| {
         NetworkShape::new(inputs, widths, outputs, activation).unwrap()
@@ -100,7 +102,7 @@ fn core<'a, W: WeightFormat, const D: usize, const N: usize>(
     forces::System { lagrangian: core, forces: core }
 }
 
-/// Checks a graph of N coordinates, D of each node.
+/// Checks a graph of N coordinates, with D for each node.
 fn check<const D: usize, const N: usize>(shape: &GraphShape, nodes: &[u8], edges: &[Edge]) {
     let model = GraphEnergies::new(shape, nodes, edges, 0).unwrap();
     let weights = random_weights(model.parameters(), N as u64);
@@ -131,7 +133,8 @@ fn learned_types() {
     check::<3, 6>(&shape(3, &[DEEP], &[SQUARED_PAIR], None), &[0; 2], &list);
 }
 
-/// Types alternate in the lists, two nodes share edges, types share networks, and one type of each kind has no member.
+/// Types alternate in the lists, two nodes share several edges, types share networks, and one type of each kind has no
+/// members.
 #[test]
 fn mixed_types() {
     let nodes = [HEAVY, LEARNED, PLAIN, DEEP, PLAIN];
@@ -150,7 +153,8 @@ fn messages_between_nodes_of_one_type() {
     check::<3, 9>(&shape(3, &[HEAVY], &kinds, Some(MESSAGES)), &[0; 3], &list);
 }
 
-/// Edges between nodes of one type and of two, of two types that embed differently, and two edges of the same nodes.
+/// Edges join nodes of one type and of two types, edges of two types have different embeddings, and one pair of nodes
+/// has two edges.
 #[test]
 fn messages_between_mixed_types() {
     let list = edges([(0, [0, 1]), (1, [2, 1]), (0, [0, 2]), (1, [2, 3]), (0, [1, 2])]);
@@ -226,7 +230,7 @@ fn a_block_may_begin_anywhere() {
     assert_eq!(results(&own, &weights[5..], 0), results(&behind, &weights, 5));
 }
 
-/// The list of a graph of a thousand nodes is as long as that of a few.
+/// The list of operations of a graph of a thousand nodes is as long as that of a small graph.
 #[test]
 fn graphs_of_any_size_take_the_same_steps() {
     let shape = shape(2, &[HEAVY], &[with_messages(PAIR)], Some(MESSAGES));
@@ -247,7 +251,7 @@ fn ring(nodes: u16) -> (System, Vec<f64>) {
     (System::new(&model), random_weights(model.parameters(), 3))
 }
 
-/// The mass matrix has a block for every node or coordinate: two directions give all of them.
+/// The mass matrix has a block for every node or coordinate, so two directions determine all blocks.
 #[test]
 fn mass_matrices_of_graphs_take_as_many_directions_as_dimensions() {
     for nodes in [5, 200] {

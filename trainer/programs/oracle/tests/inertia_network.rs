@@ -1,4 +1,5 @@
-//! Inertia networks of any size against core in f64: value, derivatives, and gradients in the weights.
+//! Comparison of inertia networks, for any size, with core in f64: value, derivatives, and gradients with respect to
+//! the weights.
 
 mod common;
 
@@ -19,7 +20,7 @@ struct Case<const N: usize> {
     damped: bool,
 }
 
-/// Core's model, with the damping that ends the block.
+/// Core's model, with the damping at the end of the block.
 fn core<'w, S, const N: usize>(
     case: &Case<N>,
     weights: &'w [S],
@@ -52,7 +53,8 @@ fn check<const N: usize>(case: &Case<N>, seed: u64) {
     common::check(&model, &core(case, &weights), motion, &numbers, 1.0);
 }
 
-/// Every number of coordinates in turn, each with widths that are no multiple of a panel, and another activation.
+/// Makes a test for every number of coordinates, each with widths that are not multiples of a panel, and with another
+/// activation.
 macro_rules! sizes {
     ($($name:ident: $n:literal, $widths:expr, $activation:ident, $inertia:expr, $damped:literal;)*) => {
         $(

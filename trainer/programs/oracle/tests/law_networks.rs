@@ -1,4 +1,4 @@
-//! Laws with networks beside a family's energies, read from a weight block, against core in f64.
+//! Comparison of laws with networks, which are read from a weight block, with core in f64.
 
 mod common;
 
@@ -24,7 +24,7 @@ const VISCOUS: [f64; N] = [0.3, 0.05, 0.2];
 type Model = WithNetworks<WithFriction<InertiaNetworkEnergies>>;
 type Networks<'w> = (Dissipation<'w, f64, N, 6, 2>, PotentialCorrection<'w, f64, N, 6, 2>);
 
-/// Laws on two of three coordinates, one seen by its velocity alone; on one other coordinate, and on two.
+/// Laws on two of three coordinates, one of which enters only by its velocity; on one other coordinate; and on two.
 const CASES: [[Option<Header<'static>>; 2]; 4] = {
     const fn header(coordinates: &'static str, activation: Activation) -> Option<Header<'static>> {
         Some(Header { coordinates, widths: [6, 5, 0, 0], activation })
@@ -57,7 +57,7 @@ fn model([dissipation, potential]: [Option<Header>; 2]) -> Model {
     WithNetworks::new(damped, dissipation.as_ref(), potential.as_ref()).unwrap()
 }
 
-/// Random weights, among them those of damping and scales, which are positive.
+/// Random weights; damping and scales are positive.
 fn weights(case: [Option<Header>; 2], seed: u64) -> Vec<f64> {
     let (mut weights, start) =
         (random_weights(model(case).parameters(), seed), inertia_network().parameters());
@@ -86,7 +86,7 @@ fn lagrangian(weights: &[f64]) -> InertiaNetwork<'_, f64, N, 4, 1> {
     InertiaNetwork::take(&mut &*weights, &shape).unwrap()
 }
 
-/// Core's L with the potential of the law in it, as the host has it.
+/// Core's L including the potential of the law, as the host treats it.
 struct Within<'w>(InertiaNetwork<'w, f64, N, 4, 1>, PotentialCorrection<'w, f64, N, 6, 2>);
 
 impl Lagrangian<f64, N> for Within<'_> {
@@ -128,14 +128,14 @@ fn values_and_derivatives_are_cores() {
     }
 }
 
-/// Checks ∂(y·(L_q + Q))/∂w of every number against central differences of core's.
+/// Checks ∂(y·(L_q + Q))/∂w for every number against central differences of core's forces.
 #[test]
 fn gradients_are_the_differences_of_cores_force() {
     const STEP: f64 = 1e-5;
     for (seed, case) in (1..).zip(CASES) {
         let weights = weights(case, seed);
         let own = Numbers::<N>::new(weights.clone(), 1.5, seed);
-        // y and v̇ are vectors 4 and 3.
+        // Vectors 4 and 3 are y and v̇.
         let (_, rows) = own.run(&System::new(&model(case)).residual(1), &[0, 1, 2, 3, 4]);
         for place in inertia_network().parameters() + N..weights.len() {
             let moved = |step: f64| {
@@ -157,7 +157,8 @@ fn gradients_are_the_differences_of_cores_force() {
     }
 }
 
-/// Coordinates that the model does not have, none at all, and a potential without a position as an input.
+/// Refused are coordinates that the model does not have, a network without inputs, and a potential without a position
+/// among its inputs.
 #[test]
 fn networks_must_fit() {
     let law = |coordinates: Vec<Option<Coordinate>>| LawNetwork {
@@ -180,7 +181,7 @@ fn networks_must_fit() {
     assert_eq!((plain.parameters(), plain.n()), (inertia_network().parameters(), N));
 }
 
-/// Steps under a push to and fro equal core's, which takes the potential as a force.
+/// Checks that steps under a force that pushes back and forth equal core's, where the potential acts as a force.
 fn check_steps<P: Path>(order: Order) {
     let case = CASES[0];
     let weights = weights(case, 9);

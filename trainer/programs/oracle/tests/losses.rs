@@ -1,4 +1,4 @@
-//! The losses of any size: residuals against core's integrator, derivatives against differences.
+//! Losses for any size: comparison of residuals with core's integrator, and of derivatives with differences.
 
 mod common;
 
@@ -35,7 +35,7 @@ fn weights(model: &InertiaNetworkEnergies, seed: u64) -> Vec<f64> {
     weights
 }
 
-/// Positions of no system's motion, under a control that changes all the time.
+/// Positions that belong to no motion, under a control that changes at every sample.
 fn block(n: usize, seed: u64) -> Block {
     let mut stream = Pcg64::seed_from_u64(seed);
     let mut random = |size: f64| -> Vec<Row> {
@@ -161,7 +161,7 @@ fn torques() {
     }
 }
 
-/// Friction that grows with the load, drives with torque offsets, and a unit for each coordinate.
+/// Friction that grows with the load, drives with torque offsets, and a separate unit for each coordinate.
 #[test]
 fn torques_of_drives_in_units_of_their_own() {
     let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
@@ -193,7 +193,7 @@ fn torques_of_drives_in_units_of_their_own() {
     }
 }
 
-/// A motion needs exactly the torque that makes it; an additional acceleration needs M times as much more.
+/// A motion needs exactly the torque that causes it; an additional acceleration needs M times this acceleration more.
 #[test]
 fn torques_are_those_that_accelerate() {
     let model = model(3);
@@ -224,7 +224,8 @@ fn next_states() {
     }
 }
 
-/// Replacing a number that a kind of control does not read changes nothing; replacing one that it reads changes the residual.
+/// Replacing a control that a kind of control does not use changes nothing; replacing one that it uses changes the
+/// residual.
 #[test]
 fn a_held_control_is_that_at_the_start_of_a_step() {
     let model = model(2);
@@ -247,7 +248,7 @@ fn a_held_control_is_that_at_the_start_of_a_step() {
     }
 }
 
-/// A sample that cannot be solved leaves the rest unchanged.
+/// A sample that cannot be solved leaves the other samples unchanged.
 #[test]
 fn what_fails_fails_alone() {
     let model = model(2);

@@ -1,4 +1,5 @@
-//! The modular family of any size against core in f64: value, derivatives, and gradients in the weights.
+//! Comparison of the modular family, for any size, with core in f64: value, derivatives, and gradients with respect to
+//! the weights.
 
 mod common;
 
@@ -14,7 +15,7 @@ use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Scalar, WeightFormat};
 use leastaction_programs::energies::{Energies, ModularEnergies};
 
-/// The networks of every test, by their numbers; the widths are no multiples of a panel.
+/// The networks of every test; their widths are not multiples of a panel.
 fn networks(pair: Option<PairInput>) -> Vec<NetworkShape> {
     let network =
         |inputs, widths: &[u16], outputs, kind| NetworkShape::new(inputs, widths, outputs, kind).unwrap();
@@ -52,7 +53,7 @@ const SLIDE: TypeShape = kind(TransformShape::Slide, Some(5));
 const FREE: TypeShape = kind(TransformShape::Free, Some(4));
 const LOOSE: TypeShape = kind(TransformShape::Free, None);
 
-/// Elements of these types on those parents: 0 is the ground, k is the element k − 1.
+/// Elements of these types with these parents: 0 is the ground, k is element k − 1.
 fn nodes(elements: &[(u8, u8)]) -> Vec<TreeElement> {
     elements.iter().map(|(kind, on)| TreeElement { kind: *kind, parent: on.checked_sub(1) }).collect()
 }

@@ -1,4 +1,4 @@
-//! The losses with rods against core's RATTLE and accelerations, derivatives against differences.
+//! Losses with rods: comparison with core's RATTLE and accelerations, and of derivatives with differences.
 
 mod common;
 
@@ -34,7 +34,7 @@ impl<const D: usize> Case<D> {
                     found < if next_position { 3e-15 } else { 3e-13 },
                     "{order:?} {next_position}: {found}"
                 );
-                // A step of the other order differs.
+                // Steps of the other order give a different result.
                 let other = if order == Order::Two { Order::Four } else { Order::Two };
                 let other = largest(&evaluate(&mut self.loss(other, next_position), &self.weights, &block));
                 assert!(other > 1e-7, "{other}");
@@ -44,7 +44,7 @@ impl<const D: usize> Case<D> {
         }
     }
 
-    /// Each kind of control explains its own motion, and not the other's.
+    /// Checks that each kind of control explains its own motion but not that of the other kind.
     fn check_control(&self, order: Order, of_core: discrete::Order) {
         let kinds = [ControlKind::Held, ControlKind::Linear];
         for (kind, other) in [(kinds[0], kinds[1]), (kinds[1], kinds[0])] {
@@ -56,7 +56,8 @@ impl<const D: usize> Case<D> {
         }
     }
 
-    /// The next position does not depend on the logged one; the DEL residual is the change of momentum along what the rods allow.
+    /// Checks that the next position does not depend on the logged one, and that the DEL residual is the change of
+    /// momentum in the directions that the rods leave free.
     fn check_displaced(&self, order: Order, block: &Block) {
         let mut displaced = block.clone();
         let by = |i: usize, sample: usize| 1e-3 * wave(7 * i + 3 * sample);
@@ -80,7 +81,8 @@ impl<const D: usize> Case<D> {
         }
     }
 
-    /// L_v of the last increment of one block less that of another, without the part across the rods in the middle.
+    /// L_v of the last increment of one block minus that of the other, without the part in the constrained directions
+    /// at the middle position.
     fn lost(&self, blocks: [&Block; 2], sample: usize) -> Vec<f64> {
         let [p, other] = blocks.map(|block| {
             let ends = block.states[1].iter().zip(&block.states[2]);

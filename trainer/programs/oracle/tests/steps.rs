@@ -1,4 +1,4 @@
-//! Steps that carry derivatives: against differences, in weights, control and start; and against core.
+//! Steps that carry derivatives with respect to weights, control and start: comparison with differences, and with core.
 
 use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path};
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
@@ -50,7 +50,7 @@ fn model() -> Loaded {
     Loaded(InertiaNetworkEnergies::new(kinds, (&[5, 4], Activation::Tanh), inertia, false))
 }
 
-/// Numbers that the motion depends on: weights, a gain of coordinate 0, an offset of coordinate 2, and the start.
+/// Numbers on which the motion depends: weights, a gain of coordinate 0, an offset of coordinate 2, and the start.
 #[derive(Clone)]
 struct Numbers {
     weights: Vec<f64>,
@@ -72,7 +72,7 @@ impl Numbers {
         Self { weights, gain: 0.8, offset: 0.1, start, control }
     }
 
-    /// Control τ of a step, and its derivatives in gain and offset.
+    /// Control τ of a step, and its derivatives with respect to gain and offset.
     fn acting(&self, step: usize) -> ([Vec<Row>; 2], Vec<ControlTangent>) {
         let tau = self.control[step].each_ref().map(|rows| {
             let mut tau = rows.clone();
@@ -159,7 +159,7 @@ fn tangents_are_differences() {
     }
 }
 
-/// A failure stays in its own sample.
+/// A failure affects only its own sample.
 #[test]
 fn a_sample_that_fails_leaves_the_others_alone() {
     let model = model();
@@ -190,7 +190,7 @@ fn a_sample_that_fails_leaves_the_others_alone() {
     }
 }
 
-/// Known weights have no derivatives, and those of the learned weights stay the same.
+/// Known weights have no derivatives, and the derivatives with respect to learned weights stay the same.
 #[test]
 fn derivatives_are_in_learned_weights_alone() {
     let model = model();
@@ -253,7 +253,7 @@ fn accelerations_move_with_the_state_as_differences_do() {
 
 const KINDS: [Coordinate; N] = [Coordinate::Angle, Coordinate::Translation, Coordinate::Angle];
 
-/// Checks steps from positions and velocities, under a control that differs at both ends.
+/// Checks steps from positions and velocities, under a control that differs at the two ends of a step.
 fn check_against_core<P: Path>(order: Order) {
     let inertia = Inertia::Cholesky { epsilon: 0.7 };
     let model = InertiaNetworkEnergies::new(KINDS.to_vec(), (&[5, 4], Activation::Tanh), inertia, true);

@@ -21,7 +21,7 @@ pub(crate) struct MotionSolver {
     lu: Lu,
     rods: Rods,
     definite: bool,
-    /// Compliance of systems with rods, used if the caller does not ask for it.
+    /// Compliance of systems with rods, used if the caller does not pass a buffer for it.
     compliance: Vec<Row>,
     /// Right-hand sides of a block of M and their solutions, column by column.
     right: Vec<Row>,
@@ -34,15 +34,15 @@ impl Accelerations {
         Self::with_rods(system, Rods::default(), true)
     }
 
-    /// Creates the accelerations of a system with rods. `definite`: whether A M⁻¹Aᵀ must be positive definite; a sample in which it is not
-    /// then fails.
+    /// Creates the accelerations of a system with rods. `definite` says whether A M⁻¹Aᵀ must be positive definite; if
+    /// it must, a sample in which it is not positive definite fails.
     pub fn with_rods(system: &System, rods: Rods, definite: bool) -> Self {
         let (program, pattern) = system.equation_of_motion();
         Self { workspace: program.workspace(), program, solver: MotionSolver::new(pattern, rods, definite) }
     }
 
-    /// Writes v̇(q, v, τ), n rows, and on request the derivative of v̇ with respect to the forces, row by row: Π = M⁻¹ − M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹A
-    /// M⁻¹, symmetric. If M or A M⁻¹Aᵀ is singular, they are NaN.
+    /// Writes v̇(q, v, τ), n rows, and on request the derivative of v̇ with respect to the forces, row by row: Π = M⁻¹
+    /// − M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹A M⁻¹, which is symmetric. If M or A M⁻¹Aᵀ is singular, both are NaN.
     pub fn evaluate(
         &mut self,
         weights: &[f64],
@@ -70,7 +70,7 @@ impl MotionSolver {
         Self { pattern, cholesky, lu, rods, definite, compliance, right, solutions }
     }
 
-    /// Same as [`Accelerations::evaluate`], from the outputs of [`System::equation_of_motion`] in a workspace.
+    /// Does the same as [`Accelerations::evaluate`], from the outputs of [`System::equation_of_motion`] in a workspace.
     pub fn solve(
         &mut self,
         motion: &Workspace,
@@ -142,7 +142,7 @@ impl MotionSolver {
         }
     }
 
-    /// Imposes one constraint after the other, as if the rest did not exist: each removes its own direction from Π.
+    /// Imposes one constraint after the other: each removes its own direction from Π.
     fn constrain(
         &self,
         [q, v]: [&[Row]; 2],

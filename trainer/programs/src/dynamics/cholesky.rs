@@ -1,15 +1,15 @@
 use crate::row::{Row, WIDTH};
 use wide::f64x8;
 
-/// Factors of small symmetric positive definite matrices, A = LDLᵀ, one per sample and for any number of rows of samples; the storage is
-/// reused.
+/// Factors of small symmetric positive definite matrices, A = LDLᵀ, one matrix per sample, for any number of rows of
+/// samples; the storage is reused.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cholesky {
     n: usize,
     rows: usize,
     /// L below the diagonal and 1/D on it, row by row.
     entries: Vec<Row>,
-    /// Whether all pivots of a sample are positive numbers: 1 if so, otherwise 0.
+    /// Whether all pivots of a sample's matrix are positive: 1 if so, otherwise 0.
     positive: Vec<Row>,
 }
 
@@ -58,7 +58,7 @@ impl Cholesky {
         for (i, row) in (k + 1..n).flat_map(|i| (0..rows).map(move |row| (i, row))) {
             let (own, inverse) = (self.entries[at(i, k) + row], self.entries[at(k, k) + row]);
             let factor = own.zip(&inverse, |a, inverse| -a * inverse);
-            // Entries of column k that are not divided yet are at or below row i.
+            // Entries of column k that are not divided by the pivot yet are at or below row i.
             for j in i..n {
                 let other = self.entries[at(j, k) + row];
                 self.entries[at(j, i) + row].add_product(&factor, &other);

@@ -15,7 +15,7 @@ pub struct Del {
     factors: Factors,
 }
 
-/// State of trajectories: positions, momenta and the last paths, n rows each.
+/// State of trajectories: positions, momenta and the paths of the last steps, n rows each.
 #[derive(Clone, Debug, Default)]
 pub struct DelState {
     /// Position q, m or rad.
@@ -74,7 +74,7 @@ impl DelState {
         self.history.first().map_or([&[], &[]], |[w, s]| [w, s])
     }
 
-    /// Guess of w and s, extrapolated by the polynomials through the last ones.
+    /// Guess of w and s, extrapolated by polynomials through their last values.
     fn guess(&self) -> [Vec<Row>; 2] {
         let weights: &[f64] = match self.history.len() {
             0 | 1 => &[1.0],

@@ -1,4 +1,4 @@
-//! Matrices of every sample: the rows of the matrix, entries as [`Row`]s, one after the other.
+//! Operations on one matrix per sample: entries are [`Row`]s, stored row after row of the matrix.
 
 use crate::row::Row;
 

@@ -70,7 +70,7 @@ impl InverseDynamics {
         }
     }
 
-    /// Updates τ ← τ + (1 + ∂Q/∂τ)⁻¹ left, sample by sample.
+    /// Updates τ ← τ + (1 + ∂Q/∂τ)⁻¹ residual, sample by sample.
     fn update(&mut self, weights: &[f64], [q, v]: [&[Row]; 2], tau: &mut [Row], failures: &mut Failures) {
         let Some((program, workspace)) = &mut self.load else { return };
         program.run_outputs(weights, &[q, v, tau], workspace);

@@ -31,7 +31,7 @@ pub(crate) use rods::take_out;
 
 use crate::row::{Row, WIDTH};
 
-/// Marks of the samples that could not be computed.
+/// Flags of the samples that could not be computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Failures(pub [bool; WIDTH]);
 
@@ -44,9 +44,9 @@ impl Failures {
         both
     }
 
-    /// Adds the samples with a number that is not finite.
+    /// Adds the samples in which some number is not finite.
     pub(crate) fn add_not_finite(&mut self, rows: &[Row]) {
-        // 0 times a number that is not finite is NaN.
+        // Multiplying by 0 turns every number that is not finite into NaN.
         let mut sum = Row::default();
         rows.iter().for_each(|row| sum.add_scaled(0.0, row));
         self.0.iter_mut().zip(sum.0).for_each(|(failed, sum)| *failed |= sum.is_nan());

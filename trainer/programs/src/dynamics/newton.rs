@@ -9,7 +9,7 @@ pub struct Newton {
     pub max_iterations: usize,
     /// Relative residual at which the iteration stops.
     pub stop: f64,
-    /// Largest residual of an accepted solution; above it, the sample fails.
+    /// Largest relative residual of an accepted solution; above it, the sample fails.
     pub accept: f64,
 }
 
@@ -26,7 +26,7 @@ struct Progress {
     failed: Failures,
 }
 
-/// Equations of an interval: with both ends given (`p0` is `None`), or with an unknown end.
+/// Equations of an interval, either with both ends given (`p0` is `None`) or with an unknown end.
 pub(crate) struct Equations<'i> {
     pub integrals: &'i mut Integrals,
     pub weights: &'i [f64],
@@ -102,8 +102,8 @@ impl Equations<'_> {
 }
 
 impl Newton {
-    /// Solves an interval from a guess by repeated updates, until the residual of every sample vanishes or cannot be reduced further. One
-    /// matrix serves as long as the residuals fall fast.
+    /// Solves an interval from a guess by repeated updates, until the residual of every sample vanishes or cannot be
+    /// reduced further. A matrix is reused as long as the residuals fall fast.
     pub(crate) fn solve(
         &self,
         equations: &mut Equations,
@@ -145,8 +145,8 @@ impl Newton {
     }
 }
 
-/// Updates w and s of the samples that are not done, as far as the matrix can be trusted in spite of forces that bend; for an interval with
-/// given ends, only the late Gauss point limits the update.
+/// Updates w and s of the samples that are not done, as far as the matrix can be trusted where forces bend; for an
+/// interval with given ends, only the late Gauss point limits the update.
 fn update(
     equations: &Equations,
     balance: &Balance,
@@ -170,12 +170,12 @@ fn update(
     }
 }
 
-/// Whether a change of the bubble between two given ends has the direction of the residual of its equation.
+/// Whether a change of the bubble between two given ends points in the direction of its equation's residual.
 ///
-/// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point therefore opposes it, as
-/// inertia does, but friction at the early one helps it: where that friction bends sharply, the equation is not monotonic and an update may
-/// lead the wrong way. The update is then repeated without the derivative of the early friction, which gives the right direction, if not
-/// the same speed.
+/// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point therefore
+/// opposes the growth, as inertia does, but friction at the early point supports it. Where the early friction bends
+/// sharply, the equation is not monotonic, and an update may have the wrong direction. The update is then repeated
+/// without the derivative of the early friction, which gives the right direction, though it may converge more slowly.
 fn leads_on(change: &[f64], left: impl Fn(usize) -> f64) -> bool {
     change.iter().enumerate().map(|(i, change)| change * left(i)).sum::<f64>() > 0.0
 }

@@ -23,10 +23,10 @@ pub struct OneSampleAccelerations {
 #[derive(Clone, Debug)]
 struct Group {
     size: usize,
-    /// Ascending positions of the blocks in the rows that hold one number of all blocks.
+    /// Ascending positions of the blocks in those rows that hold one number of all blocks.
     blocks: Vec<u32>,
     rows: usize,
-    /// First output of their equations.
+    /// First output of the equations of these blocks.
     first: usize,
     cholesky: Cholesky,
 }

@@ -4,10 +4,11 @@ use crate::row::{Row, WIDTH};
 use leastaction_core::model::Rod;
 use leastaction_core::scalar::{product, sum};
 
-/// Massless rods between particles or from the origin, in any number: holonomic constraints φ = (|d|² − ℓ²)/(2ℓ) = 0, m, on the difference
-/// d of their ends ([`leastaction_core::constraints::Holonomic`]). Coordinates are ordered node by node.
+/// Massless rods between particles or from the origin, in any number: holonomic constraints φ = (|d|² − ℓ²)/(2ℓ) = 0,
+/// m, where d is the vector between their ends ([`leastaction_core::constraints::Holonomic`]). Coordinates are ordered
+/// node by node.
 ///
-/// With φ = ½(q·φ_qq q − ℓ) and φ_qq constant, the gradient is φ_qq q, a row of A, and (Ȧv) = v·φ_qq v, m/s².
+/// With φ = ½(q·φ_qq q − ℓ) and constant φ_qq, the gradient is φ_qq q, a row of A, and (Ȧv) = v·φ_qq v, m/s².
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rods {
     dimension: usize,
@@ -33,7 +34,7 @@ impl Rods {
             .filter_map(|(node, sign)| Some((usize::from(node?), sign)))
     }
 
-    /// Values φ of all rods, m, to twice the precision of f64 near 0.
+    /// Values φ of all rods, m; near 0 they have twice the precision of f64.
     pub fn values(&self, q: &[Row]) -> Vec<Row> {
         let value = |k: usize| Row(std::array::from_fn(|sample| self.value(k, q, sample)));
         (0..self.count()).map(value).collect()
@@ -56,7 +57,7 @@ impl Rods {
         0.5 * (high + low) / length
     }
 
-    /// Product φ_qq x of a rod, n rows: ∂φ/∂q for x = q, and its rate of change for x = v.
+    /// Product φ_qq x of a rod, n rows: it is ∂φ/∂q for x = q, and the rate of change of ∂φ/∂q for x = v.
     pub fn gradient(&self, k: usize, x: &[Row]) -> Vec<Row> {
         let mut gradient = vec![Row::default(); x.len()];
         for i in 0..self.dimension {
@@ -92,8 +93,8 @@ impl Rods {
     }
 }
 
-/// Removes the direction of a constraint from symmetric matrices: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa). A sample fails if a·Πa is 0 or
-/// not finite, or if it is negative and `definite` is set.
+/// Removes the direction a of a constraint from symmetric matrices, Π − Πa (a·Πa)⁻¹ (Πa)ᵀ, and returns Πa/(a·Πa). A
+/// sample fails if a·Πa is 0 or not finite, or if it is negative and `definite` is set.
 pub(crate) fn take_out(matrix: &mut [Row], a: &[Row], definite: bool, failures: &mut Failures) -> Vec<Row> {
     let mut lever = times(matrix, a);
     let flexibility = dot(a, &lever);

@@ -8,7 +8,7 @@ use crate::system::System;
 pub struct AccelerationLoss {
     n: usize,
     solver: MotionSolver,
-    /// Equation of motion with the derivatives of its residual, along one direction and along n.
+    /// Equation of motion with the gradients of its residual, along one direction and along n directions.
     motions: [(Program, Workspace); 2],
 }
 
@@ -37,7 +37,8 @@ impl Loss for AccelerationLoss {
         Some(logged.iter().map(|a| a.zip(a, |a, _| -a)).collect())
     }
 
-    /// ∂v̇ = Π ∂(F − d/dt L_v) with v̇ held fixed on the right; Π is M⁻¹ without the directions of the rods.
+    /// Evaluates by ∂v̇ = Π ∂(F − d/dt L_v), with v̇ held fixed on the right; Π is M⁻¹ without the directions of the
+    /// rods.
     fn evaluate(
         &mut self,
         weights: &[f64],

@@ -6,7 +6,7 @@ use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
 
-/// A loss of three consecutive positions under the discrete Euler–Lagrange equation, without constraints.
+/// A loss over three consecutive positions with the discrete Euler–Lagrange equation, without constraints.
 pub struct DelLoss {
     n: usize,
     integrals: Integrals,
@@ -21,7 +21,7 @@ pub struct DelLoss {
 /// Variation of an interval's end, or of its start.
 type End = fn(&GaussPoint, f64) -> Variation;
 
-/// Weights of the equations of one interval in the residual components: n rows per component.
+/// Weights of one interval's equations in the residual components: n rows per component.
 struct Weighing {
     /// Weights of D₁L_d, or of D₂L_d.
     y: Vec<Row>,
@@ -65,8 +65,8 @@ impl DelLoss {
         }
     }
 
-    /// Weights of both intervals' equations in the derivative of every residual component. G = p₁ + d1_ld is the DEL residual, and the
-    /// bubbles follow their own equations; the next position follows from 0 = dG + K dw.
+    /// Weights of both intervals' equations in the derivative of every residual component. G = p₁ + d1_ld is the DEL
+    /// residual. The bubbles follow from their own equations; the next position follows from 0 = dG + K dw.
     fn weighings(
         &mut self,
         weights: &[f64],

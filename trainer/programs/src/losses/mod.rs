@@ -1,8 +1,9 @@
 //! Residuals of samples and their derivatives with respect to the weights.
 //!
-//! Differentiated through an implicit step, the derivative of every residual component in θ is a sum of ∂/∂θ \[F·δq + L_v·δv\] over the
-//! Gauss points of the intervals involved, or over the points of a chain of RATTLE steps; the implicit function theorem only determines δq
-//! and δv. The derivative of an acceleration is ∂/∂θ (F − d/dt L_v)·y. Programs of a system do the rest.
+//! When an implicit step is differentiated, the derivative of every residual component with respect to θ is a sum of
+//! ∂/∂θ \[F·δq + L_v·δv\] over the Gauss points of the intervals involved, or over the points of a chain of RATTLE
+//! steps; the implicit function theorem only determines δq and δv. The derivative of an acceleration is ∂/∂θ (F − d/dt
+//! L_v)·y. Programs of a system compute these sums.
 
 mod acceleration;
 mod del;
@@ -27,15 +28,15 @@ pub struct Block {
     pub states: [Vec<Row>; 3],
     /// Next velocity v₊, for the loss of the next state.
     pub next_velocity: Vec<Row>,
-    /// Controls at the same times. For the loss of the next state the first two are u and u₊; for those of accelerations and torques the
-    /// first is u.
+    /// Controls at the same times. For the loss of the next state only the first two, u and u₊, are used; for the
+    /// losses of accelerations and torques only the first, u.
     pub controls: [Vec<Row>; 3],
     /// Kind of the controls between these times.
     pub control: ControlKind,
 }
 
 impl Block {
-    /// Control at the start and at the end of the first step (0) or the second one (1), linear between them.
+    /// Control at the start and at the end of the first step (0) or the second step (1); it is linear between them.
     fn acting(&self, step: usize) -> [&[Row]; 2] {
         let end = match self.control {
             ControlKind::Held => step,
@@ -68,8 +69,8 @@ pub trait Loss: Send {
         residual: &mut [Row],
         derivatives: Derivatives,
     ) -> Failures;
-    /// Residual of a motion with constant velocity, which stands for a sample that cannot be computed. `None` if it is not defined, for a
-    /// residual of momenta.
+    /// Residual of a motion with constant velocity, which is used for a sample that cannot be computed. `None` if it is
+    /// not defined, as for a residual in units of momentum.
     fn of_constant_velocity(&self, block: &Block) -> Option<Vec<Row>>;
 }
 
@@ -89,7 +90,8 @@ fn clear(failures: &Failures, rows: &mut [Row]) {
     }
 }
 
-/// Returns these rows with the numbers of a good sample in place of those that failed: a number with weight 0 must still be finite.
+/// Returns these rows with the numbers of a good sample in place of those of failed ones: even a number with weight 0
+/// must be finite.
 fn mended(failures: &Failures, rows: &[Row]) -> Vec<Row> {
     let mut mended = rows.to_vec();
     if let Some(good) = failures.0.iter().position(|failed| !failed) {

@@ -5,22 +5,23 @@ use crate::row::Row;
 use crate::steps::{RungeKutta, State, sum};
 use crate::system::System;
 
-/// Result of an explicit Runge–Kutta step from a logged state, less the next logged state: positions, then velocities (L-NODE). Each stage
-/// has the control at its time. Without constraints.
+/// Result of an explicit Runge–Kutta step from a logged state minus the next logged state: positions, then velocities
+/// (L-NODE). Each stage uses the control at its own time. There are no constraints.
 ///
-/// With y_k the adjoint of stage k's acceleration in a residual component, the component's derivative in θ is Σ y_k·∂v̇_k = Σ ∂/∂θ \[(F −
-/// d/dt L_v)·M⁻¹y_k\] at the stages' states and accelerations.
+/// With y_k the adjoint of stage k's acceleration in a residual component, the component's derivative with respect to θ
+/// is Σ y_k·∂v̇_k = Σ ∂/∂θ \[(F − d/dt L_v)·M⁻¹y_k\] at the stages' states and accelerations.
 pub struct NextStateLoss {
     n: usize,
     h: f64,
     method: RungeKutta,
     accelerations: Accelerations,
     tangents: (Program, Workspace),
-    /// Programs for one direction, and for 2n.
+    /// Programs for one direction, and for 2n directions.
     pulls: [(Program, Workspace); 2],
 }
 
-/// A stage: its state, control and rate (v, v̇), M⁻¹ there, and the derivatives of F − d/dt L_v, column by column.
+/// A stage: its state, control and rate (v, v̇), M⁻¹ at its state, and the derivatives of F − d/dt L_v, column by
+/// column.
 struct Stage {
     state: State,
     tau: Vec<Row>,

@@ -5,11 +5,11 @@ use crate::row::Row;
 use crate::sparsity::Pattern;
 use crate::system::System;
 
-/// Torque that a motion needs by the model, less the logged one: M v̇ + L_vq v − L_q − Q(q, v, τ) − τ at logged (q, v, v̇) and τ, with a
-/// separate unit for each coordinate.
+/// Torque that a motion needs according to the model, minus the logged torque: M v̇ + L_vq v − L_q − Q(q, v, τ) − τ at
+/// logged (q, v, v̇) and τ, with a separate unit for each coordinate.
 ///
-/// Nothing is divided by the inertia, so noise of v̇ is not amplified; but the noise multiplies the inertia, whose estimate becomes too
-/// small. Source: Lutter, Ritter and Peters, "Deep Lagrangian Networks", ICLR 2019.
+/// Nothing is divided by the inertia, so noise of v̇ is not amplified. But this noise is multiplied by the inertia, so
+/// the estimated inertia is too small. Source: Lutter, Ritter and Peters, "Deep Lagrangian Networks", ICLR 2019.
 pub struct TorqueLoss {
     /// Reciprocal of the unit of every coordinate's torque, 1/(N m) or 1/N.
     per_unit: Vec<f64>,
@@ -27,7 +27,7 @@ impl TorqueLoss {
         Self { per_unit: vec![1.0; n], pattern, motions: [one.0, all.0].map(Program::with_workspace) }
     }
 
-    /// Sets these units, N m or N, one per coordinate, so that light joints count as much as heavy ones.
+    /// Sets these units, N m or N, one per coordinate; they can give light joints the same weight as heavy ones.
     #[must_use]
     pub fn in_units(mut self, units: &[f64]) -> Self {
         self.per_unit.iter_mut().zip(units).for_each(|(per_unit, unit)| *per_unit = unit.recip());

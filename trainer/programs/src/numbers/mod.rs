@@ -1,8 +1,9 @@
 //! Programs of short vectors, computed number by number.
 //!
-//! Energies of bodies are written in vectors of two or three numbers, many of which are 0 or 1. Number by number, known numbers and equal
-//! numbers are computed only once and zeros not at all; nothing is gathered or scattered. Small networks beside bodies are treated
-//! likewise, since their layers would otherwise need all inputs as vectors.
+//! Energies of bodies are written in vectors of two or three numbers, many of which are 0 or 1. If they are computed
+//! number by number, known and equal numbers are computed only once and zeros not at all, and nothing is gathered or
+//! scattered. Small networks beside bodies are treated in the same way, since their layers would otherwise need all
+//! inputs as vectors.
 
 mod run;
 mod values;
@@ -12,8 +13,8 @@ use crate::program::Program;
 use crate::row::Row;
 use values::{Id, Results, Value, Values};
 
-/// Maximum number of operations: longer programs have long vectors, which are fast as they are. An arm of seven joints takes 20,000
-/// operations on short ones.
+/// Maximum number of operations: longer programs have long vectors, with which they are fast anyway. An arm of seven
+/// joints takes 20,000 operations on short vectors.
 const MOST: usize = 1 << 16;
 
 /// Place for a number of every sample.
@@ -78,7 +79,8 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    /// Converts a program; `None` if it is too long, or applies layers of networks that may not be taken apart.
+    /// Converts a program; `None` if it is too long, or if it applies network layers that may not be split into
+    /// numbers.
     pub fn of(program: &Program, with_layers: bool) -> Option<Self> {
         let (values, results) = Values::of(program, with_layers)?;
         (values.len() <= MOST).then(|| Allocation::new(&values).numbers(&results))
@@ -96,14 +98,14 @@ impl Numbers {
 struct Allocation<'v> {
     values: &'v Values,
     places: Vec<Option<Register>>,
-    /// Rank of the operation that reads a value last.
+    /// Rank of the last operation that reads a value.
     last_read: Vec<usize>,
     is_needed: Vec<bool>,
     free: Vec<Register>,
     program: Numbers,
 }
 
-/// Part of the values that are not computed; part 0 is for the outputs, part 1 for the rows.
+/// Part number of values that are not computed; part 0 is for the outputs, part 1 for the rows.
 const NEVER: usize = 2;
 
 impl<'v> Allocation<'v> {
@@ -134,7 +136,7 @@ impl<'v> Allocation<'v> {
             self.compute(0, *value);
             self.release(rank, *value);
         }
-        // Values computed for the outputs may also be added to rows, after them.
+        // Values computed for the outputs may also have to be added to rows, after the outputs.
         early.iter().for_each(|value| self.add(*value, &adds));
         for (rank, value) in (early.len()..).zip(&late) {
             self.compute(1, *value);
@@ -174,7 +176,7 @@ impl<'v> Allocation<'v> {
             self.last_read[*value as usize] = rank;
             self.values.reads(*value).for_each(|x| self.last_read[x as usize] = rank);
         }
-        // Outputs stay, and so do values computed before them that are added to rows after them.
+        // Outputs stay in their registers, and so do values computed for the outputs that are later added to rows.
         let early = results.rows.iter().map(|(_, _, x)| x).filter(|x| parts[**x as usize] == 0);
         results.outputs.iter().flatten().chain(early).for_each(|x| self.last_read[*x as usize] = usize::MAX);
     }
@@ -268,13 +270,13 @@ mod tests {
         System::new(&WithNetworks::new(rubbing, networks.0, networks.1).unwrap())
     }
 
-    /// Outputs and rows equal those of the vectors' program up to rounding.
+    /// Outputs and rows equal those of the vector program up to rounding.
     #[test]
     fn number_by_number_the_results_are_the_same() {
         check_results(&system(false));
     }
 
-    /// Beside bodies small layers are taken apart.
+    /// Small layers beside bodies are computed number by number.
     #[test]
     fn layers_beside_bodies_are_computed_number_by_number() {
         check_results(&system(true));
@@ -293,7 +295,7 @@ mod tests {
             let results = [program, vectors].map(|program| {
                 let mut workspace = program.workspace();
                 let mut rows = vec![vec![Row::default(); system.parameters()]; program.rows()];
-                // Run twice, so that a remainder of one run would spoil the next.
+                // The program runs twice, so that a remainder of the first run would spoil the second.
                 for _ in 0..2 {
                     rows.iter_mut().flatten().for_each(|row| *row = Row::default());
                     program.run(&weights, &inputs, &mut workspace, &mut rows);

@@ -6,11 +6,11 @@ use crate::program::{Program, Workspace};
 use crate::row::Row;
 use crate::system::System;
 
-/// Explicit Runge–Kutta steps of a system without constraints, those of [`NextStateLoss`](crate::losses::NextStateLoss), that carry their
-/// derivatives along.
+/// Explicit Runge–Kutta steps of a system without constraints that carry their derivatives along. The methods are those
+/// of [`NextStateLoss`](crate::losses::NextStateLoss).
 ///
-/// With v̇ = M⁻¹(F − L_vq v + τ), a change of a number changes the acceleration of a stage by δv̇ = M⁻¹(∂_q R δq + ∂_v R δv + ∂_τ(Q + τ) δτ
-/// + ∂_θ R), with R = F − L_vq v − M v̇ at constant v̇.
+/// With v̇ = M⁻¹(F − L_vq v + τ), a change of a parameter changes the acceleration of a stage by δv̇ = M⁻¹(∂_q R δq +
+/// ∂_v R δv + ∂_τ(Q + τ) δτ + ∂_θ R), where R = F − L_vq v − M v̇ at constant v̇.
 pub struct ExplicitSteps {
     n: usize,
     h: f64,
@@ -31,7 +31,7 @@ pub struct ExplicitSteps {
 }
 
 impl ExplicitSteps {
-    /// Creates the steps of a system with step size h, s, with derivatives in all weights.
+    /// Creates the steps of a system with step size h, s, with derivatives with respect to all weights.
     pub fn new(system: &System, h: f64, method: RungeKutta) -> Self {
         let (n, weights) = (system.n(), system.parameters());
         let (motion, pattern) = system.equation_of_motion_with_residual(n);
@@ -64,7 +64,8 @@ impl ExplicitSteps {
         self.solver.solve(workspace, [q, v], a, differentiate.then_some(&mut self.compliance[..]))
     }
 
-    /// Computes the derivatives of the stage's v̇ in q, v, τ, and in the weights if any is learned.
+    /// Computes the derivatives of the stage's v̇ with respect to q, v, τ, and with respect to the weights if any is
+    /// learned.
     fn differentiate(&mut self, weights: &[f64], tangents: &Tangents) {
         let n = self.n;
         let [q, v, tau, a] = self.stages.moved();
@@ -88,7 +89,7 @@ impl ExplicitSteps {
         }
     }
 
-    /// Computes the derivatives of the stage in every number: through its state, and directly.
+    /// Computes the derivatives of the stage with respect to every parameter: through its state, and directly.
     fn carry(&mut self, tangents: &Tangents, (controls, time): (&[ControlTangent], f64)) {
         let (n, weights) = (self.n, tangents.weights());
         let (gradients, learned) = (&self.gradients, &self.learned);

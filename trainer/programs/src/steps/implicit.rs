@@ -10,12 +10,13 @@ use crate::system::System;
 /// Limits of Newton's method in these steps.
 const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-9 };
 
-/// Steps of the discrete Euler–Lagrange equation of a system without constraints ([`leastaction_core::discrete`] has the equations) that
-/// carry their derivatives along. States are (q, p).
+/// Steps of the discrete Euler–Lagrange equation of a system without constraints ([`leastaction_core::discrete`] has
+/// the equations). They carry their derivatives along. States are (q, p).
 ///
-/// With x = (w, s), G(x; q₀, p₀, τ, θ) = (p₀ + D₁L_d + f⁻, D_mL_d + f_m) = 0 and e = (q₁, p₁) = (q₀ + hw, p₀ + impulse), a change of a
-/// number changes the end by δe + YδG at constant x, with Y = −e_x G_x⁻¹ (the implicit function theorem). Both are sums over the Gauss
-/// points of δF and δL_v, so the rows ∂/∂θ \[F·δq + L_v·δv\] of all 2n numbers of the end give its derivatives in the weights.
+/// Let x = (w, s), let G(x; q₀, p₀, τ, θ) = (p₀ + D₁L_d + f⁻, D_mL_d + f_m) = 0 be the equations, and e = (q₁, p₁) =
+/// (q₀ + hw, p₀ + impulse) the end. A change of a parameter changes the end by δe + YδG at constant x, with Y = −e_x
+/// G_x⁻¹ (the implicit function theorem). Both terms are sums over the Gauss points of δF and δL_v, so the rows ∂/∂θ
+/// \[F·δq + L_v·δv\] of all 2n numbers of the end give its derivatives with respect to the weights.
 pub struct VariationalSteps {
     n: usize,
     del: Del,
@@ -23,7 +24,7 @@ pub struct VariationalSteps {
     learned: Vec<usize>,
     /// Derivative ∂Q/∂τ, if a force depends on the control.
     load: Option<(Program, Workspace)>,
-    /// Gradients of L_v along n directions, and of F and L_v along 2n.
+    /// Gradients of L_v along n directions, and of F and L_v along 2n directions.
     momentum: (Program, Workspace),
     pulls: (Program, Workspace),
     /// Derivatives ∂e/∂θ at constant (q₀, p₀): for each of the 2n numbers, rows of the length of the weight block.
@@ -38,16 +39,17 @@ pub struct VariationalSteps {
 /// Derivatives of the equations of a step (those of momenta, then those of bubbles) and of its impulse, row by row.
 #[derive(Default)]
 struct Sums {
-    /// Derivatives in x: m × m blocks of n × n for the equations, m blocks for the impulse; m = 1, or 2 with bubbles.
+    /// Derivatives with respect to x: m × m blocks of n × n for the equations, m blocks for the impulse; m = 1, or 2
+    /// with bubbles.
     of_path: Vec<Vec<Row>>,
     impulse_of_path: Vec<Vec<Row>>,
-    /// Derivatives in q₀: m blocks, and the block of the impulse.
+    /// Derivatives with respect to q₀: m blocks, and the block of the impulse.
     of_start: Vec<Vec<Row>>,
-    /// Derivatives in τ at the start and at the end, each with the same blocks.
+    /// Derivatives with respect to τ at the start and at the end, each with the same blocks.
     of_control: [Vec<Vec<Row>>; 2],
 }
 
-/// Derivative of a position at a Gauss point in q₀.
+/// Derivative of a position at a Gauss point with respect to q₀.
 const POSITION: Variation = Variation { force: 1.0, momentum: 0.0 };
 
 impl Sums {
@@ -66,24 +68,24 @@ impl Sums {
         self.of_control.iter_mut().for_each(|blocks| clear(blocks, kinds + 1));
     }
 
-    /// Entry (i, j) of the matrix of all equations in all of x.
+    /// Entry (i, j) of the derivative of all equations with respect to all of x.
     fn equation(&self, kinds: usize, n: usize, [i, j]: [usize; 2], sample: usize) -> f64 {
         self.of_path[i / n * kinds + j / n][i % n * n + j % n].0[sample]
     }
 }
 
-/// Derivatives of e at constant θ, and with respect to the equations.
+/// Derivatives of the end e at constant θ, and with respect to the equations.
 struct Transition {
     /// Y: 2n rows of m n.
     of_equations: Vec<Row>,
-    /// Derivatives in (q₀, p₀): 2n rows of 2n.
+    /// Derivatives with respect to (q₀, p₀): 2n rows of 2n.
     of_state: Vec<Row>,
-    /// Derivatives in τ at the start and at the end: 2n rows of n.
+    /// Derivatives with respect to τ at the start and at the end: 2n rows of n.
     of_control: [Vec<Row>; 2],
 }
 
 impl VariationalSteps {
-    /// Creates the steps of a system with step size h, s, with derivatives in all weights.
+    /// Creates the steps of a system with step size h, s, with derivatives with respect to all weights.
     pub fn new(system: &System, h: f64, order: Order) -> Self {
         let (n, weights) = (system.n(), system.parameters());
         Self {
@@ -107,7 +109,8 @@ impl VariationalSteps {
         Self { learned, ..self }
     }
 
-    /// Weights of F and L_v at a Gauss point in the equations of a step, and the derivatives of that point in x.
+    /// Weights of F and L_v at a Gauss point in the equations of a step, and the derivatives of that point with respect
+    /// to x.
     fn variations(&self, point: &GaussPoint) -> [[Variation; 2]; 2] {
         let h = self.del.integrals.h;
         [[point.start(h), point.bubble(h)], [point.end(h), point.bubble(h)]]
@@ -145,7 +148,7 @@ impl VariationalSteps {
         }
     }
 
-    /// Adds the derivatives of c(τ + Q) in τ at both ends, at a given fraction of the step.
+    /// Adds the derivatives of c(τ + Q) with respect to τ at both ends, at a given fraction of the step.
     fn add_control(&mut self, k: usize, c: f64, part: f64) {
         let n = self.n;
         for (share, blocks) in [1.0 - part, part].into_iter().zip(&mut self.sums.of_control) {
@@ -185,7 +188,7 @@ impl VariationalSteps {
         self.sum(weights, path);
         let (n, of_equations) = (self.n, self.of_equations());
         let (kinds, unit) = (self.kinds(), Row::splat(1.0));
-        // Yδ of the equations, plus the change of the impulse.
+        // This is Yδ of the equations, plus the change of the impulse.
         let moved = |blocks: &[Vec<Row>]| -> Vec<Row> {
             let equations = blocks[..kinds].concat();
             let mut rows: Vec<Row> =
@@ -204,7 +207,7 @@ impl VariationalSteps {
         Transition { of_equations, of_state, of_control }
     }
 
-    /// Computes the derivatives of e in the weights at constant (q₀, p₀).
+    /// Computes the derivatives of e with respect to the weights at constant (q₀, p₀).
     fn pull(&mut self, weights: &[f64], path: &Interval, of_equations: &[Row]) {
         let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
         self.gradients.iter_mut().for_each(|row| row.fill(Row::default()));
@@ -264,7 +267,7 @@ impl VariationalSteps {
         program.run(weights, &inputs, workspace, &mut self.gradients[..n]);
     }
 
-    /// Carries the derivatives in every number to the end of a path.
+    /// Carries the derivatives with respect to every parameter to the end of a path.
     fn carry(
         &mut self,
         weights: &[f64],

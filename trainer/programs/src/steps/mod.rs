@@ -15,7 +15,7 @@ pub use tangents::{ControlTangent, Tangents, combine_positions};
 use crate::dynamics::Failures;
 use crate::row::Row;
 
-/// Positions, then velocities, or momenta if the steps use them: 2n rows, m or rad and m/s or rad/s.
+/// Positions, then velocities (or momenta, if the steps use them): 2n rows, m or rad and m/s or rad/s.
 pub type State = Vec<Row>;
 
 /// Steps from state to state, with samples side by side, that carry derivatives along.
@@ -23,8 +23,9 @@ pub trait Steps: Send {
     /// Converts positions and velocities into the state that the steps use, together with its derivatives.
     fn begin(&mut self, weights: &[f64], state: &mut State, tangents: Option<&mut Tangents>);
 
-    /// Advances the state by one step, under controls τ at its start and end, linear between them; with `tangents` also the derivatives of
-    /// the state, where the pair's `controls` are those of the control. A sample that cannot be computed is NaN from then on.
+    /// Advances the state by one step, under controls τ at its start and end, linear between them. With `tangents`, the
+    /// derivatives of the state are advanced, too; the second part of the pair holds the derivatives of the control. A
+    /// sample that cannot be computed is NaN from then on.
     ///
     /// # Panics
     /// If the numbers of coordinates, of learned weights or of controls do not fit.

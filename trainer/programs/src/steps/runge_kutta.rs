@@ -17,7 +17,7 @@ impl RungeKutta {
         if order == 4 { Self::ThreeEighths } else { Self::Midpoint }
     }
 
-    /// Shares of the rates of the earlier stages in each stage.
+    /// Weights of the rates of the earlier stages in each stage.
     pub fn stages(self) -> &'static [&'static [f64]] {
         match self {
             Self::Midpoint => &[&[], &[0.5]],
@@ -30,7 +30,7 @@ impl RungeKutta {
         self.stages().iter().map(|shares| shares.iter().sum())
     }
 
-    /// Share of the rate of each stage in the end of the step.
+    /// Weight of the rate of each stage in the end of the step.
     pub fn end(self) -> &'static [f64] {
         match self {
             Self::Midpoint => &[0.0, 1.0],
@@ -39,7 +39,7 @@ impl RungeKutta {
     }
 }
 
-/// Returns the state plus h times the sum of the rates, each times its share.
+/// Returns the state plus h times the weighted sum of the rates.
 pub(crate) fn sum<'r>(state: &State, h: f64, shares: impl Iterator<Item = (f64, &'r State)>) -> State {
     let mut sum = state.clone();
     for (share, rate) in shares {

@@ -17,7 +17,7 @@ pub(super) struct Stages {
     rates: Vec<State>,
     /// Derivatives of (v, v̇) of every stage: 2n rows for each number.
     tangents: Vec<Vec<Row>>,
-    /// Derivative of the present stage's state in one number.
+    /// Derivative of the present stage's state with respect to one parameter.
     moved: Vec<Row>,
 }
 
@@ -36,8 +36,8 @@ impl Stages {
         }
     }
 
-    /// Begins a stage of a step of h from a state, at the point given by the earlier stages; τ is given at the start and at the end of the
-    /// step.
+    /// Begins a stage of a step of h from a state, at the point that the earlier stages determine; τ is given at the
+    /// start and at the end of the step.
     pub fn enter(&mut self, stage: usize, (state, h): (&State, f64), (tau, time): ([&[Row]; 2], f64)) {
         self.present = stage;
         self.at.copy_from_slice(state);
@@ -61,8 +61,8 @@ impl Stages {
         [q, v, &self.tau, &self.rates[self.present][self.n..]]
     }
 
-    /// Computes the derivatives of the stage in every number: δv̇ = ∂_q v̇ δq + ∂_v v̇ δv + `own` (for a coordinate and a number), where
-    /// rows of `slopes` have the length of q, v and τ together.
+    /// Computes the derivatives of the stage for every parameter: δv̇ = ∂_q v̇ δq + ∂_v v̇ δv + `own` (given for a
+    /// coordinate and a parameter). The rows of `slopes` have the length of q, v and τ together.
     pub fn carry(
         &mut self,
         (tangents, h): (&Tangents, f64),
@@ -91,7 +91,7 @@ impl Stages {
         }
     }
 
-    /// Adds to the derivative of v̇_i of the stage in a number.
+    /// Adds to the derivative of v̇_i of the stage with respect to a parameter.
     pub fn add(&mut self, number: usize, i: usize, change: &Row, slope: &Row) {
         let place = &mut self.tangents[self.present][2 * self.n * number + self.n + i];
         place.add_product(slope, change);

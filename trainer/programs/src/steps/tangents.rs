@@ -1,21 +1,21 @@
 use crate::row::Row;
 
-/// Derivatives of states of n coordinates in numbers: the learned ones of the weight block, then those that the control depends on, then
-/// those of the start states.
+/// Derivatives of states of n coordinates with respect to parameters: first the learned ones of the weight block, then
+/// those on which the control depends, then those of the start states.
 #[derive(Clone, Debug)]
 pub struct Tangents {
     weights: usize,
     controls: usize,
     /// Number of rows of a state, 2n.
     width: usize,
-    /// Derivatives ∂x, one number after the other.
+    /// Derivatives ∂x, one parameter after the other.
     rows: Vec<Row>,
 }
 
-/// Derivative of the control of one coordinate in one number.
+/// Derivative of the control of one coordinate with respect to one parameter.
 #[derive(Clone, Debug)]
 pub struct ControlTangent {
-    /// Position among the numbers that the control depends on.
+    /// Position among the parameters on which the control depends.
     pub number: usize,
     /// Coordinate whose τ changes.
     pub coordinate: usize,
@@ -24,8 +24,8 @@ pub struct ControlTangent {
 }
 
 impl Tangents {
-    /// Creates the derivatives of a start state: 1 for each of its own 2n numbers, 0 for `weights` numbers of the weight block and
-    /// `controls` numbers of the control.
+    /// Creates the derivatives of a start state: 1 for each of its own 2n numbers, 0 for `weights` parameters of the
+    /// weight block and `controls` parameters of the control.
     pub fn at_start(n: usize, weights: usize, controls: usize) -> Self {
         let (before, width) = (weights + controls, 2 * n);
         let mut rows = vec![Row::default(); width * (before + width)];
@@ -33,7 +33,7 @@ impl Tangents {
         Self { weights, controls, width, rows }
     }
 
-    /// Derivatives ∂x in a number: positions first.
+    /// Derivatives ∂x with respect to a parameter: positions first.
     pub fn of(&self, number: usize) -> &[Row] {
         &self.rows[number * self.width..][..self.width]
     }
@@ -42,22 +42,22 @@ impl Tangents {
         &mut self.rows[number * self.width..][..self.width]
     }
 
-    /// Count of the learned numbers of the weight block.
+    /// Number of learned parameters of the weight block.
     pub fn weights(&self) -> usize {
         self.weights
     }
 
-    /// Count of the numbers that the control depends on.
+    /// Number of parameters on which the control depends.
     pub fn controls(&self) -> usize {
         self.controls
     }
 
-    /// Count of all numbers.
+    /// Number of all parameters.
     pub fn columns(&self) -> usize {
         self.rows.len().checked_div(self.width).unwrap_or(0)
     }
 
-    /// Derivatives ∂x in every number.
+    /// Derivatives ∂x with respect to every parameter.
     pub fn each(&self) -> impl Iterator<Item = &[Row]> {
         self.rows.chunks_exact(self.width)
     }
@@ -66,7 +66,7 @@ impl Tangents {
         self.rows.chunks_exact_mut(self.width)
     }
 
-    /// Sets ∂q in every number to shares of ∂q and ∂v in two others, which have the same numbers.
+    /// Sets ∂q for every parameter to the weighted sum of ∂q and ∂v of two others, which have the same parameters.
     pub fn combine_positions(&mut self, others: [(&Self, [f64; 2]); 2]) {
         let (width, n) = (self.width, self.width / 2);
         for (number, moved) in self.rows.chunks_exact_mut(width).enumerate() {
@@ -75,7 +75,7 @@ impl Tangents {
     }
 }
 
-/// Sets positions to shares of the positions and velocities of two states.
+/// Sets positions to the weighted sum of the positions and velocities of two states.
 pub fn combine_positions(q: &mut [Row], states: [(&[Row], [f64; 2]); 2]) {
     let n = q.len();
     for (i, q) in q.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! Gradients in the weights against core over dual numbers.
+//! Comparison of gradients with respect to the weights with core over dual numbers.
 
 #[path = "../../../../../core/tests/common/dual_number.rs"]
 mod dual_number;
@@ -11,7 +11,7 @@ use leastaction_core::scalar::Scalar;
 use leastaction_programs::{System, WIDTH};
 use num_dual::Dual64;
 
-/// A number with its derivative in one weight.
+/// A number with its derivative with respect to one weight.
 pub type Dual = dual_number::Dual<Dual64>;
 
 /// The terms of the equation of motion M v̇ = L_q − L_vq v + Q at a state, and L_v.
@@ -31,7 +31,7 @@ impl<S: Scalar, const N: usize> Motion<S, N> {
 }
 
 impl<const N: usize> Motion<Dual, N> {
-    /// The derivatives of all terms in the weight.
+    /// The derivatives of all terms with respect to the weight.
     fn rates(&self) -> Motion<f64, N> {
         let rates = |x: &[Dual; N]| x.map(|x| x.0.eps);
         let Dynamics { mass, l_q, l_v, l_vq_v } = &self.dynamics;
@@ -59,7 +59,7 @@ impl<const N: usize> Motion<f64, N> {
     }
 }
 
-/// Both gradients of a system, at a few of the samples and in every weight.
+/// Checks both gradients of a system, at a few of the samples and for every weight.
 pub fn check<const N: usize>(
     system: &System,
     motion: impl Fn(&[Dual], [&[Dual; N]; 3]) -> Motion<Dual, N>,

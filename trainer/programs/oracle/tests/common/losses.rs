@@ -1,10 +1,10 @@
-//! Checks that hold for every loss.
+//! Checks that every loss must pass.
 
 use leastaction_programs::dynamics::Failures;
 use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Row, WIDTH};
 
-/// Residuals of samples, none of which fails.
+/// Residuals of samples; none may fail.
 pub fn evaluate(loss: &mut dyn Loss, weights: &[f64], block: &Block) -> Vec<Row> {
     let mut residual = vec![Row::default(); loss.components()];
     let failures = loss.evaluate(weights, block, &mut residual, Derivatives::None);
@@ -62,7 +62,8 @@ fn differentiated(
     (failures, residual, rows)
 }
 
-/// Checks that bad samples of a block fail, with residual, Jacobian and gradient 0, and that the rest equal those of the good block.
+/// Checks that the bad samples of a block fail, with zero residual, Jacobian and gradient, and that the other samples
+/// give the same as in the good block.
 pub fn check_failures(loss: &mut dyn Loss, weights: &[f64], [good, bad]: [&Block; 2], failing: &[usize]) {
     let (none, residual, rows) = differentiated(loss, weights, good);
     let (failures, found, found_rows) = differentiated(loss, weights, bad);

@@ -1,4 +1,4 @@
-//! A family's programs against core in f64: value, derivatives, and gradients in the weights.
+//! Comparison of a family's programs with core in f64: value, derivatives, and gradients with respect to the weights.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 mod gradients;
@@ -16,7 +16,7 @@ use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Tolerance for relative rounding errors, of numbers of size 1.
+/// Tolerance for rounding errors, relative to numbers of size 1.
 const TOLERANCE: f64 = 1e-12;
 
 /// Random weights, |w| < 0.8.
@@ -34,7 +34,7 @@ pub struct Numbers<const N: usize> {
 impl<const N: usize> Numbers<N> {
     /// Numbers of at most `reach`.
     pub fn new(weights: Vec<f64>, reach: f64, seed: u64) -> Self {
-        // Another stream than that of the weights.
+        // The random stream differs from that of the weights.
         let mut stream = Pcg64::seed_from_u64(!seed);
         let mut row = || Row(std::array::from_fn(|_| stream.random_range(-reach..reach)));
         let vectors = (0..4 + 2 * N).map(|_| (0..N).map(|_| row()).collect()).collect();
@@ -49,7 +49,7 @@ impl<const N: usize> Numbers<N> {
         let inputs: Vec<&[Row]> = inputs.iter().map(|i| &self.vectors[*i][..]).collect();
         let mut rows = vec![vec![Row::default(); self.weights.len()]; program.rows()];
         let mut workspace = program.workspace();
-        // Run twice: a run must not depend on what the one before has left.
+        // The program runs twice, because a run must not depend on what the previous run has left in the workspace.
         program.run(&self.weights, &inputs, &mut workspace, &mut rows);
         rows.iter_mut().for_each(|row| row.fill(Row::default()));
         program.run(&self.weights, &inputs, &mut workspace, &mut rows);
@@ -57,11 +57,11 @@ impl<const N: usize> Numbers<N> {
     }
 }
 
-/// Size of the changes of weights for differences.
+/// Size of the changes of weights for difference quotients.
 const STEP: f64 = 1e-5;
 
-/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) of a system against differences of its equation of motion, number by number; numbers that
-/// are not read have none.
+/// Checks the rows ∂/∂θ y·(L_q − L_vq v − M a) of a system against differences of its equation of motion, for each
+/// number. Numbers that are not read must have zero derivatives.
 pub fn check_gradients_of_motion<const N: usize>(
     (system, weights): (&System, &[f64]),
     seed: u64,
@@ -70,7 +70,7 @@ pub fn check_gradients_of_motion<const N: usize>(
     let numbers = Numbers::<N>::new(weights.to_vec(), 1.5, seed);
     let (_, rows) = numbers.run(&system.residual(1), &[0, 1, 2, 3, 4]);
     let (program, pattern) = system.equation_of_motion();
-    // y·(right side − M a): τ is in both of the differences.
+    // This is y·(right side − M a); τ cancels in the differences.
     let work = |at: usize, step: f64, sample: usize| -> f64 {
         let mut weights = weights.to_vec();
         weights[at] += step;
@@ -104,8 +104,8 @@ fn close(found: f64, expected: f64, size: f64) {
     assert!(error <= bound, "{found} instead of {expected}, off by {error:e}");
 }
 
-/// Checks everything that a [`System`] gives against core's model over the same weights; `motion` evaluates core's model over any weights.
-/// `size` is that of the terms that cancel in first derivatives.
+/// Checks everything that a [`System`] gives against core's model over the same weights. `motion` evaluates core's
+/// model over arbitrary weights; `size` is the size of the terms that cancel in first derivatives.
 pub fn check<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     model: &dyn Energies,
     core: &forces::System<L, F>,
@@ -159,7 +159,8 @@ pub fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     }
 }
 
-/// Accelerations of a single sample, whose columns lie side by side, equal those of samples side by side, if M is not singular.
+/// Checks that accelerations of a single sample, whose columns lie side by side, equal those of several samples side by
+/// side, if M is not singular.
 fn check_one_sample<const N: usize>(system: &System, numbers: &Numbers<N>) {
     let inputs = [0, 1, 2].map(|vector| &numbers.vectors[vector][..]);
     let mut expected = vec![Row::default(); N];

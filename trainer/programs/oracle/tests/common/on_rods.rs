@@ -46,7 +46,7 @@ impl<const D: usize> Case<D> {
         let shape = GraphShape::new(D as u8, &networks, kinds, &[spring]).expect("a shape");
         let edges: Vec<Edge> = edges.iter().map(|ends| Edge { kind: 0, ends: *ends }).collect();
         let parameters = GraphEnergies::new(&shape, nodes, &edges, 0).expect("a graph").parameters();
-        // Positive: kinetic energies are convex, drag has no kink.
+        // Positive weights make kinetic energies convex, and the drag has no kink.
         let weights = (0..parameters).map(|k| 0.3 + 0.6 * wave(k).abs()).collect();
         Self { shape, nodes: nodes.to_vec(), edges, rods: rods.to_vec(), weights }
     }
@@ -87,7 +87,7 @@ impl<const D: usize> Case<D> {
         [q, (0..self.nodes.len()).map(|k| vector(k + 7)).collect()]
     }
 
-    /// Triples of the motion that RATTLE gives under a control that differs at every step.
+    /// Triples of positions of the motion that RATTLE computes under a control that differs at every step.
     pub fn stepped(&self, order: discrete::Order, kind: ControlKind) -> Block {
         let (graph, rods) = (self.graph(&self.weights), self.constraints());
         let mechanism = Constrained::new(&graph, &rods[..]).expect("rods");
@@ -121,7 +121,7 @@ impl<const D: usize> Case<D> {
         RodsLoss::new(&self.system(), self.rods(), H, order, next_position).expect("of particles")
     }
 
-    /// Positions near the rods, with velocities and accelerations of no motion.
+    /// Positions near the rods, with velocities and accelerations that belong to no motion.
     pub fn disturbed(&self) -> Block {
         let starts: Vec<[Vec<[f64; D]>; 2]> = (0..WIDTH).map(|seed| self.start(seed)).collect();
         let of = |part: usize| -> Vec<Vec<f64>> {
@@ -139,7 +139,7 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// A number between −1 and 1 that differs for every k.
+/// A number between −1 and 1 that is different for every k.
 pub fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }

@@ -1,12 +1,12 @@
 //! Two RATTLE steps through three positions as one chain of steps of order 2.
 //!
-//! With w_k = (x_{k+1} − x_k)/h_k, the momentum with which a step leaves a point is that with which the step before arrived, plus both
-//! halves of the forces there:
+//! With w_k = (x_{k+1} − x_k)/h_k, the momentum with which the motion leaves a point is the momentum with which it
+//! arrives there, plus the forces at the point over half of each of the two steps:
 //!
 //! L_v(w_{k−1}) − L_v(w_k) + ½(h_{k−1} + h_k)(L_q(x_k) + Q(v_k)) + ½(h_{k−1} f_{k−1} + h_k f_k) + A(x_k)ᵀλ_k = 0, φ(x_k) = 0,
 //!
-//! where λ has the impulses of both steps, and v_k is the velocity with which the step before arrives ([`Arrival`]). Two positions
-//! therefore determine the motion without a velocity.
+//! where λ contains the impulses of both steps, and v_k is the velocity with which the previous step arrives
+//! ([`Arrival`]). Two positions therefore determine the motion without a velocity.
 
 use super::model::{Expansion, RodModel};
 use super::velocity::{Arrival, Velocity};
@@ -49,13 +49,13 @@ pub(super) struct Point {
     /// Force L_q, N, and L_qq.
     force: Expansion,
     pub velocity: Velocity,
-    /// Derivatives of the point's equation with respect to the positions of the point before, of itself and of the point after, n × n rows
-    /// each; the first two are empty if only the last is needed.
+    /// Derivatives of the point's equation with respect to the positions of the previous point, of the point itself and
+    /// of the next point, n × n rows each; the first two are empty if only the last is needed.
     pub slopes: [Vec<Row>; 3],
 }
 
-/// Neighbouring points whose equations are solved together: either for their own positions (`ahead` is 0), with both ends given; or a
-/// point's equation for the position of the next point (`ahead` is 1), which is a RATTLE step.
+/// Neighbouring points whose equations are solved together: either for their own positions (`ahead` is 0), with both
+/// ends given, or one point's equation for the position of the next point (`ahead` is 1), which is a RATTLE step.
 #[derive(Clone, Copy)]
 pub(super) struct Stretch {
     /// First point whose equation is solved.
@@ -66,8 +66,9 @@ pub(super) struct Stretch {
 }
 
 impl Chain {
-    /// Creates the chain of a block of samples, in which each of the two steps consists of these substeps. `open`: whether the last
-    /// position is solved for; if it is given instead, the equation at the middle position is not solved.
+    /// Creates the chain of a block of samples, in which each of the two steps consists of these substeps. `open` says
+    /// whether the last position is solved for; if it is given instead, the equation at the middle position is not
+    /// solved.
     ///
     /// Points between the logged ones are first guessed on the parabola through the logged ones.
     pub fn new(block: &Block, substeps: &[f64], open: bool, rods: usize) -> Self {
@@ -114,8 +115,8 @@ impl Chain {
         0.5 * (self.steps[k - 1].h + self.steps[k].h)
     }
 
-    /// Evaluates everything in the equations of a stretch that has changed since the last update, or since another stretch was solved
-    /// (`first`).
+    /// Evaluates everything in the equations of a stretch that has changed since the last update; if `first` is set,
+    /// also everything that has changed while another stretch was solved.
     pub fn evaluate(
         &mut self,
         (model, weights): (&mut RodModel, &[f64]),
@@ -170,7 +171,7 @@ impl Chain {
         self.failures = self.failures.or(failures);
     }
 
-    /// Momentum that the step before brings to a point, without drag and constraint forces, kg m/s.
+    /// Momentum with which the previous step arrives at a point, without drag and constraint forces, kg m/s.
     fn brought(&self, k: usize) -> Vec<Row> {
         let before = &self.steps[k - 1];
         let mut momentum = before.momentum.value.clone();
@@ -192,7 +193,8 @@ impl Chain {
         residual
     }
 
-    /// Derivatives of the equation of an inner point: all, or only that in the position of the point after.
+    /// Derivatives of the equation of an inner point: all of them, or only the one with respect to the position of the
+    /// next point.
     fn slopes(&self, model: &RodModel, k: usize, all: bool) -> [Vec<Row>; 3] {
         let (n, span, point) = (model.n, self.span(k), &self.points[k]);
         let [before, after] = [k - 1, k].map(|k| &self.steps[k]);

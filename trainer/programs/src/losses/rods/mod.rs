@@ -1,9 +1,10 @@
 //! The discrete losses with rods: those of RATTLE, which steps systems with rods.
 //!
-//! A step is a chain of steps of order 2 ([`Chain`]). With y the weights of the points' equations in a residual component, and z = (∂Q/∂p)ᵀ
-//! ½(h_{k−1} + h_k) y those of the equations of v, the derivative of the component in θ is the sum over points of ∂/∂θ \[F(x_k,
-//! v_k)·(½(h_{k−1} + h_k) y_k + ½h_{k−1} z_k) − L_v(v_k)·z_k\] and over steps of ∂/∂θ \[L_v(w_k)·(y_{k+1} + z_{k+1} − y_k)\]: the
-//! multipliers and everything that is not logged follow by the implicit function theorem.
+//! A step is a chain of steps of order 2 ([`Chain`]). Let y be the weights of the points' equations in a residual
+//! component, and z = (∂Q/∂p)ᵀ ½(h_{k−1} + h_k) y those of the equations of v. The derivative of the component with
+//! respect to θ is then the sum over points of ∂/∂θ \[F(x_k, v_k)·(½(h_{k−1} + h_k) y_k + ½h_{k−1} z_k) −
+//! L_v(v_k)·z_k\] plus the sum over steps of ∂/∂θ \[L_v(w_k)·(y_{k+1} + z_{k+1} − y_k)\]. The multipliers and
+//! everything else that is not logged follow by the implicit function theorem.
 
 mod chain;
 mod model;
@@ -20,14 +21,15 @@ use leastaction_core::discrete;
 use model::RodModel;
 use solve::Adjoints;
 
-/// A loss of three consecutive positions under RATTLE ([`leastaction_core::discrete::rattle`]), for L = T(v) − V(q) with drag Q(v). The
-/// force of a step is the mean of the control during it: its start value if it is held, the mean of both ends if it is linear.
+/// A loss over three consecutive positions with RATTLE ([`leastaction_core::discrete::rattle`]), for L = T(v) − V(q)
+/// with drag Q(v). The force of a step is the mean of the control during the step: its value at the start if it is
+/// held, the mean of both ends if it is linear.
 pub struct RodsLoss {
     model: RodModel,
     /// Lengths of the steps of order 2 that make up a step, s.
     substeps: Vec<f64>,
-    /// Whether the residual is that of the next position; otherwise it is that of the DEL equation at the middle position, projected onto
-    /// the directions that the constraints there leave free.
+    /// Whether the residual is that of the next position; otherwise it is that of the DEL equation at the middle
+    /// position, projected onto the directions that the constraints leave free there.
     next_position: bool,
     /// Programs of L_v along one direction, and along n.
     of_steps: [(Program, Workspace); 2],
@@ -53,7 +55,8 @@ impl RodsLoss {
         })
     }
 
-    /// Projections onto the directions that the constraints at the middle position leave free: their impulses Aᵀλ have no component there.
+    /// Projections onto the directions that the constraints leave free at the middle position; the impulses Aᵀλ have no
+    /// component in these directions.
     fn tangents(&self, chain: &mut Chain) -> Vec<Row> {
         let n = self.model.n;
         let mut tangent: Vec<Row> = self.units().concat();
@@ -69,8 +72,8 @@ impl RodsLoss {
         (0..self.model.n).map(unit).collect()
     }
 
-    /// Solves a block, evaluates what the residual needs (or everything, if `derive` is set), and writes the residual; returns the
-    /// projections if the residual uses them.
+    /// Solves a block, evaluates what the residual needs (or everything, if `derive` is set), and writes the residual.
+    /// Returns the projections if the residual uses them.
     fn residual(
         &mut self,
         weights: &[f64],

@@ -7,7 +7,7 @@ use crate::system::System;
 
 /// Maximum number of Newton updates.
 pub(super) const MAX_ITERATIONS: usize = 12;
-/// Relative size of the last update: the next one would be of the size of its square.
+/// Relative size of the last update; the next update would be about as large as its square.
 pub(super) const SETTLED: f64 = 1e-9;
 
 /// A system L = T(v) − V(q) with drag Q(v) and rods.
@@ -62,7 +62,7 @@ impl Gradient {
     }
 
     pub fn at(&mut self, weights: &[f64], x: &[Row]) -> Expansion {
-        // Inputs q, v and τ, only one of which is read.
+        // The inputs are q, v and τ, of which the program reads only one.
         self.program.run(weights, &[x; 3], &mut self.workspace, &mut []);
         let n = x.len();
         let slope = (0..n * n).map(|k| self.workspace.output(1 + k % n)[k / n]).collect();

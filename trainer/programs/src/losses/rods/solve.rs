@@ -44,7 +44,8 @@ impl Chain {
         (start..end).flat_map(|k| [self.residual(k), self.points[k + ahead].phi.clone()].concat()).collect()
     }
 
-    /// Factors the derivatives of these equations in x and λ, point by point; returns `false` if they are singular.
+    /// Factors the derivatives of these equations with respect to x and λ, point by point; returns `false` if they are
+    /// singular.
     ///
     /// The elimination skips the zeros outside the blocks of neighbours.
     fn factor(&self, lu: &mut Lu, n: usize, Stretch { start, end, ahead }: Stretch, sample: usize) -> bool {
@@ -66,7 +67,8 @@ impl Chain {
         })
     }
 
-    /// Subtracts the change from the unknowns of a sample; returns whether it was small enough to be the last.
+    /// Subtracts the change from the unknowns of a sample; returns whether the change was so small that it can be the
+    /// last.
     fn apply(&mut self, stretch: Stretch, change: &[f64], sample: usize, bound: f64) -> bool {
         let (n, Stretch { start, end, ahead }) = (self.points[0].x.len(), stretch);
         let size = change.len() / (end - start);
@@ -82,7 +84,7 @@ impl Chain {
     }
 }
 
-/// Weights y of the equations of all points in the given number of residual components, n rows per point.
+/// Weights y of the equations of all points in a number of residual components, n rows per point.
 pub(super) struct Adjoints {
     /// Weights y of every component and point; 0 at both ends.
     pub y: Vec<Vec<Vec<Row>>>,
@@ -102,14 +104,14 @@ impl Adjoints {
         self
     }
 
-    /// Starts from components in which an equation has these weights.
+    /// Starts from components in which one equation has these weights.
     pub fn weighing(mut self, chain: &Chain, k: usize, y: &[Vec<Row>]) -> Self {
         self.y.iter_mut().zip(y).for_each(|(own, y)| own[k].clone_from(y));
         self.push(chain, k);
         self
     }
 
-    /// Adds the dependence of the solved unknowns on the weights, by the implicit function theorem: y = −K⁻ᵀ ∂r, where K is block
+    /// Adds the contribution of the solved unknowns by the implicit function theorem: y = −K⁻ᵀ ∂r, where K is block
     /// triangular in the stretches.
     pub fn solve(&mut self, chain: &mut Chain, model: &mut RodModel) {
         for stretch in chain.stretches.clone().iter().rev() {

@@ -1,4 +1,4 @@
-//! Velocity at a position, under which drag acts: the second line of a RATTLE step.
+//! Velocity at a position, which determines the drag: the second line of a RATTLE step.
 
 use super::model::{Gradient, MAX_ITERATIONS, RodModel, SETTLED, settled};
 use crate::dynamics::{Failures, Lu, Rods, add, contracted, max_abs, product, times};
@@ -16,7 +16,7 @@ pub(super) struct Velocity {
     pub drag_q: Vec<Row>,
 }
 
-/// Data that determine the velocity.
+/// Quantities that determine the velocity.
 pub(super) struct Arrival<'a> {
     /// Half the length of the arriving step, ½h, s.
     pub half: f64,
