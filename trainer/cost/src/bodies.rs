@@ -1,5 +1,5 @@
-//! Operation counts of a tree of rigid bodies of any size: a sum over its bodies, over their pairs (one of which may carry the other), and
-//! over triples (two of which sit on others).
+//! Operation counts of a tree of rigid bodies of any size: a sum over its bodies, over pairs of bodies (one of which
+//! may carry the other), and over triples (two of which sit on others).
 
 use crate::counted::{Counted, Operations, count};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies};
@@ -26,14 +26,15 @@ pub(super) enum Where {
     Space,
 }
 
-/// Additions and multiplications of an evaluation, counted in pairs.
+/// Number of additions and multiplications of an evaluation; a pair of them counts as one.
 pub(super) fn multiply_adds(place: Where, bodies: &[TreeBody], evaluation: Evaluation) -> usize {
     let alone = |joint| counted(place, [TreeBody { joint, parent: None }], evaluation);
     let together = |first: &TreeBody, second: &TreeBody, parent| {
         let pair = [TreeBody { joint: first.joint, parent: None }, TreeBody { joint: second.joint, parent }];
         counted(place, pair, evaluation) - alone(first.joint) - alone(second.joint)
     };
-    // The cost of a body differs between its parent and bodies further down, and that of two bodies between a common carrier and none.
+    // The cost of a body depends on whether another body is its parent or further down; that of two bodies depends on
+    // whether they have a common carrier.
     let three = |[first, second, third]: [&TreeBody; 3], on: u8| {
         let with = |body: &TreeBody, parent| TreeBody { joint: body.joint, parent };
         let tree = [with(first, None), with(second, Some(0)), with(third, Some(on))];
@@ -70,7 +71,7 @@ fn carriers(bodies: &[TreeBody], body: &TreeBody) -> Vec<usize> {
     std::iter::successors(below(body), next).collect()
 }
 
-/// Additions and multiplications of an evaluation of a small tree.
+/// Number of additions and multiplications of an evaluation of a small tree.
 fn counted<const N: usize>(place: Where, tree: [TreeBody; N], evaluation: Evaluation) -> i64 {
     let Ok(tree) = BodyTree::new(tree) else { return 0 };
     let count = match place {

@@ -19,7 +19,8 @@ pub(super) struct Bytes {
 }
 
 impl Bytes {
-    /// The sizes for n coordinates, from those of core's types for 1, 2 and 3: all are polynomials of degree 2 in n.
+    /// The sizes for n coordinates, extrapolated from those of core's types for 1, 2 and 3 coordinates: all are
+    /// polynomials of degree 2 in n.
     pub fn of(n: usize) -> Self {
         let sizes = [Self::compiled::<1>(), Self::compiled::<2>(), Self::compiled::<3>()];
         let at = |field: fn(&Self) -> usize| extrapolated(sizes.each_ref().map(field), n);

@@ -1,4 +1,4 @@
-//! Cost of laws with networks.
+//! Cost of laws of force with networks.
 
 use super::{LAYER, WORD, Work, jet, network_weights, tape};
 use leastaction_core::energy::NetworkShape;
@@ -10,7 +10,7 @@ pub(super) struct CorrectionsCost {
     pub handle_bytes: usize,
     /// Evaluation of their force.
     pub force: Work,
-    /// Evaluation of their force, plus one of the force with its derivatives.
+    /// Evaluation of their force, followed by one of the force with its derivatives.
     pub with_derivatives: Work,
 }
 
@@ -26,8 +26,9 @@ impl CorrectionsCost {
         all
     }
 
-    /// Adds a network. Dissipation takes a forward pass, and for derivatives one pass with n tangents each for positions and velocities. A
-    /// potential takes a forward pass and an adjoint, and for second derivatives a forward pass with n tangents.
+    /// Adds a network. A dissipation takes a forward pass, and for derivatives one pass with n tangents each for
+    /// positions and velocities. A potential takes a forward pass and an adjoint, and for second derivatives a forward
+    /// pass with n tangents.
     fn add(&mut self, law: Law, shape: &NetworkShape, n: usize) {
         let (weights, (widths, depth)) = (network_weights(shape), shape.widths());
         let widest = widths.into_iter().max().unwrap_or(0);

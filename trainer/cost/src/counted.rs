@@ -1,4 +1,4 @@
-//! A scalar that counts the operations done with it; core's benchmarks use it as well.
+//! A scalar that counts the operations done with it; core's benchmarks use it, too.
 
 use leastaction_core::scalar::{Real, Scalar, WeightFormat};
 use std::cell::Cell;

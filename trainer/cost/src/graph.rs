@@ -28,7 +28,7 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
     let forces = Forces::of(shape, &graph.nodes, &graph.edges).multiply_adds();
     Ok(Cost {
         state_bytes: size_of::<f32>() * numbers,
-        // The shape, the networks' layers, and the edges, which are copied into RAM.
+        // These are the shape, the networks' layers, and the edges, which are copied into RAM.
         handle_bytes: size_of::<GraphShape>()
             + shape.networks.len() * (depth + 1) * LAYER
             + size_of::<Edge>() * graph.edges.len()
@@ -76,8 +76,9 @@ impl Forces {
         }
     }
 
-    /// Multiply-adds of the forces. Potentials and messages take a forward pass and an adjoint; edges a forward pass with a derivative;
-    /// kinetic energies one with a derivative for the momentum and one with two derivatives for the mass.
+    /// Multiply-adds of the forces. Potentials and messages take a forward pass and an adjoint. Edges take a forward
+    /// pass with a derivative. Kinetic energies take one with a derivative for the momentum and one with two
+    /// derivatives for the mass.
     fn multiply_adds(&self) -> usize {
         2 * (self.potentials + self.edges + self.messages) + 5 * self.kinetics
     }
@@ -98,7 +99,7 @@ mod tests {
         assert_eq!(pendulums.step_order_4.multiply_adds, 5 * 2 * 3 * (2 * 8 + 8));
         let springs = cost(&lgnn_shape(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
         assert_eq!(springs.acceleration.multiply_adds, 2 * 5 * (16 + 16));
-        // Two states of six vectors per node; without rods there is no workspace for a solution.
+        // There are two states of six vectors per node; without rods no workspace for the multipliers is needed.
         assert_eq!(springs.state_bytes, 4 * 2 * 6 * 5 * 2);
     }
 

@@ -24,15 +24,16 @@ use serde::Serialize;
 /// Work and memory of one evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Work {
-    /// Multiply-adds in the layers of networks, or in the energies of rigid bodies; activations, features, friction and small matrices come
-    /// on top.
+    /// Multiply-adds in the layers of networks, or in the energies of rigid bodies; activations, features, friction and
+    /// small matrices are not included.
     pub multiply_adds: usize,
-    /// Bytes of the arrays that are live at once on the stack; call frames and spilled registers come on top.
+    /// Bytes of the arrays that are live on the stack at the same time; call frames and spilled registers are not
+    /// included.
     pub stack_bytes: usize,
 }
 
 impl Work {
-    /// The work of both, one after the other.
+    /// The work of both evaluations, one after the other.
     fn before(self, other: Self) -> Self {
         Self {
             multiply_adds: self.multiply_adds + other.multiply_adds,
@@ -54,7 +55,8 @@ pub struct Cost {
     pub step_order_2: Work,
     /// One Newton iteration of a step of order 4, or the whole step; see `iterated`.
     pub step_order_4: Work,
-    /// Whether the steps are given as one Newton iteration, of which a step takes 2 to 3; otherwise as the whole step.
+    /// Whether the steps are given as one Newton iteration, of which a step takes 2 to 3. Otherwise they are given as
+    /// the whole step.
     pub iterated: bool,
 }
 
@@ -104,14 +106,15 @@ struct Evaluations {
 }
 
 impl Evaluations {
-    /// The cost of an inertia network. A step takes a forward pass with N tangents, and so do the dynamics of up to two coordinates; for
-    /// more coordinates the dynamics take a forward pass with a single tangent and an adjoint.
+    /// The cost of an inertia network. A step takes a forward pass with N tangents, and so do the dynamics of up to two
+    /// coordinates. For more coordinates, the dynamics take a forward pass with a single tangent and an adjoint.
     fn inertia_network(inertia_network: &InertiaNetworkArchitecture, bytes: &Bytes) -> Self {
         let n = inertia_network.n();
         let weights: usize = inertia_network.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
         let widest = inertia_network.widths.iter().copied().max().map_or(0, usize::from);
         let depth = inertia_network.widths.len();
-        // A layer is written while the one below it is read; its slopes are computed afterwards.
+        // The units of a layer are written while those of the previous layer are read; the derivatives of the
+        // activations are computed afterwards.
         let units = (2 * jet(n) + WORD) * widest;
         let linearization = Work { multiply_adds: (1 + n) * weights, stack_bytes: units + ends(n, n) };
         let dynamics = if n <= 2 {
@@ -127,8 +130,8 @@ impl Evaluations {
         }
     }
 
-    /// The cost of a tree of elements. Positions take one pass per derivative of the transform; potentials take a forward pass and an
-    /// adjoint, each with as many tangents as the positions that they depend on have components.
+    /// The cost of a tree of elements. Positions take one pass per derivative of the transform. Potentials take a
+    /// forward pass and an adjoint, each with as many tangents as the positions on which they depend have components.
     fn modular(modular: &ModularArchitecture, bytes: &Bytes) -> Self {
         let weights = NetworkWeights::of(modular);
         let multiply_adds = |derivatives: usize, element: usize, pair: usize| {
@@ -148,8 +151,8 @@ impl Evaluations {
         }
     }
 
-    /// The cost of rigid bodies. There are no layers; the arrays are the bodies in motion, and the sums over what each carries. An
-    /// acceleration of up to two coordinates uses the evaluation of a step.
+    /// The cost of rigid bodies, which have no layers. The arrays are the bodies in motion, and the sums over the
+    /// bodies that each carries. An acceleration of up to two coordinates uses the evaluation of a step.
     fn bodies((place, numbers): (Where, usize), tree: &[TreeBody], bytes: &Bytes) -> Self {
         let n = tree.len();
         let stack_bytes = n * numbers * WORD + 3 * n * n * WORD;
@@ -162,8 +165,8 @@ impl Evaluations {
         }
     }
 
-    /// The cost of a Newton iteration: one evaluation at every Gauss point measures an update and makes the next. `solver` is the size of
-    /// the solver's own arrays in bytes.
+    /// The cost of a Newton iteration: one evaluation at every Gauss point gives the residual of the last update and
+    /// the next update. `solver` is the size of the solver's own arrays in bytes.
     fn newton<P: Path>(&self, solver: usize) -> Work {
         let nodes = P::points::<f32>().as_ref().len();
         Work {
@@ -224,8 +227,8 @@ const fn jet(tangents: usize) -> usize {
     (1 + tangents) * WORD
 }
 
-/// Bytes of the tape of a forward pass (units, slopes) with `tangents` tangents, and of two layers of an adjoint with `of_adjoint`
-/// tangents; every layer also stores its number of units.
+/// Bytes of the tape of a forward pass (units and derivatives) with `tangents` tangents, and of two layers of an
+/// adjoint with `of_adjoint` tangents; every layer also stores its number of units.
 fn tape(tangents: usize, of_adjoint: usize, widest: usize, depth: usize) -> usize {
     depth * (2 * jet(tangents) * widest + 2 * WORD) + 2 * (jet(of_adjoint) * widest + WORD)
 }
@@ -235,9 +238,11 @@ fn ends(tangents: usize, n: usize) -> usize {
     4 * n * n * jet(tangents)
 }
 
-/// Numbers per planar body in motion: its own, its frame's, the sums over what it carries, its rotor's.
+/// Numbers per planar body in motion: its own, those of its frame, of the sums over the bodies that it carries, and of
+/// its rotor.
 const BODY: usize = 9 + 9 + 7 + 3;
-/// Numbers per body in space: frame, motion of its joint, what it carries, inertia and momentum, rotor.
+/// Numbers per body in space: frame, motion of its joint, sums over the bodies that it carries, inertia and momentum,
+/// rotor.
 const ARM_BODY: usize = 12 + 12 + 12 + 10 + 6 + 1;
 /// Bytes of a joint and its parent.
 const JOINT: usize = 3;
@@ -262,7 +267,7 @@ mod tests {
         let cost = cost(&cartpole(24)).unwrap();
         let weights = 3 * 24 + 24 * 24 + 24 * 4;
         assert_eq!(cost.acceleration.multiply_adds, 3 * weights);
-        // The equations of a step take the evaluation of an acceleration, once per Gauss point.
+        // The equations of a step take one evaluation as for an acceleration per Gauss point.
         assert_eq!(cost.step_order_2.multiply_adds, 3 * weights);
         assert_eq!(cost.step_order_4.multiply_adds, 6 * weights);
     }

@@ -1,4 +1,4 @@
-//! Operations of an evaluation, counted by doing it.
+//! Operations of an evaluation, counted by running it.
 
 use crate::counted::{Counted, Operations, count};
 use leastaction_core::constraints::{Constrained, Holonomic};
@@ -31,8 +31,9 @@ pub struct Evaluations {
     pub step_order_4: Operations,
 }
 
-/// Counts operations at an arbitrary state, without dry friction. `None` if the shape is beyond those measured on chips (except for graphs
-/// up to 4 coordinates, since code and stack grow unevenly), or if its networks are wider or deeper than those compiled here.
+/// Counts operations at an arbitrary state, without dry friction. `None` if the shape is beyond those measured on
+/// chips, or if its networks are wider or deeper than those compiled here. Except for graphs, the limit is 4
+/// coordinates, since code and stack grow unevenly.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
     match (&architecture.family, architecture.n()) {
         (AnyFamily::Graph(graph), _) if graph.dimension() == 3 => particles::<3>(graph, weights),
@@ -114,7 +115,7 @@ where
     outcome.ok().map(|_| done)
 }
 
-/// Counts with the nodes in a slanted row, 1 m apart, whatever the rods.
+/// Counts for nodes in a slanted row, 1 m apart, whatever the lengths of the rods.
 fn particles<const D: usize>(architecture: &GraphArchitecture, weights: &[f64]) -> Option<Evaluations> {
     let layout = architecture.graph().ok()?;
     let types = architecture.host_types::<f64, D>(weights).ok()?;

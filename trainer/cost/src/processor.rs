@@ -1,8 +1,9 @@
 //! Cost of a model's image on a processor, predicted from the model file alone.
 //!
-//! The operations of an evaluation are counted by doing it with a counting scalar. The instructions per operation, and the growth of stack
-//! and code with the shape, are fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
-//! `fit_processors` of `leastaction-tests` fits, `processors.json` holds the result.
+//! The operations of an evaluation are counted by running it with a counting scalar. The instructions per operation,
+//! and the growth of stack and code with the shape, are fitted to images measured under emulation:
+//! `firmware-sim/chip/shapes.sh` measures them, the example `fit_processors` of `leastaction-tests` does the fit, and
+//! `processors.json` holds the result.
 
 use crate::counted::Operations;
 use crate::graph::COMPOSED;
@@ -16,7 +17,7 @@ use leastaction_models::file::Precision;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A processor that images were measured on.
+/// A processor on which images were measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Processor {
     /// Cortex-M4F.
@@ -59,7 +60,7 @@ impl Processor {
 
 const FITS: &str = include_str!("processors.json");
 
-/// Fit for models of a family on a processor: coefficients by the names of their features.
+/// Fit for models of a family on a processor: coefficients, keyed by the names of their features.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Fit {
     /// Instructions per operation.
@@ -78,7 +79,7 @@ pub type Coefficients = BTreeMap<String, f64>;
 pub struct Taken {
     /// Instructions.
     pub instructions: u64,
-    /// Bytes of stack below its caller.
+    /// Bytes of stack, not counting those of the caller.
     pub stack_bytes: u64,
 }
 
@@ -132,7 +133,7 @@ pub struct CostFactors {
     widths: Vec<usize>,
     /// Whether the model has dry friction.
     dry: bool,
-    /// Whether a network moves an element: its units are then live beside those of the potentials.
+    /// Whether a network moves an element: its units are then live at the same time as those of the potentials.
     moved_by_network: bool,
 }
 
@@ -163,7 +164,8 @@ impl CostFactors {
         }
     }
 
-    /// The evaluation that is measured, and how many of it there are: for a graph a step of order 4 is several of order 2.
+    /// The evaluation that is measured, and how many of them are needed: for a graph a step of order 4 consists of
+    /// several steps of order 2.
     fn once(&self, evaluation: Evaluation) -> (String, f64) {
         match evaluation {
             Evaluation::Step(4) if self.family == GRAPH => {
@@ -180,7 +182,8 @@ impl CostFactors {
         energies.into_iter().chain(self.friction(evaluation.name())).collect()
     }
 
-    /// The feature of rigid bodies, which differ little except in their number: a measurement for this number.
+    /// The feature of rigid bodies, whose cost hardly depends on anything but their number: a measurement for this
+    /// number.
     fn measured(&self, name: &str) -> Coefficients {
         [(format!("{name}_of_{}", self.coordinates), 1.0)].into()
     }
@@ -241,13 +244,13 @@ impl CostFactors {
             Evaluation::Step(_) => step_order_4,
         };
         let (kind, n) = (evaluation.kind(), self.coordinates as f64);
-        // A tape of several layers is built beside its final place.
+        // A tape of several layers is built next to its final place.
         let recorded = self.recorded(evaluation);
         let widest = recorded.iter().max().copied().filter(|_| recorded.len() > 1).unwrap_or(0);
         let common =
             [(format!("arrays_{kind}"), arrays.stack_bytes as f64), ("recorded".to_owned(), widest as f64)];
         if self.family == GRAPH {
-            // The order does not matter: steps of both orders are alike.
+            // The order does not matter here: steps of both orders are alike.
             return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();
         }
         let name = evaluation.name();
