@@ -51,8 +51,9 @@ impl Link {
 
 /// A chain of pendulums, hanging from a fixed point or from a cart that slides along x without friction; g = 9.8 m/s².
 ///
-/// q = (θ₁, …) or (x, θ₁, …): absolute angles from the downward vertical, rad, and the cart's position, m. rᵢⱼ is the lever of link j for
-/// the centre of mass of link i (lⱼ for j < i, cᵢ for j = i, else 0). With Aⱼₖ = Σᵢ mᵢ rᵢⱼ rᵢₖ + δⱼₖ Iⱼ and Bⱼ = Σᵢ mᵢ rᵢⱼ,
+/// q = (θ₁, …) or (x, θ₁, …): absolute angles from the downward vertical, rad, and the cart's position, m. rᵢⱼ is the
+/// lever of link j in the position of link i's centre of mass (lⱼ for j < i, cᵢ for j = i, else 0). With Aⱼₖ = Σᵢ mᵢ
+/// rᵢⱼ rᵢₖ + δⱼₖ Iⱼ and Bⱼ = Σᵢ mᵢ rᵢⱼ,
 ///
 ///   Σₖ Aⱼₖ (cos(θⱼ−θₖ) θ̈ₖ + sin(θⱼ−θₖ) θ̇ₖ²) + Bⱼ (cos θⱼ ẍ + g sin θⱼ) = 0,
 ///   (M + Σm) ẍ + Σⱼ Bⱼ (cos θⱼ θ̈ⱼ − sin θⱼ θ̇ⱼ²) = 0,   V = −g Σⱼ Bⱼ cos θⱼ.

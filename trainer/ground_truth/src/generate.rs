@@ -20,7 +20,7 @@ pub enum Drive {
     Free,
     /// A constant force for each trajectory.
     Constant,
-    /// A new force at every sample, with this kind between samples.
+    /// A new force at every sample, held or linear between samples.
     Changing(ControlKind),
 }
 
@@ -35,7 +35,7 @@ impl Drive {
         }
     }
 
-    /// The control kind that a log states; `None` if it does not matter.
+    /// The control kind that a log states; `None` if the kind does not matter.
     fn kind(self) -> Option<ControlKind> {
         match self {
             Self::Free | Self::Constant => None,
@@ -85,9 +85,9 @@ pub fn generate(settings: &Settings) -> Result<Dataset, IntegrationError> {
     }
 }
 
-/// The data of SyMo's experiments: 128 training and 128 test trajectories of 34 states, with noise of this standard deviation on their
-/// states, and 16 free trajectories of 502 states for long integration. The control is linear between samples, as in the authors' equation,
-/// and constant within a trajectory.
+/// The data of SyMo's experiments: 128 training and 128 test trajectories of 34 states, with noise of this standard
+/// deviation on their states, and 16 free trajectories of 502 states for long integration. The control is linear
+/// between samples, as in the authors' equation, and constant within a trajectory.
 ///
 /// # Errors
 /// [`IntegrationError`] if the motion cannot be integrated.

@@ -1,7 +1,7 @@
 //! Integration of motion to nearly the last bit: Gragg–Bulirsch–Stoer extrapolation with error and step-size control.
 //!
-//! It serves exact and learned right-hand sides of any size. Only sums, products and quotients are used, so a motion has identical bits on
-//! all machines on which its right-hand side has.
+//! It is used for exact and learned right-hand sides of any size. Only sums, products and quotients are used, so a
+//! motion has identical bits on all machines on which its right-hand side has identical bits.
 //!
 //! Source: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I", section II.9.
 
@@ -11,12 +11,13 @@ use thiserror::Error;
 const SUBSTEPS: [usize; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
 /// The first column that may be accepted.
 const FIRST: usize = 3;
-/// Factor of the step size after acceptance in column 3, 4, …: columns 6 and 7 cost least for their length.
+/// Factor of the step size after acceptance in column 3, 4, …: acceptance in columns 6 and 7 costs least per unit of
+/// time.
 const GROWTH: [f64; 5] = [3.0, 2.0, 1.4, 1.0, 0.85];
-/// Shortest part of an interval that is tried, relative to the interval.
+/// Shortest substep that is tried, relative to the interval.
 const SHORTEST: f64 = 1.0 / (1 << 24) as f64;
-/// Ratios of error to tolerance in column 3, 4, … above which even the last column will exceed the tolerance: the error falls by less than
-/// 10⁴ from one column to the next.
+/// Ratios of error to tolerance in column 3, 4, … above which even the last column would exceed the tolerance: the
+/// error falls by less than a factor of 10⁴ from one column to the next.
 const HOPELESS: [f64; 5] = [1e16, 1e12, 1e8, 1e4, 1.0];
 
 /// The motion could not be followed.
@@ -47,7 +48,8 @@ pub struct Extrapolation {
 }
 
 impl Extrapolation {
-    /// An integrator for states of `size` entries. At a `tolerance` below about 1e-14 rounding is mistaken for error.
+    /// Creates an integrator for states of `size` entries. With a `tolerance` below about 1e-14, rounding would be
+    /// mistaken for error.
     pub fn new(size: usize, tolerance: f64) -> Self {
         let zeros = || vec![0.0; size];
         let row = std::array::from_fn(|_| zeros());
@@ -58,8 +60,8 @@ impl Extrapolation {
     /// Advances `state` by `h` > 0 seconds. `f(x, ẋ)` writes ẋ, or returns `None` if it does not exist.
     ///
     /// # Errors
-    /// [`IntegrationError`] if no step is short enough; its `t` counts from the beginning of this interval, and `state` is the last one
-    /// reached.
+    /// [`IntegrationError`] if even the shortest step fails; its `t` counts from the beginning of this interval, and
+    /// `state` is the last state reached.
     pub fn advance<F>(&mut self, mut f: F, state: &mut [f64], h: f64) -> Result<(), IntegrationError>
     where
         F: FnMut(&[f64], &mut [f64]) -> Option<()>,
@@ -72,7 +74,7 @@ impl Extrapolation {
                 state.copy_from_slice(&self.row[column]);
                 done = if parts == 1.0 { h } else { done + step };
                 let next = step * GROWTH[column - FIRST];
-                // A step shortened to end with the interval is no reason against a longer one.
+                // A step that was shortened to end with the interval does not argue against a longer step.
                 self.step = if parts == 1.0 && self.step.is_finite() { next.max(self.step) } else { next };
             } else {
                 self.step = step / 2.0;
@@ -84,7 +86,7 @@ impl Extrapolation {
         Ok(())
     }
 
-    /// Tries a step; returns the column whose value agrees with its neighbour's to the tolerance.
+    /// Tries a step; returns the first column whose value agrees with that of its neighbour within the tolerance.
     fn extrapolate<F>(&mut self, f: &mut F, state: &[f64], h: f64) -> Option<usize>
     where
         F: FnMut(&[f64], &mut [f64]) -> Option<()>,
@@ -154,7 +156,7 @@ fn add(x: &mut [f64], rate: &[f64], c: f64) {
     x.iter_mut().zip(rate).for_each(|(x, rate)| *x += c * rate);
 }
 
-/// The largest difference relative to 1 + |a|; NaN if any difference is.
+/// The largest difference relative to 1 + |a|; NaN if any difference is NaN.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + a.abs()));
     differences.fold(0.0, |largest: f64, d| if d.is_nan() { d } else { largest.max(d) })

@@ -1,5 +1,5 @@
-//! The protocol of LGNN's experiments (Bhattoo et al., MLST 2023), as in the authors' program but with an exact motion in place of its
-//! integrator.
+//! The protocol of LGNN's experiments (Bhattoo et al., MLST 2023), as in the authors' program, but with an exact motion
+//! in place of the authors' integrator.
 
 use super::logged::{GenerationError, Horizon, Start, logged};
 use super::{BadMechanism, Rod, Truss};
@@ -13,7 +13,7 @@ const GRAVITY: f64 = 10.0;
 /// A system of LGNN's experiments; all masses and lengths are 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LgnnSystem {
-    /// Bobs in Cartesian coordinates, each on a rod to the one above, the first on a rod to the origin.
+    /// Bobs in Cartesian coordinates, each on a rod that hangs from the bob above; the first rod hangs from the origin.
     Pendulum(usize),
     /// Nodes in a ring of springs, without gravity; at least 3.
     Spring(usize),
@@ -115,9 +115,9 @@ impl LgnnSettings {
 
 /// The initial states of the trajectories, from one random stream.
 ///
-/// Bobs rest at angles from the downward vertical that are whole numbers 0 … 359, *in radians*: the authors draw degrees and use them as
-/// radians. Nodes of a ring: x ∈ U(0, 2)², v ∈ U(0, 0.1)² minus the mean. The free nodes of the hybrid rest within ±1 m of the midpoint of
-/// the bobs.
+/// Bobs rest at angles from the downward vertical that are whole numbers 0 … 359, *in radians*: the authors draw
+/// degrees and use them as radians. Nodes of a ring have x ∈ U(0, 2)² and v ∈ U(0, 0.1)² minus the mean velocity. The
+/// free nodes of the hybrid rest within ±1 m of the midpoint of the bobs.
 pub fn lgnn_starts(settings: &LgnnSettings) -> Vec<Start> {
     let mut stream = Pcg64::seed_from_u64(settings.seed);
     let one = |_| match settings.system {

@@ -9,8 +9,8 @@ use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
 use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 
-/// Hidden units of every potential beside a uniform field. Squareplus is nearly linear far out, and so is the learned potential beyond the
-/// data.
+/// Hidden units of every potential beside a uniform field. Squareplus is nearly linear far from the origin, and so is
+/// the learned potential beyond the data.
 const POTENTIAL: [u16; 4] = [8, 0, 0, 0];
 /// Hidden units of a spring's potential.
 const SPRING: [u16; 4] = [16, 0, 0, 0];

@@ -34,7 +34,7 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// The horizon of predictions: 20 samples per second, as the authors have it; 601 in 30 s.
+    /// The horizon of predictions: 20 samples per second, as in the authors' program; 601 samples in 30 s.
     pub fn of_seconds(seconds: f64) -> Self {
         Self { h: 0.05, samples: (seconds / 0.05).round() as usize + 1 }
     }
@@ -49,8 +49,8 @@ pub struct Start {
     pub v: Vec<f64>,
 }
 
-/// Trajectories from these starts with positions, velocities and exact accelerations of the states before noise; t = 0 at each start.
-/// `noise` is the standard deviation for positions and for velocities.
+/// Trajectories from these starts, with positions, velocities, and the exact accelerations of the noise-free states; t
+/// = 0 at each start. `noise` is the standard deviation for positions and for velocities.
 ///
 /// # Errors
 /// [`IntegrationError`] if the motion cannot be integrated.
@@ -62,7 +62,7 @@ pub fn logged(
     seed: u64,
 ) -> Result<Dataset, IntegrationError> {
     let one = |id: usize| {
-        // A random stream per trajectory, so that the number of processors does not matter.
+        // Each trajectory has its own random stream, so that the number of threads does not matter.
         let stream = Pcg64::new(u128::from(seed), id as u128 + 1);
         trajectory(motion, horizon, id, &starts[id], (noise, stream))
     };
@@ -96,8 +96,8 @@ fn trajectory(
     Ok(Trajectory { id: id as i64, t0: 0.0, q: rows(q)?, v: Some(rows(v)?), a: Some(rows(a)?), u: None })
 }
 
-/// Passes `samples` states (q, v), `h` seconds apart from the start on, to `keep`, under the accelerations v̇(q, v). Each state is first
-/// projected onto the constraints by `project`, see [`ExactMotion::project`].
+/// Passes `samples` states (q, v), `h` seconds apart from the start on, to `keep`; the motion follows the accelerations
+/// v̇(q, v). Each state is first projected onto the constraints by `project`, see [`ExactMotion::project`].
 ///
 /// # Errors
 /// [`IntegrationError`] if the tolerance, relative to 1 + |x| per step, cannot be kept; its `t` counts from the start.

@@ -7,7 +7,7 @@ use leastaction_data::modlanet::{ModlanetRows, ModlanetSet};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
-/// Radii of the circle that the bodies start on, m.
+/// Radii of the circle on which the bodies start, m.
 const RADII: std::ops::Range<f64> = 1.0..5.0;
 /// Largest relative disturbance of each velocity component of a body.
 const DISTURBANCE: f64 = 0.5;
@@ -77,9 +77,9 @@ pub struct ModlanetSettings {
 }
 
 impl ModlanetSettings {
-    /// The authors' settings: 101 states per trajectory, at 10 Hz for pendulums and 20 Hz for bodies; 100 trajectories for two pendulums,
-    /// 200 for three bodies, and 20 for any other number, to which a trained model is extended. Pendulums start at up to ±10 rad/s, in an
-    /// extension ±8 rad/s.
+    /// The authors' settings: 101 states per trajectory, at 10 Hz for pendulums and 20 Hz for bodies; 100 trajectories
+    /// for two pendulums, 200 for three bodies, and 20 for any other number of elements, to which a trained model is
+    /// extended. Two pendulums start at up to ±10 rad/s, any other number at up to ±8 rad/s.
     pub fn published(system: ManyBody, seed: u64) -> Self {
         let (trajectories, h, speed) = match system {
             ManyBody::Pendulum(2) => (100, 0.1, 10.0),
@@ -93,10 +93,11 @@ impl ModlanetSettings {
 
 /// The initial states of the trajectories, from one random stream.
 ///
-/// Pendulums: θ ∈ U(0, 2π), θ̇ ∈ U(±speed). Bodies: evenly spaced on a circle of radius U(1, 5) about the origin, at √2 times the velocity
-/// of the circular orbit, with each of its two components multiplied by its own U(0.5, 1.5). (The components are along the axes, before the
-/// turn by 2πi/n that takes the first body to the i-th.) The √2 is the authors' (k/2r where [`circular_speed`] has k/4r), and so is the
-/// direction of the first body, that of a point drawn from a square.
+/// Pendulums: θ ∈ U(0, 2π), θ̇ ∈ U(±speed). Bodies are evenly spaced on a circle of radius U(1, 5) about the origin.
+/// Their velocity is √2 times that of the circular orbit, with each of its two components multiplied by its own U(0.5,
+/// 1.5). (The components are along the axes, before the rotation by 2πi/n that takes the first body to the i-th.) The
+/// factor √2 is the authors' (they have k/2r where [`circular_speed`] has k/4r). The direction of the first body is
+/// that of a point drawn from a square, also as in the authors' program.
 pub fn starts(settings: &ModlanetSettings) -> Vec<Start> {
     let mut stream = Pcg64::seed_from_u64(settings.seed);
     let one = |_| match settings.system {
@@ -139,14 +140,14 @@ fn signed(stream: &mut Pcg64) -> f64 {
 /// Speed (m/s) at which `count` bodies of mass 1, evenly spaced on a circle of radius `r` (m), orbit its centre for k = 1: v² = (1/4r)
 /// Σ_{j=1}^{n−1} 1/sin(πj/n).
 ///
-/// The body j places further is 2r sin(πj/n) away, and its attraction 1/(2r sin(πj/n))² has the component sin(πj/n) towards the centre; the
-/// sum of these components is v²/r.
+/// The body that is j places further along the circle is 2r sin(πj/n) away. Its attraction 1/(2r sin(πj/n))² has the
+/// component sin(πj/n) towards the centre; the sum of these components is v²/r.
 pub fn circular_speed(count: usize, r: f64) -> f64 {
     let sum: f64 = (1..count).map(|j| 1.0 / (PI * j as f64 / count as f64).sin()).sum();
     (sum / (4.0 * r)).sqrt()
 }
 
-/// Trajectories with positions, velocities and exact accelerations of the states before noise; t = 0 at each start.
+/// Trajectories with positions, velocities, and the exact accelerations of the noise-free states; t = 0 at each start.
 ///
 /// # Errors
 /// [`GenerationError`] for a system without elements, and if the motion cannot be integrated.

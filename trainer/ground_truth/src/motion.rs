@@ -2,7 +2,7 @@ use thiserror::Error;
 
 /// A mechanism with exactly known equations of motion, of a size known at run time.
 ///
-/// Slices have one entry per coordinate. Energies of shorter slices panic.
+/// Slices have one entry per coordinate; the energies panic for shorter slices.
 pub trait ExactMotion: Send + Sync {
     /// Number of coordinates, n.
     fn coordinates(&self) -> usize;
@@ -19,8 +19,8 @@ pub trait ExactMotion: Send + Sync {
     /// Potential energy V(q), J.
     fn potential_energy(&self, q: &[f64]) -> f64;
 
-    /// Projects a state (q, v) that is off by a step's error back onto the constraints; `None` if no valid state is near. Without
-    /// constraints every state is valid.
+    /// Projects a state (q, v) that is off by an integration error back onto the constraints; `None` if no valid state
+    /// is near. Without constraints every state is valid.
     fn project(&self, _state: &mut [f64]) -> Option<()> {
         Some(())
     }

@@ -4,14 +4,15 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 /// A point or a direction of the plane.
 type Vector = [f64; 2];
 
-/// Largest number of Newton steps in a projection onto the rods; at a distance of rounding one step suffices.
+/// Largest number of Newton steps in a projection onto the rods; if the distance is only a rounding error, one step
+/// suffices.
 const PROJECTIONS: usize = 8;
 
 /// Point masses in the plane, joined by springs and by rods of fixed length: q = (x₁, y₁, x₂, y₂, …), y upwards.
 ///
-/// V = g Σ mᵢ yᵢ + Σ_springs (r² − 1)² (LGNN's program; its paper has ½k(r − 1)²) and Q = −c v + F. For every rod φ = ½(|d|² − ℓ²) = 0,
-/// with d from one end to the other. M v̇ = −V_q + Q + Aᵀλ with A = φ_q, and λ follows from A v̇ + |ḋ|² = 0 (LGNN eq. 2, as in its
-/// program).
+/// V = g Σ mᵢ yᵢ + Σ_springs (r² − 1)² (as in LGNN's program; its paper has ½k(r − 1)²) and Q = −c v + F. Every rod has
+/// φ = ½(|d|² − ℓ²) = 0, with d the vector from one end to the other. M v̇ = −V_q + Q + Aᵀλ with A = φ_q, and λ follows
+/// from A v̇ + |ḋ|² = 0 (LGNN eq. 2, as in its program).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truss {
     /// Masses of the nodes, kg.
@@ -104,7 +105,7 @@ impl Truss {
         forces
     }
 
-    /// Vector along a rod, from one end to the other, of positions or of velocities.
+    /// Vector along a rod, from one end to the other, computed from positions or from velocities.
     fn along(&self, rod: &Rod, x: &[Vector]) -> Vector {
         let from = rod.from.map_or([0.0; 2], |from| x[from]);
         difference(&x[rod.to], &from)

@@ -65,7 +65,7 @@ pub struct Linkage {
     /// Acceleration of gravity g, m/s².
     #[serde(default = "standard_gravity")]
     pub gravity: f64,
-    /// Joints, from the fixed one on.
+    /// Joints, starting with the one on the fixed base.
     #[serde(rename = "joint")]
     pub joints: Vec<Joint>,
 }
@@ -143,7 +143,8 @@ impl Linkage {
         Ok(terms)
     }
 
-    /// Contribution of the rotors to an entry of M: J_j c_row c_column with c_i = 1 before joint j, γ_j at it, 0 behind.
+    /// Contribution of the rotors to an entry of M: J_j c_row c_column with c_i = 1 for i before joint j, γ_j for i =
+    /// j, and 0 for i after it.
     fn rotors(&self, row: usize, column: usize) -> f64 {
         let turns = |j: usize, i: usize| match i.cmp(&j) {
             std::cmp::Ordering::Less => 1.0,

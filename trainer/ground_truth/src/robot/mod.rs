@@ -7,9 +7,9 @@
 //! q̃_k = grid · round((q(t_k) + z + σ noise)/grid),   z one number for every encoder and log
 //! ```
 //!
-//! The motion is integrated by Runge–Kutta steps of at most 0.25 ms, shorter if friction is stiff, from one change of τ to the next. Every
-//! kind of random number has its own stream for every log: changing the noise leaves the motion as it was, and adding a log leaves the
-//! others as they were.
+//! The motion is integrated by Runge–Kutta steps of at most 0.25 ms, shorter if friction is stiff, from one change of τ
+//! to the next. Every kind of random number has its own stream for every log, so changing the noise does not change the
+//! motion, and adding a log does not change the others.
 
 mod csv;
 mod linkage;
@@ -40,13 +40,13 @@ pub struct RobotLog {
     pub readings: Rows,
     /// Commands u, given at each sample and held until the next, N or N m.
     pub commands: Rows,
-    /// Torques τ that act just after each sample, N or N m.
+    /// Torques τ that act immediately after each sample, N or N m.
     pub torques: Rows,
     /// True positions, rad or m.
     pub q: Rows,
     /// True velocities, rad/s or m/s.
     pub v: Rows,
-    /// True accelerations just after each sample, rad/s² or m/s².
+    /// True accelerations immediately after each sample, rad/s² or m/s².
     pub a: Rows,
     /// Zero offset z of every encoder in this log, rad or m.
     pub zeros: Vec<f64>,
@@ -116,7 +116,7 @@ impl RobotLog {
         }
     }
 
-    /// Velocities as a drive computes them, from the previous reading and the stamps, 0 at first; rad/s or m/s.
+    /// Velocities as a drive computes them, from the previous reading and the stamps; the first is 0; rad/s or m/s.
     pub fn differences(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
         (0..self.times.len()).map(|k| {
             let before = k.saturating_sub(1);

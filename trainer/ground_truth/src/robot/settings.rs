@@ -33,7 +33,7 @@ pub struct Sensors {
     pub grid: f64,
     /// Standard deviation of the zero offsets z, one per encoder and log, rad or m.
     pub zeros: f64,
-    /// Largest deviation of sampling instants from their due time, s, uniformly distributed; less than h/2.
+    /// Largest deviation of sampling instants from their nominal time, s, uniformly distributed; less than h/2.
     pub jitter: f64,
 }
 
@@ -176,7 +176,7 @@ impl Machine {
     }
 }
 
-/// The terms, typed for N coordinates; `None` if they have another number.
+/// The terms as terms for N coordinates; `None` if they have another number of coordinates.
 fn resized<const M: usize, const N: usize>(terms: &Terms<M>) -> Option<Terms<N>> {
     use leastaction_core::energy::trigonometric::Wave;
     let wave = |wave: &Wave<M>| {

@@ -39,7 +39,7 @@ impl Streams {
     }
 }
 
-/// A robot that is driven for every log.
+/// A robot that is started anew for every log.
 pub(super) struct Robot<'a, const N: usize> {
     settings: &'a RobotSettings,
     system: System<Trigonometric<'a, N>, (Viscous<f64, N>, Coulomb<f64, N>)>,
@@ -155,7 +155,7 @@ struct Motion<'r, const N: usize> {
 }
 
 impl<const N: usize> Motion<'_, N> {
-    /// Advances to a time, from one command's arrival to the next; returns v̇ there.
+    /// Advances to a time, from the arrival of one command to that of the next; returns v̇ at this time.
     fn advance(&mut self, t: f64) -> Option<[f64; N]> {
         let delay = self.robot.settings.drives.delay;
         while let (Some(given), Some(u)) = (self.times.get(self.arrived), self.commands.get(self.arrived)) {

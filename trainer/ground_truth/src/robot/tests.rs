@@ -83,7 +83,7 @@ fn torques_are_late_and_weak_as_asked_for() {
     let logs = robot_logs(&RobotSettings { drives, ..settings() }).unwrap();
     for log in &logs.logs {
         assert!(log.commands.column(1).all(|u| u == 0.0) && log.commands.column(0).all(|u| u != 0.0));
-        // A delay that rounding makes longer than three steps is late by one more sample.
+        // A delay that is longer than three steps only by rounding would take effect one sample later.
         let torques: Vec<f64> = log.torques.column(0).collect();
         let commands: Vec<f64> = log.commands.column(0).collect();
         assert_eq!(torques[..3], [0.0; 3]);
@@ -108,7 +108,7 @@ fn half_a_step_of_delay_is_half_a_step_of_the_torque() {
     };
     let log = robot_logs(&quiet).unwrap().logs.remove(0);
     let [first, second] = [0, 1].map(|k| log.commands.get(k).unwrap()[0]);
-    // From rest, hanging: the mass that feels the force is 1.1 kg − 0.05²/(0.1/3) kg.
+    // The robot starts at rest, hanging: the mass that the force accelerates is 1.1 kg − 0.05²/(0.1/3) kg.
     let speed = |k: usize| log.v.get(k).unwrap()[0] * (1.1 - 0.075);
     assert!((speed(1) - 0.005 * first).abs() < 1e-6, "{} {first}", speed(1));
     assert!((speed(2) - 0.01 * first - 0.005 * second).abs() < 1e-5, "{}", speed(2));
