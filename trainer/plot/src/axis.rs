@@ -83,7 +83,7 @@ impl Axis {
         }
     }
 
-    /// Whether the ticks are not just decades, and are readable without powers of ten.
+    /// Whether the ticks are not only decades and can be read without powers of ten.
     fn is_plain(&self) -> bool {
         let decades = self.ticks.iter().all(|tick| format!("{tick:.0e}").starts_with('1'));
         !decades && self.ticks.iter().all(|tick| (9e-4..1.1e3).contains(tick))
@@ -135,7 +135,7 @@ fn ticks(scale: Scale, low: f64, high: f64, most: usize) -> (Vec<f64>, f64) {
 
 fn multiples(step: f64, low: f64, high: f64) -> Vec<f64> {
     let (first, last) = ((low / step).ceil(), (high / step).floor());
-    // The step is chosen for a handful of ticks; the bound only guards against rounding at extreme magnitudes.
+    // The step is chosen for only a few ticks; the bound only guards against rounding at extreme magnitudes.
     let count = (last - first).clamp(0.0, 50.0) as i32;
     (0..=count).map(|k| (first + f64::from(k)) * step).collect()
 }
@@ -167,7 +167,7 @@ fn angle_step(x: f64) -> f64 {
     parts.into_iter().find(|&step| step >= x).unwrap_or_else(|| PI * round_step(x / PI).max(1.0))
 }
 
-/// A number with as many digits as its distance to the next tick needs.
+/// A number with as many digits as the distance to the next tick requires.
 fn number_label(value: f64, step: f64, largest: f64) -> String {
     if value.abs() < 1e-9 * step {
         return "0".to_owned();
@@ -228,7 +228,7 @@ impl Ranged for Axis {
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
         let part = (self.scale.to_axis(*value) - self.low) / (self.high - self.low);
         let (from, to) = (f64::from(limit.0), f64::from(limit.1));
-        // Values far outside saturate.
+        // Values far outside the frame saturate.
         (from + part * (to - from)).round() as i32
     }
 

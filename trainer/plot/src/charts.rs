@@ -195,7 +195,8 @@ fn draw_panel(
 
 /// Draws curves on two logarithmic axes, such as errors over step sizes, with dashed lines of given slopes.
 ///
-/// Each slope is drawn below the curve whose own slope, from its first point to its last, is nearest, in that curve's colour.
+/// Each slope is drawn below the curve whose own slope, from its first point to its last, is nearest to it, in that
+/// curve's colour.
 ///
 /// # Errors
 /// [`PlotError`] if the file cannot be written.

@@ -18,8 +18,8 @@ pub(super) fn pieces(
         .collect()
 }
 
-/// Thins points: of neighbours in one column of the canvas only the first, lowest, highest and last are kept; their lines cover the same
-/// pixels.
+/// Thins points. Of neighbouring points in one column of the canvas only the first, lowest, highest and last are kept;
+/// their lines cover the same pixels.
 fn thinned(points: impl Iterator<Item = Pixel>) -> Vec<Pixel> {
     let mut kept = Vec::new();
     let mut column: Option<Column> = None;

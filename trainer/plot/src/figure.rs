@@ -19,7 +19,7 @@ use super::series::{Series, Stroke};
 pub(super) type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type DrawError = DrawingAreaErrorKind<io::Error>;
 
-/// Canvas units per pixel: plotters rounds coordinates to whole units, which would be visible.
+/// Canvas units per pixel. Plotters rounds coordinates to whole units, which would be visible if they were pixels.
 const UNIT: f64 = 4.0;
 
 /// Factor by which plotters reduces the font size in its output.
@@ -40,7 +40,7 @@ const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const FRAME: RGBColor = RGBColor(0x8c, 0x8c, 0x8c);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 
-/// Okabe and Ito's colours, which the colour-blind can distinguish; without yellow, which is too pale for a line.
+/// Okabe and Ito's colours, which colour-blind readers can distinguish; without yellow, which is too pale for a line.
 const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
