@@ -1,4 +1,4 @@
-//! Cases of a paper, each for our model and for the models that the paper compares with.
+//! Cases of a paper, each run with our model and with the models that the paper compares with.
 
 use super::interrupted::Interrupted;
 use super::option_name;
@@ -6,7 +6,7 @@ use super::task::TaskError;
 use super::training::{Bounds, Limits};
 use std::path::Path;
 
-/// A case, and a model that the paper compares with and that is trained within limits; `None` for our model.
+/// A case and, unless it is run with our model, a model that the paper compares with, trained within limits.
 pub(crate) type Row<C, B> = (C, Option<(B, Limits)>);
 
 /// Returns a case for our model, then for each model that it is compared with.
@@ -18,8 +18,8 @@ pub(crate) fn rows<C: Copy, B: Copy>(
     std::iter::once(None).chain(baselines).map(move |baseline| (case, baseline))
 }
 
-/// Returns the name and the command of a task: a case of a paper with one seed, for our model or the named one, with a switch of the
-/// command line or none.
+/// Returns the name and the command of a task: a case of a paper with one seed, for our model or the named one, and
+/// with one additional option of the command line or none.
 pub(crate) fn name_and_command(
     (paper, case): (&str, &impl clap::ValueEnum),
     (model, switch): (Option<&str>, Option<&str>),
@@ -34,8 +34,8 @@ pub(crate) fn name_and_command(
     (name, command)
 }
 
-/// Runs our model, or one whose training continues where it was interrupted if there is a folder for its state; `settings` are all that
-/// its weights depend on.
+/// Runs our model, or a baseline. If there is a folder for its state, the training of a baseline continues where it was
+/// interrupted; `settings` are everything on which its weights depend.
 pub(crate) fn run<B, T>(
     baseline: Option<(B, Limits)>,
     (folder, task, settings): (Option<&Path>, &str, &str),

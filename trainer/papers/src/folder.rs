@@ -21,7 +21,7 @@ pub enum FolderError {
         /// Reason given by the operating system.
         error: io::Error,
     },
-    /// The content is no result of this program.
+    /// The content is not a result of this program.
     #[error("{}: {error}; remove the file to have the task done again", file.display())]
     Content {
         /// The file.
@@ -120,8 +120,9 @@ impl Results {
         Ok(read.into_iter().flatten().collect())
     }
 
-    /// Results that belong on one page: those of these tasks, and all others in the folder from runs with the same options, in the order of
-    /// these tasks, then by name. Also returns the number of results with other options.
+    /// Results that belong on one page: those of these tasks, and all others in the folder from runs with the same
+    /// options. They are in the order of these tasks, then ordered by name. Also returns the number of results with
+    /// other options.
     ///
     /// # Errors
     /// [`FolderError::File`], [`FolderError::Content`].
@@ -162,7 +163,7 @@ impl Results {
         for entry in fs::read_dir(&self.folder).map_err(failed())? {
             files.push(entry.map_err(failed())?.path());
         }
-        // Hidden files are the lock, and those that a killed process was writing.
+        // Hidden files are the lock, and files that a killed process was writing.
         let is_hidden =
             |file: &Path| file.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         files.retain(|file| file.is_file() && !is_hidden(file) && is_wanted(file));
@@ -171,7 +172,7 @@ impl Results {
     }
 }
 
-/// Reads the results in a file, if the task did not fail.
+/// Reads the results in a file, unless the task failed.
 fn done(file: &Path) -> Result<Option<Finished>, FolderError> {
     if file.extension().is_none_or(|extension| extension != "json") {
         return Ok(None);

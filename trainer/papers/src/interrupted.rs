@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{fs, io};
 
-/// First bytes of the file: a mark of its kind, and the version of its layout.
+/// First bytes of the file: a signature, and the version of its layout.
 const MAGIC: &[u8] = b"LABASE\x01";
 
 /// File in which a task stores the state of its training.
@@ -36,7 +36,7 @@ struct Content<S, C> {
 }
 
 impl Interrupted {
-    /// Creates the file of a task in a folder; `settings` is everything that its weights depend on.
+    /// Creates the file of a task in a folder; `settings` is everything on which the weights depend.
     pub fn new(folder: &Path, task: &str, settings: String) -> Self {
         Self { file: folder.join(format!("{task}.interrupted")), settings }
     }
@@ -54,7 +54,7 @@ impl Interrupted {
         Ok(done)
     }
 
-    /// Reads the state at which training was interrupted; `None` if it was not.
+    /// Reads the state at which training was interrupted; `None` if there is none.
     pub(super) fn read(&self) -> Result<Option<Course>, FolderError> {
         let content: Content<String, Course> = match checksummed::read(&self.file, MAGIC) {
             Err(error) if error.is_missing() => return Ok(None),

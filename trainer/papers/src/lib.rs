@@ -1,7 +1,7 @@
-//! Experiments of the papers, our models beside theirs: tasks that give records, which become tables and pages.
+//! Experiments of the papers, with our models beside theirs: tasks give records, which become tables and pages.
 //!
-//! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]), [`hardware`] that of logs recorded on robots;
-//! `baselines` are the models that the papers compare with. The command is `leastaction-papers`.
+//! Each paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]); [`hardware`] has that of logs
+//! recorded on robots; `baselines` are the models that the papers compare with. The command is `leastaction-papers`.
 
 mod baselines;
 pub mod chnn;

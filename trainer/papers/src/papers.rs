@@ -114,8 +114,8 @@ pub enum PageError {
 }
 
 impl Paper {
-    /// Writes the page, the table as comma-separated values and the results as one JSON file into a folder, beside that of the results;
-    /// returns the names of the files.
+    /// Writes the page, the table as comma-separated values and the results as one JSON file into the folder that
+    /// contains the folder of results. Returns the names of the files.
     ///
     /// # Errors
     /// [`PageError`].

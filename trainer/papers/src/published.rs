@@ -1,15 +1,16 @@
-//! Numbers of papers and of their authors' programs, beside which ours stand.
+//! Numbers of the papers and of their authors' programs, for comparison with ours.
 
 /// Published numbers of a row; `None` if they are unknown or failed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published<const K: usize> {
     /// Number of weights.
     pub parameters: Option<usize>,
-    /// Measures, in an order of the paper's own.
+    /// Measures, in an order specific to the paper.
     pub measures: [Option<f64>; K],
 }
 
-/// A row of a table of published numbers: the case, the number of weights, the measures; [`UNKNOWN`] for an unknown one.
+/// A row of a table of published numbers: the case, the number of weights, and the measures; [`UNKNOWN`] stands for an
+/// unknown measure.
 pub(crate) type Row<T, const K: usize> = (T, Option<usize>, [f64; K]);
 
 /// Stands for an unknown number in a [`Row`].
@@ -22,7 +23,7 @@ impl<const K: usize> Default for Published<K> {
 }
 
 impl<const K: usize> Published<K> {
-    /// Finds the row of a case; nothing is known if there is none.
+    /// Finds the row of a case; if there is none, all numbers are unknown.
     pub(crate) fn find<T: PartialEq>(table: &[Row<T, K>], case: &T) -> Self {
         let known = |measure: f64| Some(measure).filter(|measure| measure.is_finite());
         let row = table.iter().find(|row| row.0 == *case);

@@ -10,20 +10,20 @@ use serde_json::Value;
 pub enum Better {
     /// Smaller is better, for errors.
     Less,
-    /// Larger is better, for times that a prediction holds.
+    /// Larger is better, as for times over which a prediction is valid.
     More,
 }
 
 /// A number of a row, beside that of the paper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measure {
-    /// Name in the head of the table.
+    /// Name in the header of the table.
     pub name: String,
     /// Our value; `None` if it is not finite.
     pub ours: Option<f64>,
     /// Value of the paper or of its program; `None` if it is unknown or failed.
     pub paper: Option<f64>,
-    /// Value of exact physics in the same measure, if that is not 0.
+    /// Value for exact physics in the same measure, if it is not 0.
     pub floor: Option<f64>,
     /// Direction in which the number is better.
     pub better: Better,
@@ -54,7 +54,8 @@ impl Measure {
 pub struct Record {
     /// Title of the table.
     pub table: String,
-    /// Columns in which the models of the table are compared: names with their values; all rows of the table have the same names.
+    /// Columns that identify what the models are compared on: names with their values; all rows of the table have the
+    /// same names.
     pub subject: Vec<(String, String)>,
     /// Name of the model.
     pub model: String,
@@ -70,13 +71,13 @@ pub struct Record {
     pub train_seconds: f64,
     /// Measures; all rows of a table have the same names.
     pub measures: Vec<Measure>,
-    /// Further remarks, such as the reason of a failure.
+    /// Further remarks, such as the reason for a failure.
     pub note: Option<String>,
     /// Files of its pictures.
     pub pictures: Vec<String>,
     /// All numbers, as `--json` prints them.
     pub details: Value,
-    /// Whether it summarises other rows: its numbers then stand beside the rows, not among them.
+    /// Whether it summarises other rows. Its numbers then stand beside the rows, not among them.
     pub is_summary: bool,
 }
 
@@ -98,7 +99,7 @@ impl Record {
     }
 }
 
-/// Joins the remarks that there are.
+/// Joins the remarks that are present.
 pub(crate) fn note<const N: usize>(remarks: [Option<String>; N]) -> Option<String> {
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     Some(remarks.join("; ")).filter(|note| !note.is_empty())
@@ -113,7 +114,7 @@ pub struct Finished {
     pub task: String,
     /// Command that repeats the task.
     pub command: String,
-    /// Data that it learned from, in words.
+    /// Data that the models learned from, in words.
     pub data: String,
     /// Everything that the result depends on.
     pub settings: String,

@@ -6,9 +6,9 @@ use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared, Rollouts};
 use serde::Serialize;
 
-/// Mask that makes the random stream of starts differ from that of the data.
+/// Mask for the seed that makes the random stream of starts differ from that of the data.
 pub(crate) const UNSEEN: u64 = 0x5eed_0000_0000_0000;
-/// Disturbance of the starts for the floor, m.
+/// Disturbance of the starts with which the floor is computed, m.
 const DISTURBANCE: f64 = 1e-8;
 
 /// Errors of rollouts.
@@ -65,7 +65,7 @@ impl RolledOut {
     }
 }
 
-/// Errors of exact motion from disturbed starts, taken as a prediction.
+/// Errors of exact motion from disturbed starts, treated as a prediction.
 fn floor(truth: &Truth, truss: &Truss, compared: Compared, seed: u64) -> Result<[f64; 2], IntegrationError> {
     let sign = |k: usize| if (seed >> (k % 64)) & 1 == 0 { DISTURBANCE } else { -DISTURBANCE };
     let disturbed = |start: &Start| {

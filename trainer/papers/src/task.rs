@@ -1,4 +1,5 @@
-//! Experiments as tasks: chosen by name, shared among machines, run side by side, and skipped if done already.
+//! Experiments as tasks: they are chosen by name, shared among machines, run side by side, and skipped if they have
+//! been done.
 
 use super::folder::{FolderError, Results};
 use super::record::{Finished, Record};
@@ -17,7 +18,8 @@ pub type TaskError = Box<dyn Error + Send + Sync>;
 /// A function that takes lines of progress.
 pub type Tell<'t> = dyn Fn(&str) + Sync + 't;
 
-/// Work of a task. A given folder takes pictures, and the state of long training, so that interrupted training can continue.
+/// Work of a task. If a folder is given, it receives pictures and the state of long training, so that interrupted
+/// training can continue.
 pub type Work = dyn Fn(Option<&Path>, &Tell) -> Result<Vec<Record>, TaskError> + Sync;
 
 /// A unit of work: models that are trained, and all rows that result.
@@ -30,11 +32,11 @@ pub struct Task {
     pub data: String,
     /// Everything that the result depends on.
     pub settings: String,
-    /// Options shared by all tasks of a run, as on the command line: results with other options belong on another page.
+    /// Options shared by all tasks of a run, as on the command line. Results with other options belong on another page.
     pub options: String,
     /// Rough duration, s.
     pub expected_seconds: f64,
-    /// Whether the task measures times, which nothing must disturb.
+    /// Whether the task measures times, so that nothing else may run beside it.
     pub is_timed: bool,
     /// Work that gives the rows.
     pub run: Box<Work>,
@@ -45,7 +47,7 @@ pub(crate) fn json(settings: &impl Serialize) -> String {
     serde_json::to_string(settings).unwrap_or_default()
 }
 
-/// Returns a function that prints the loss of every `every`th iteration, with words before and after its number.
+/// Returns a function that prints the loss of every `every`th iteration, with text before and after its number.
 pub(crate) fn watch<'t>(
     tell: &'t Tell,
     every: usize,
@@ -58,7 +60,7 @@ pub(crate) fn watch<'t>(
     }
 }
 
-/// Creates a task for each item with every one of `seeds` seeds from `first` on.
+/// Creates a task for each item and each of `seeds` seeds, starting with `first`.
 pub(crate) fn with_seeds<T>(
     of: impl IntoIterator<Item = T>,
     (first, seeds): (u64, usize),
@@ -68,7 +70,7 @@ pub(crate) fn with_seeds<T>(
     of.into_iter().flat_map(seeded).collect()
 }
 
-/// A share of the tasks: number `index`, from 1, of `of`.
+/// A share of the tasks: share number `index`, counted from 1, of `of` shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: usize,
@@ -76,7 +78,8 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns the tasks of this share: all shares together have every task once, with long and short tasks dealt out evenly.
+    /// Returns the tasks of this share. All shares together contain every task once; long and short tasks are
+    /// distributed evenly.
     pub fn of<T>(self, tasks: Vec<T>) -> Vec<T> {
         tasks.into_iter().skip(self.index - 1).step_by(self.of).collect()
     }
@@ -99,8 +102,8 @@ impl FromStr for Shard {
 
 /// Runs the tasks that are not yet done, `jobs` at a time, and returns the results of all tasks, in their order.
 ///
-/// Each result is written as soon as it is there: an interrupted run continues where it stopped. A failed task is recorded as failed, and
-/// tried again by the next run.
+/// Each result is written as soon as it is available, so an interrupted run continues where it stopped. A failed task
+/// is recorded as failed, and tried again by the next run.
 ///
 /// # Errors
 /// [`FolderError`]; failing tasks are no errors.
@@ -131,7 +134,7 @@ pub fn run_all(
             Ok(())
         };
         std::thread::scope(|scope| {
-            // This thread works too; if no more threads can be created, the existing ones do all the work.
+            // This thread works as well; if no more threads can be created, the existing ones do all the work.
             let worker = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
             let others: Vec<_> = (1..jobs.min(queue.len())).map_while(worker).collect();
             let ours = work();

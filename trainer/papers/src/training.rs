@@ -1,4 +1,4 @@
-//! Training of the models that papers compare with: by Adam, following their authors, within limits.
+//! Training of the models that papers compare with: by Adam, with their authors' recipes, within limits.
 
 use super::interrupted::{Course, Interrupted};
 use super::task::TaskError;
@@ -9,15 +9,15 @@ use std::time::{Duration, Instant};
 
 /// Time between lines of progress.
 const PAUSE: Duration = Duration::from_secs(10);
-/// Time between writes of the state of training.
+/// Time between writes of the training state.
 const WRITTEN: Duration = Duration::from_secs(60);
 
-/// Limits of the training of a baseline, beside the end of its recipe.
+/// Limits of the training of a baseline, in addition to the end of its recipe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Limits {
-    /// Number of epochs; `None` for that of the recipe.
+    /// Number of epochs; `None` for the number in the recipe.
     pub epochs: Option<u64>,
-    /// Wall time of training, and again of the predictions.
+    /// Wall time of training, and separately of the predictions.
     pub time: Option<Duration>,
 }
 
@@ -34,12 +34,12 @@ impl Limits {
     }
 }
 
-/// Whether a deadline is over.
+/// Whether a deadline has passed.
 pub(super) fn is_past(deadline: Option<Instant>) -> bool {
     deadline.is_some_and(|deadline| Instant::now() > deadline)
 }
 
-/// End of a training.
+/// Way in which a training ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ending {
     /// The recipe was completed.
@@ -102,8 +102,8 @@ pub struct Bounds<'a> {
 }
 
 impl Recipe {
-    /// Trains until a limit, or until the loss is not finite: then the weights are the last with a finite loss. `tell` occasionally gets a
-    /// line of progress. Interrupted training continues, to the same bits.
+    /// Trains until a limit, or until the loss is not finite; then the last weights with a finite loss are returned.
+    /// `tell` occasionally gets a line of progress. Interrupted training continues, with the same bits.
     pub(super) fn train(
         &self,
         model: &dyn AccelerationModel,
@@ -148,7 +148,7 @@ impl Recipe {
             if course.adam.iterate(objective) == Progress::Stuck || !course.adam.loss.is_finite() {
                 return Ok(Ending::Diverged { epoch });
             }
-            // The loss is that of the weights before the step.
+            // The computed loss is that of the weights before the step.
             course.good = before;
             course.spent = spent + clock.elapsed();
             if told.elapsed() >= PAUSE {

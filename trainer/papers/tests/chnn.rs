@@ -9,7 +9,7 @@ fn interpolation_error(h: f64) -> f64 {
     let truss = chain(3, 1).unwrap();
     let data = logged(&truss, &starts(&truss, 4, 7), Horizon { h, samples: 9 }, 0.0, 0).unwrap();
     let (found, exact) = (Samples::interpolated(&data).unwrap(), Samples::accelerations(&data).unwrap());
-    // Every trajectory has 9 states, of which 5 have two neighbours on both sides.
+    // Every trajectory has 9 states, of which the middle 5 have two neighbours on both sides.
     let of_trajectory = |k: usize| exact.range(9 * k + 2..9 * k + 7);
     let kept: Vec<Samples> = (0..4).map(of_trajectory).collect();
     for i in 0..2 {

@@ -1,4 +1,4 @@
-//! Logs of machines: predictions by the simulated robot's own parameters, and the published figures of the real one.
+//! Logs of machines: predictions with the simulated robot's own parameters, and the published figures of the real one.
 
 mod robot;
 
@@ -30,7 +30,8 @@ fn simulated(logs: usize, seconds: f64) -> (tempfile::TempDir, MachineData) {
 /// Models without training.
 const KNOWN: [&str; 2] = ["constant-velocity", "identified-parameters"];
 
-/// The error left with the robot's own parameters is that of the encoder and, as is, of its zeros; calibration finds the zeros.
+/// With the robot's own parameters, the remaining error is that of the encoders and, without calibration, of their zero
+/// offsets; calibration finds the offsets.
 #[test]
 fn a_robots_own_parameters_predict_it_and_calibration_finds_its_zeros() {
     let (_folder, data) = simulated(3, 5.0);
@@ -47,7 +48,7 @@ fn a_robots_own_parameters_predict_it_and_calibration_finds_its_zeros() {
     }
 }
 
-/// Simple physics and networks learn the robot from its other logs; without dry friction they do not.
+/// Simple physics and networks learn the robot from its other logs, but fail without dry friction.
 #[test]
 fn models_learn_from_the_other_logs() {
     let (_folder, data) = simulated(3, 4.0);
@@ -81,7 +82,8 @@ fn the_published_figures_of_the_real_double_pendulum() {
     for (k, (split, windows)) in [(late, 52), (mixed, 84)].into_iter().enumerate() {
         let rows = rows(&data, split.clone(), &KNOWN);
         assert!(rows.iter().all(|row| row.details["windows"] == windows));
-        // The start states agree to the printed digits; stiff friction to a few hundredths, because it depends on the integration step.
+        // The start states agree to the printed digits; the errors of the model with stiff friction agree to a few
+        // hundredths, because they depend on the integration step.
         for (model, expected, tolerance) in
             [("constant velocity", still[k], 2e-3), ("baseline: identified parameters", identified[k], 0.03)]
         {

@@ -1,4 +1,4 @@
-//! LGNN's experiments: training by laws and networks, rollouts on other graphs.
+//! LGNN's experiments: training of laws and networks, and rollouts on other graphs.
 
 use leastaction_ground_truth::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_shape};
 use leastaction_learning::training::Samples;

@@ -1,4 +1,4 @@
-//! Tasks, their results in a folder, and the tables and pages of them.
+//! Tasks, their results in a folder, and the tables and pages made from them.
 
 use leastaction_papers::folder::{FolderError, Results};
 use leastaction_papers::record::{Finished, Measure, Record};
@@ -94,7 +94,7 @@ fn a_page_has_all_that_runs_with_the_same_options_have_given() {
     let mut narrow = tasks(2, "one", None).0;
     narrow.remove(0);
     run(&narrow, &results, 1).unwrap();
-    // Results of the run come first, in their order; failures are included.
+    // Results of the current run come first, in its order; failures are included.
     assert_eq!(names(results.page(&narrow).unwrap()), (counted(&[1, 0, 2]), 0));
     assert_eq!(names(results.page(&tasks(9, "one", None).0).unwrap()), (counted(&[0, 1, 2]), 0));
     let mut other = tasks(4, "two", None).0.split_off(3);
@@ -102,7 +102,7 @@ fn a_page_has_all_that_runs_with_the_same_options_have_given() {
     assert_eq!(names(results.page(&other).unwrap()), (counted(&[3]), 3));
     other.extend(narrow);
     assert_eq!(names(results.page(&other).unwrap()), (counted(&[3, 1, 0, 2]), 0));
-    // Results from before options were stored belong to their own tasks.
+    // Results from before options were stored belong only to their own tasks.
     let old = Finished { options: String::new(), ..results.read("counted-0").unwrap().unwrap() };
     results.write(&old).unwrap();
     assert_eq!(names(results.page(&tasks(1, "one", None).0).unwrap()), (counted(&[0, 1, 2]), 1));
@@ -209,7 +209,7 @@ fn what_is_better_than_ours_is_said() {
     let [paper] = &of(0.6, 0.7)[..] else { panic!("the paper is better") };
     assert!(paper.contains("the paper 0.500") && paper.contains("ours: test 0.600"), "{paper}");
     assert_eq!(of(0.3, 0.2).len(), 1);
-    // One line per row, with everything that is better.
+    // There is one line per row, with everything that is better.
     let [both] = &of(f64::NAN, 0.2)[..] else { panic!("one row") };
     assert_eq!(both, "Table 1, system 2-pendulum, ours: test – (the paper 0.500, MLP 0.200)");
     let two = |ours: f64| Record {
@@ -222,7 +222,7 @@ fn what_is_better_than_ours_is_said() {
         both.ends_with("ours: test 2.00 (the paper 0.500, MLP 0.250); energy 4.00 (MLP 0.500)"),
         "{both}"
     );
-    // The energy, 2.0 over a floor of 1.5, is at the floor.
+    // The energy, 2.0 with a floor of 1.5, counts as being at the floor.
     let better = Record {
         measures: vec![Measure::error("test", 1.0, None), Measure::error("energy", 0.1, None)],
         ..record("MLP", 0, 1.0)

@@ -1,4 +1,5 @@
-//! Models that directly give the logged quantity as a function of the state and the control: no equation is solved for it.
+//! Models that give the logged quantity directly, as a function of the state and the control, without solving an
+//! equation.
 
 use super::enough_weights;
 use leastaction_core::model::ModelError;
@@ -10,7 +11,7 @@ use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Builder, Node, Program, Row, Workspace};
 use std::array::from_fn;
 
-/// A function f(q, v, u) of n coordinates each, written down.
+/// A function f(q, v, u) of n coordinates each, written as a list of operations.
 #[derive(Clone)]
 pub(super) struct Direct {
     builder: Builder,
@@ -58,7 +59,7 @@ impl Direct {
         }))
     }
 
-    /// Derivatives of f in the weights, weighted by these vectors: one row each.
+    /// Derivatives of f with respect to the weights, weighted by these vectors: one row each.
     fn pulled(builder: &mut Builder, value: Node, y: &[Node]) -> Program {
         let rows: Vec<_> = y.iter().map(|y| builder.pull_back(value, *y).weights).collect();
         Program::new(builder, &[], &rows)

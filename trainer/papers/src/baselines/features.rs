@@ -5,10 +5,11 @@ use leastaction_core::network::Jet;
 use leastaction_core::scalar::Scalar;
 use leastaction_programs::{Builder, Function, Node};
 
-/// Inputs for a state x = (q, y), with y velocities or momenta, and their tangents: translations unchanged and the cosine and sine of
-/// angles, coordinate by coordinate; then y. `coordinates` has one letter each, `a` for angles.
+/// Inputs for a state x = (q, y), where y are velocities or momenta, and their tangents: coordinate by coordinate,
+/// translations unchanged and angles as cosine and sine; then y. `coordinates` has one letter each, `a` for angles.
 ///
-/// ModLaNet's authors use angles wrapped to \[0, 2π); cosine and sine have no seam, and are the inputs of the modular family too.
+/// ModLaNet's authors use angles wrapped to \[0, 2π). Cosine and sine have no seam, and are also the inputs of the
+/// modular family.
 pub(super) fn inputs<S: Scalar, const T: usize>(coordinates: &str, state: &[Jet<S, T>]) -> Vec<Jet<S, T>> {
     let mut inputs = Vec::with_capacity(count(coordinates));
     for (kind, q) in coordinates.chars().zip(state) {
@@ -45,8 +46,8 @@ pub(super) fn adjoint<S: Scalar, const T: usize>(
     state_bar
 }
 
-/// Features s(q), written down: translations unchanged and the cosine and sine of angles, coordinate by coordinate; cyclic coordinates are
-/// left out.
+/// Features s(q) as operations: coordinate by coordinate, translations unchanged and angles as cosine and sine; cyclic
+/// coordinates are left out.
 pub(super) fn seen(builder: &mut Builder, coordinates: &[Coordinate], q: Node) -> Node {
     let n = coordinates.len();
     let angles: Vec<usize> = (0..n).filter(|i| coordinates[*i] == Coordinate::Angle).collect();

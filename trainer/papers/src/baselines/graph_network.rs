@@ -1,4 +1,4 @@
-//! Graph networks with one round of messages, which LGNN's authors compare with, written down for any graph.
+//! Graph networks with one round of messages, with which LGNN's authors compare, for any graph.
 
 use super::layers_of;
 use leastaction_core::model::ModelError;
@@ -24,8 +24,8 @@ impl GraphSizes {
     /// Sizes of LGNN's program.
     pub const LGNN: Self = Self { dimension: 2, node: 8, edge: 8, hidden: 16 };
 
-    /// Numbers of inputs, hidden layers and outputs of the networks, in the order of the weight block; the last network reads the nodes
-    /// out.
+    /// Numbers of inputs, hidden layers and outputs of the networks, in the order of the weight block; the last network
+    /// is the read-out.
     fn networks(self, outputs: usize) -> [[usize; 3]; 5] {
         let Self { dimension, node, edge, .. } = self;
         [
@@ -57,8 +57,8 @@ pub(super) struct GraphNetwork {
 }
 
 impl GraphNetwork {
-    /// Creates the network on the nodes of a graph with edges between them, read out to `outputs` numbers; an error if an edge ends
-    /// at no node.
+    /// Creates the network on the nodes and edges of a graph, with a read-out of `outputs` numbers. An error if an edge
+    /// refers to a node that does not exist.
     pub fn new(
         (sizes, outputs): (GraphSizes, usize),
         graph: &NamedGraph,
@@ -116,12 +116,12 @@ impl GraphNetwork {
         self.updated(builder, h, sent)
     }
 
-    /// Outputs of the last network for `columns` nodes, or for other inputs of the same length.
+    /// Outputs of the read-out network for `columns` nodes, or for other inputs of the same length.
     pub fn read_out(&self, builder: &mut Builder, columns: usize, x: Node) -> Node {
         self.read_out.outputs(builder, columns, x)
     }
 
-    /// Number of every edge, with its sender and receiver, in both directions.
+    /// Every edge in both directions: its number, and its sender and receiver.
     fn directions(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
         self.ends.iter().enumerate().flat_map(|(k, [a, b])| [(k, [*a, *b]), (k, [*b, *a])])
     }

@@ -1,4 +1,4 @@
-//! Common parts of all Lagrangians that networks give as one number.
+//! Common parts of all models in which a network gives the Lagrangian as one number.
 
 use super::enough_weights;
 use leastaction_core::constraints::{Constraints, Holonomic, Positions};
@@ -13,8 +13,8 @@ use leastaction_programs::{Builder, Program, Row, System, WIDTH, Workspace};
 use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;
 
-/// Mean squared error of v̇ with rods; infinite if an acceleration does not exist. `definite`: whether A L_vv⁻¹Aᵀ must be positive
-/// definite.
+/// Mean squared error of v̇ with rods; infinite if an acceleration does not exist. `definite` says whether A L_vv⁻¹Aᵀ
+/// must be positive definite.
 pub(super) fn acceleration_error(
     energies: &dyn Energies,
     (rods, definite): (Rods, bool),
@@ -26,7 +26,7 @@ pub(super) fn acceleration_error(
     objective_of(move || Box::new(Everywhere(loss())), parameters, samples)
 }
 
-/// A loss that does not exist if one sample cannot be computed.
+/// A loss that is undefined as a whole if one sample cannot be computed.
 struct Everywhere(AccelerationLoss);
 
 impl Loss for Everywhere {
@@ -79,7 +79,8 @@ fn slopes(energies: &dyn Energies) -> Program {
     Program::new(&builder, &[l_q, along], &[])
 }
 
-/// Computes L_vv, and L_q − L_vq v: the lanes of the program are directions here, first that of the motion, then the axes of v.
+/// Computes L_vv, and L_q − L_vq v. The lanes of the program are directions here: first that of the motion, then the
+/// axes of v.
 fn equation(
     (program, workspace): &mut (Program, Workspace),
     weights: &[f64],

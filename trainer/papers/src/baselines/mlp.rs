@@ -16,11 +16,12 @@ pub const MAX_WIDTH: usize = 256;
 /// Number of hidden layers, that of ModLaNet's authors.
 const DEPTH: usize = 2;
 
-/// Acceleration v̇ = αN(s(q), v/ν): two hidden tanh layers of equal width; s(q) are the translations and the cosine and sine of the angles,
-/// coordinate by coordinate.
+/// Acceleration v̇ = αN(s(q), v/ν), with two hidden tanh layers of equal width. In s(q), coordinate by coordinate,
+/// translations are unchanged and angles are replaced by cosine and sine.
 ///
-/// ModLaNet's authors use angles wrapped to \[0, 2π), and unscaled velocities and accelerations (α = ν = 1). Cosine and sine have no seam,
-/// and are the inputs of the modular family; α and ν make the network as good as it can be.
+/// ModLaNet's authors use angles wrapped to \[0, 2π), and unscaled velocities and accelerations (α = ν = 1). Cosine and
+/// sine have no seam, and are also the inputs of the modular family. The scales α and ν give the network the best
+/// possible conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mlp {
     coordinates: String,
@@ -32,8 +33,9 @@ pub struct Mlp {
 }
 
 impl Mlp {
-    /// Creates the narrowest network with at least the given number of weights, α = ν = 1; `coordinates` has one letter each, `a` for
-    /// angles, any other letter for translations; an error if it is wider than [`MAX_WIDTH`].
+    /// Creates the narrowest network with at least the given number of weights and α = ν = 1. `coordinates` has one
+    /// letter each: `a` for angles, any other letter for translations. An error if the network is wider than
+    /// [`MAX_WIDTH`].
     pub fn with_weights(coordinates: &str, weights: usize) -> Result<Self, ModelError> {
         let of_width = |width| Self::unscaled(coordinates, width);
         let compiled = of_width(MAX_WIDTH).parameters();
@@ -41,8 +43,8 @@ impl Mlp {
         enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
     }
 
-    /// Creates the network with `width` units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`]; an error if
-    /// it is wider than [`MAX_WIDTH`].
+    /// Creates the network with `width` units in each hidden layer and α = ν = 1; `coordinates` as in
+    /// [`Mlp::with_weights`]. An error if it is wider than [`MAX_WIDTH`].
     pub fn of_width(coordinates: &str, width: usize) -> Result<Self, ModelError> {
         let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
         if width <= MAX_WIDTH { Ok(Self::unscaled(coordinates, width)) } else { Err(error) }
@@ -172,7 +174,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
-    /// Two angles and a length between them; 21 samples, which no number of lanes divides.
+    /// Two angles and a length between them; 21 samples, which is not divisible by the number of lanes.
     const COORDINATES: &str = "ata";
     const SAMPLES: usize = 21;
 

@@ -33,15 +33,15 @@ use leastaction_models::accelerations::Accelerations;
 use leastaction_models::{Architecture, Family, Model, ModularArchitecture};
 use std::time::Instant;
 
-/// A shape whose weights are learned from accelerations: a baseline, or one of ours.
+/// A model whose weights are learned from accelerations: a baseline, or one of ours.
 pub trait AccelerationModel {
     /// Random weights.
     fn initial_weights(&self, seed: u64) -> Vec<f64>;
 
-    /// Mean squared error of v̇ over samples of (q, v, v̇), by which all models are measured.
+    /// Mean squared error of v̇ over samples of (q, v, v̇), the measure by which all models are compared.
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError>;
 
-    /// Objective of the training over the same samples: the measure, unless the model's authors use another.
+    /// Objective of the training over the same samples: the common measure, unless the model's authors use another one.
     fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         self.objective(samples)
     }
@@ -53,7 +53,7 @@ pub trait PredictionModel: AccelerationModel {
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError>;
 }
 
-/// A model whose accelerations can be asked for.
+/// A model whose accelerations can be evaluated.
 pub trait MotionModel: AccelerationModel {
     /// Returns v̇(q, v) for these weights, m/s², \[nodes\]\[D\], as a function.
     fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError>;
@@ -66,7 +66,7 @@ pub struct Follow<'a> {
     pub motion: &'a dyn ExactMotion,
     /// Error per step, relative to 1 + |x|.
     pub tolerance: f64,
-    /// Time at which to give up: predictions not followed to the end by then count as failed.
+    /// Time at which to give up: predictions that have not reached the end by then count as failed.
     pub deadline: Option<Instant>,
 }
 

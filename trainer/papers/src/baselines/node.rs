@@ -1,4 +1,5 @@
-//! NODE: a plain network from the state and the control to the acceleration, learned through the integration steps that it is used with.
+//! NODE: a plain network from the state and the control to the acceleration, learned through the same integration steps
+//! with which it is used.
 
 use super::direct::Direct;
 use super::features::seen;
@@ -15,17 +16,17 @@ use leastaction_programs::losses::Block;
 use leastaction_programs::steps::RungeKutta;
 use leastaction_programs::{Builder, Node};
 
-/// Acceleration v̇ = αN(s(q), v/ν, u/μ) with tanh layers; s(q) are the translations and the cosine and sine of the angles, coordinate by
-/// coordinate, and u is the control of the only coordinate that has one.
+/// Acceleration v̇ = αN(s(q), v/ν, u/μ) with tanh layers. In s(q), coordinate by coordinate, translations are unchanged
+/// and angles are replaced by cosine and sine; u is the control of the only actuated coordinate.
 ///
-/// SyMo's authors use unscaled velocities and controls (α = ν = μ = 1), and cyclic coordinates too.
+/// SyMo's authors use unscaled velocities and controls (α = ν = μ = 1), and cyclic coordinates as inputs, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NeuralOde {
     /// Kinds of the coordinates.
     coordinates: Vec<Coordinate>,
     /// Numbers of units in the hidden layers.
     widths: Vec<usize>,
-    /// Coordinate that the control acts on.
+    /// The actuated coordinate.
     actuated: usize,
     /// Acceleration scale α, m/s² or rad/s².
     acceleration: f64,
@@ -36,8 +37,8 @@ pub struct NeuralOde {
 }
 
 impl NeuralOde {
-    /// Creates the network with hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control; an error
-    /// if there is none.
+    /// Creates the network with hidden layers of these widths and α = ν = μ = 1; `actuated` is the actuated coordinate.
+    /// An error if it does not exist.
     pub fn new(coordinates: &[Coordinate], widths: &[usize], actuated: usize) -> Result<Self, ModelError> {
         if coordinates.len() <= actuated {
             let what = "coordinates";
@@ -90,8 +91,8 @@ impl NeuralOde {
         Ok(step.error(self.parameters(), logged, samples))
     }
 
-    /// Returns v̇(q, v, u) for these weights, m/s² or rad/s², as a function; u is a force on every coordinate, only one of which counts; an
-    /// empty u stands for no force.
+    /// Returns v̇(q, v, u) for these weights, m/s² or rad/s², as a function. u has a force for every coordinate, of
+    /// which only that of the actuated coordinate counts; an empty u stands for no force.
     pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Forced<'w>>, ModelError> {
         let write = |builder: &mut Builder, [q, v, u]: [Node; 3]| self.acceleration(builder, [q, v], u);
         Direct::new(self.n(), write).motion(self.n(), (weights, self.parameters()))

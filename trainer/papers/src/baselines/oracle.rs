@@ -1,5 +1,5 @@
-//! Reference for the baselines: networks in plain loops with exact derivatives (num-dual), and the normal equations of any residuals by
-//! differences.
+//! Reference for the baselines: networks in plain loops with exact derivatives (num-dual), and the normal equations of
+//! any residuals by difference quotients.
 
 use super::{AccelerationModel, GraphSizes};
 use leastaction_core::network::Dense;
@@ -37,7 +37,7 @@ pub fn errors(samples: &Samples, motion: impl Fn(&[f64], &[f64]) -> Vec<f64>) ->
     found.zip(a.flatten()).map(|(found, a)| found - a).collect()
 }
 
-/// Weights that do not move.
+/// Weights without derivatives.
 pub fn constant(weights: &[f64]) -> Vec<Dual> {
     weights.iter().map(|w| moving(*w, [0.0; 3])).collect()
 }
@@ -63,7 +63,8 @@ pub fn equation(lagrangian: impl Fn(&[Dual]) -> Dual, [q, v]: [&[f64]; 2]) -> (D
     (mass, DVector::from_fn(n, |i, _| force(i)))
 }
 
-/// Acceleration of nodes in the plane on rods from the origin or a node to a node, solved together with the multipliers.
+/// Acceleration of nodes in the plane, on rods from the origin or a node to another node, solved together with the
+/// multipliers.
 pub fn on_rods(
     (mass, force): (DMatrix<f64>, DVector<f64>),
     rods: &[(Option<u16>, u16)],
@@ -126,7 +127,7 @@ pub fn network<D: DualNum + Copy>(
     y
 }
 
-/// Takes a network with layers of these outputs from the front of the weights; the last layer is linear.
+/// Takes a network with layers of these numbers of outputs from the front of the weights; the last layer is linear.
 pub fn take<D: DualNum + Copy>(
     weights: &mut &[D],
     mut x: Vec<D>,
@@ -149,8 +150,8 @@ pub fn squareplus<D: DualNum<Primitive = f64> + Copy>(z: D) -> D {
     (z + (z * z + D::from(4.0)).sqrt()) * D::from(0.5)
 }
 
-/// Embeddings of the nodes of a graph network after the messages, by the printed equations, with every network found anew in the block; the
-/// remaining weights are those of the read-out.
+/// Embeddings of the nodes of a graph network after the messages, by the printed equations; every network is taken from
+/// the front of the weights. The remaining weights are those of the read-out.
 pub fn messages<D: DualNum<Primitive = f64> + Copy>(
     weights: &mut &[D],
     sizes: GraphSizes,
@@ -189,7 +190,7 @@ pub fn messages<D: DualNum<Primitive = f64> + Copy>(
     nodes.into_iter().map(|(node, _)| node).collect()
 }
 
-/// Checks the loss of accelerations, by their equations in plain loops, and its normal equations.
+/// Checks the acceleration loss and its normal equations against the equations of motion in plain loops.
 pub fn check_accelerations(
     model: &dyn AccelerationModel,
     (weights, samples): (&[f64], &Samples),
@@ -220,7 +221,7 @@ pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() < tolerance * (1.0 + expected.abs()), "{what}: {found} {expected}");
 }
 
-/// Checks that loss, gradient and normal equations are those of these residuals and their central differences.
+/// Checks that loss, gradient and normal equations agree with these residuals and their central differences.
 pub fn check_normal_equations(
     objective: &dyn Objective,
     (weights, tolerance): (&[f64], f64),
@@ -237,7 +238,7 @@ pub fn check_normal_equations(
     };
     let columns: Vec<_> = (0..weights.len()).map(column).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    // Entries are sums of terms that cancel: an error is measured against the size of the terms.
+    // Entries are sums of terms that cancel, so an error is measured relative to the size of the terms.
     let size = |a: &[f64], b: &[f64]| (dot(a, a) * dot(b, b)).sqrt();
     let close = |what: String, found: f64, [a, b]: [&[f64]; 2]| {
         let expected = dot(a, b);

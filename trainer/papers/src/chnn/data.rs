@@ -15,7 +15,7 @@ pub const LENGTHS: Range<f64> = 0.6..1.4;
 pub const STEP: f64 = 0.03;
 /// Number of states of a training trajectory.
 const CHUNK: usize = 5;
-/// Number of such trajectories in the motion of 3 s from each start, one of which is taken.
+/// Number of such trajectories into which the motion of 3 s from each start is cut; one of them is used.
 const CHUNKS: usize = 20;
 
 /// Returns a chain of `count` pendulums, g = 1; lengths are numbers of single precision, as in a model file.
@@ -58,13 +58,13 @@ fn start(truss: &Truss, stream: &mut Pcg64) -> Start {
     let [q, v] = state;
     let n = q.len();
     let mut state = [q, v].concat();
-    // The rods of a chain are far from contradicting each other here.
+    // Near these states, the rods of a chain do not contradict each other.
     let _on_rods: Option<()> = truss.project(&mut state);
     let v = state.split_off(n);
     Start { q: state, v }
 }
 
-/// Data of five consecutive states from the motion of each start, beginning at one of twenty places.
+/// Data of five consecutive states from the motion of each start, beginning at one of twenty times.
 ///
 /// # Errors
 /// An error if the motion cannot be followed.

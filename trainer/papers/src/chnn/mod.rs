@@ -108,7 +108,8 @@ pub fn run(count: usize, options: &Options, tell: &Tell) -> Result<Outcome, Task
     })
 }
 
-/// Largest relative error of a learned mass. Accelerations show masses up to a common factor, which the first mass of 1 fixes.
+/// Largest relative error of a learned mass. Accelerations determine masses only up to a common factor, which the known
+/// first mass fixes.
 fn mass_error(learned: &impl Particles<f64, 2>, truss: &Truss) -> f64 {
     let first = truss.masses.first().copied().unwrap_or(1.0);
     let error = |(node, mass): (usize, &f64)| {

@@ -1,4 +1,4 @@
-//! The models to be learned.
+//! The models that are learned.
 
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{Drag, GraphShape, Kinetic, NodeShape, Potential};
@@ -10,8 +10,9 @@ use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 /// Numbers of hidden units of every bob's potential, beside a uniform field.
 const POTENTIAL: [u16; 4] = [8, 0, 0, 0];
 
-/// Returns a chain with a separate type for each bob, with a mass, a uniform field and a network of the position: all learned but the first
-/// mass, which fixes the scale of L. The rods are known, as in the authors' models.
+/// Returns a chain with a separate type for each bob, with a mass, a uniform field and a network of the position. All
+/// of these are learned except the first mass, which fixes the scale of L. The rods are known, as in the authors'
+/// models.
 pub fn architecture(truss: &Truss) -> Result<GraphArchitecture, ModelError> {
     let count = truss.masses.len();
     let network =

@@ -6,8 +6,8 @@ use super::super::record::{Measure, Record, note};
 use super::super::task::{Task, json, with_seeds};
 use super::{Options, Outcome, run};
 
-/// Creates the tasks of chains with these numbers of pendulums, each with `seeds` seeds from that of the options on; `arguments` are the
-/// remaining options of the command line.
+/// Creates the tasks of chains with these numbers of pendulums, each with `seeds` seeds, starting with that of the
+/// options; `arguments` are the remaining options of the command line.
 pub fn tasks(counts: &[usize], options: &Options, seeds: usize, arguments: &str) -> Vec<Task> {
     with_seeds(counts.iter().copied(), (options.seed, seeds), |count, seed| {
         task(*count, Options { seed, ..*options }, arguments)

@@ -31,7 +31,7 @@ const QUICK_MINUTES: f64 = 0.1;
 const LONGEST: f64 = 1e9;
 
 impl Compared {
-    /// Whether these models are trained; by default, if the tables are to be complete.
+    /// Whether these models are trained; by default they are if the tables are to be complete.
     pub fn are_wanted(&self, is_complete: bool) -> bool {
         self.baselines || is_complete && !self.ours_alone
     }

@@ -46,7 +46,7 @@ pub struct Selection {
 const MOST_JOBS: i64 = 1024;
 
 impl Selection {
-    /// The only one of these options that changes results, as on the command line.
+    /// The only one of these options that changes results, as it stands on the command line.
     pub fn arguments(&self) -> String {
         if self.quick { " --quick".to_owned() } else { String::new() }
     }
@@ -85,7 +85,7 @@ impl Selection {
     }
 }
 
-/// Writes the page of all stored results that belong together, not only of the tasks chosen now.
+/// Writes the page of all stored results that belong together, including those of tasks that were not chosen now.
 fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Task], output: Output) -> Done {
     let (page, others) = results.page(tasks).map_err(unusable)?;
     for file in paper.write(path, results, &page).map_err(unwritten)? {
@@ -103,7 +103,7 @@ pub fn given(name: &str, value: Option<impl Display>) -> String {
     value.map_or(String::new(), |value| format!(" --{name} {value}"))
 }
 
-/// The only case that is wanted, or all.
+/// The selected case, or all cases.
 pub fn cases<C: ValueEnum>(only: Option<C>) -> Vec<C> {
     only.map_or_else(|| C::value_variants().to_vec(), |only| vec![only])
 }
@@ -119,7 +119,7 @@ pub fn open(path: &Path, paper: &Paper) -> Result<Results, Failure> {
     Results::open(path, paper.name).map_err(unusable)
 }
 
-/// Prints the tables, or all numbers as one object: that of the only row, or the rows and their summaries.
+/// Prints the tables, or all numbers as one JSON object: that of the only row, or the rows and their summaries.
 pub fn report(finished: &[Finished], output: Output) -> Done {
     if !output.json {
         return print(&table::text(finished));

@@ -10,23 +10,24 @@ use leastaction_learning::evaluate::median;
 use leastaction_learning::training::{ChunkRows, Failed, Levenberg, Residuals};
 use std::ops::Range;
 
-/// Number of steps of the windows that offsets are fitted to: 0.5 s.
+/// Number of steps of the windows to which offsets are fitted: 0.5 s.
 const STEPS: usize = 50;
-/// Maximum number of Gauss–Newton iterations, before and after the scale of the residuals is known.
+/// Maximum numbers of Gauss–Newton iterations, before and after the scale of the residuals is known.
 const ITERATIONS: [usize; 2] = [8, 12];
 /// Expected size of an offset, rad.
 const OFFSET: f64 = 0.05;
-/// Expected difference of a start from that of the quadratic: position, rad, and velocity, rad/s.
+/// Expected difference between a start state and that of the quadratic: position, rad, and velocity, rad/s.
 const START: [f64; 2] = [0.05, 1.0];
-/// Smallest scale of the residuals, rad; anything below is the encoder's resolution.
+/// Smallest scale of the residuals, rad; smaller ones are below the encoder's resolution.
 const FINEST: f64 = 2e-4;
-/// Change of a start for a derivative, in units of [`START`].
+/// Change of a start state for a difference quotient, in units of [`START`].
 const MOVE: f64 = 1e-5;
 
 /// Returns the offsets z, rad, of a log's encoders, q̃ = q + z, from its first 2 s alone.
 ///
-/// z and the start states of all windows of 0.5 s in this time minimise the pseudo-Huber sum of q̂ + z − q̃ under a weak prior on each: a
-/// start state is physical, and z only adds to the prediction from it. Without motion, z is 0.
+/// z and the start states of all windows of 0.5 s in this time minimise the pseudo-Huber sum of q̂ + z − q̃ under a
+/// weak prior on each. A start state is a true position, so z is simply added to the prediction from it. Without
+/// motion, z is 0.
 pub fn zero_offsets(machine: Machine, predictor: &dyn Predictor, log: &Log) -> Vec<f64> {
     let mut windows = windows(machine, log, STEPS);
     let last =
@@ -50,14 +51,14 @@ pub fn zero_offsets(machine: Machine, predictor: &dyn Predictor, log: &Log) -> V
     unknown[..n].iter().map(|z| OFFSET * z).collect()
 }
 
-/// Unknowns as the weights of an objective: the offsets, in units of [`OFFSET`], and then for every window the difference of its start from
-/// that of the quadratic, in units of [`START`].
+/// Unknowns as the weights of an objective: the offsets, in units of [`OFFSET`], and then for every window the
+/// difference between its start state and that of the quadratic, in units of [`START`].
 struct Offsets<'p> {
     predictor: &'p dyn Predictor,
     log: &'p Log,
     torques: Rows,
     predictions: Vec<Prediction>,
-    /// Scale of the residuals, rad: beyond it they count linearly.
+    /// Scale of the residuals, rad: larger residuals count linearly.
     scale: f64,
 }
 
@@ -72,7 +73,7 @@ impl Offsets<'_> {
         self.log.joints() + window * self.of_start()
     }
 
-    /// Run of a window, with one of its unknowns changed if one is named.
+    /// Run of a window, with one of its unknowns changed if `moved` names one.
     fn run(&self, unknown: &[f64], window: usize, moved: Option<usize>) -> Run<'_> {
         let (n, of) = (self.log.joints(), &self.predictions[window]);
         let own = &unknown[self.start_of(window)..][..2 * n];
@@ -93,7 +94,7 @@ impl Offsets<'_> {
         path.iter().zip(logged).enumerate().map(|(i, (q, logged))| q + offset(i) - logged).collect()
     }
 
-    /// Robust deviation of the residuals, rad: 1.4826 times their median magnitude.
+    /// Robust standard deviation of the residuals, rad: 1.4826 times their median magnitude.
     fn residual_scale(&self, unknown: &[f64]) -> f64 {
         let windows = 0..self.predictions.len();
         let runs: Vec<Run> = windows.clone().map(|window| self.run(unknown, window, None)).collect();
@@ -103,7 +104,7 @@ impl Offsets<'_> {
         if scale.is_finite() { scale.max(FINEST) } else { f64::INFINITY }
     }
 
-    /// Square root of twice the pseudo-Huber function s²(√(1 + (r/s)²) − 1), with the sign of r, and its slope.
+    /// Square root of twice the pseudo-Huber function s²(√(1 + (r/s)²) − 1), with the sign of r, and its derivative.
     fn robust(&self, r: f64) -> [f64; 2] {
         let bent = (1.0 + (r / self.scale).powi(2)).sqrt();
         // √(2/(b + 1)) = √(2(b − 1)) s/|r|, which is 1 at 0.

@@ -29,7 +29,8 @@ pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
 pub(super) struct Chain {
     /// Dry friction.
     pub dry: bool,
-    /// Commanded torque, if it is logged, with learned gain and delay; otherwise the measured torque.
+    /// Whether the commanded torque is used, with learned gain and delay, if it is logged; otherwise the measured
+    /// torque.
     pub commanded: bool,
     /// Dry friction that grows with the load.
     pub load: bool,
@@ -98,7 +99,7 @@ fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskE
 /// Maximum number of iterations for a first look.
 const QUICK: u64 = 10;
 
-/// Whether a configuration reads the commanded torque rather than the measured one.
+/// Whether a configuration reads the commanded torque instead of the measured one.
 fn is_commanded(config: &Config, training: &Training) -> Result<bool, TaskError> {
     let read = config.data.reading().columns.map_or(Vec::new(), |columns| columns.u);
     let known = training.machine.columns().u;
@@ -129,7 +130,7 @@ impl Monitor for Told<'_> {
     }
 }
 
-/// Learned energies and forces under the torques of drives with a learned gain, offset and delay.
+/// Learned energies and forces under the torques of drives with learned gain, offset and delay.
 struct Driven {
     learned: Learned,
     calibrated: Calibrated,

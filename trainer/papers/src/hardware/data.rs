@@ -26,8 +26,8 @@ pub struct MachineData {
 const BASELINE: &str = "model_parameters.yml";
 
 impl MachineData {
-    /// Reads `data`/machine; for the double pendulum also the baseline, from its own file or from `model_parameters.yml` beside the logs,
-    /// if there is one.
+    /// Reads `data`/machine. For the double pendulum it also reads the baseline, from the given file or else from
+    /// `model_parameters.yml` beside the logs, if there is one.
     ///
     /// # Errors
     /// [`HardwareError`].

@@ -25,7 +25,7 @@ pub struct Training<'t> {
 }
 
 impl<'t> Training<'t> {
-    /// Logs to learn from and logs to judge by: if there are several, the last one is held back.
+    /// Logs to learn from, and logs that judge the result: if there are several logs, the last one is held back.
     pub fn split(&self) -> [&[&'t Log]; 2] {
         match self.logs.split_last() {
             Some((_, rest)) if !rest.is_empty() => {
@@ -41,7 +41,7 @@ impl<'t> Training<'t> {
 pub struct Fitted {
     /// Predictor of the tested logs.
     pub predictor: Box<dyn Predictor>,
-    /// Count of the learned numbers.
+    /// Number of learned parameters.
     pub parameters: usize,
     /// Learning time, s.
     pub seconds: f64,
@@ -59,7 +59,8 @@ impl Fitted {
 pub struct Entry {
     /// Name in the table and, in small letters, in the names of tasks.
     pub model: &'static str,
-    /// Whether it is the model of `leastaction train` with the configuration that `leastaction look` writes for the logs.
+    /// Whether it is the model that `leastaction train` learns with the configuration that `leastaction look` writes
+    /// for the logs.
     pub is_default: bool,
     /// Whether it is our model.
     pub is_ours: bool,
@@ -97,13 +98,13 @@ const NETWORK: Entry = Entry {
     fit: |_| Err("no model".into()),
 };
 
-/// Our models by simple physics.
+/// Defaults for our models, which use simple physics.
 const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 10.0, ..NETWORK };
 
-/// A model that is known beforehand.
+/// Defaults for a model that is known beforehand.
 const KNOWN: Entry = Entry { is_seeded: false, expected_seconds: 0.5, ..NETWORK };
 
-/// Parameters identified elsewhere; in the table only if they are known.
+/// Parameters identified elsewhere; the row is in the table only if they are known.
 const IDENTIFIED: Entry = Entry {
     model: "baseline: identified parameters",
     fit: |training| {

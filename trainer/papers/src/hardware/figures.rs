@@ -39,7 +39,7 @@ fn draw(file: &Path, title: &str, rows: &[&Record]) -> Result<(), PlotError> {
     };
     let models = distinct(rows.iter().map(|record| record.model.as_str()));
     let mut series: Vec<Series> = models.into_iter().map(series).collect();
-    // Sorted so that models of one colour have different strokes.
+    // Series are sorted so that models with the same colour have different strokes.
     series.sort_by_key(|series| series.stroke == Stroke::Dotted);
     log_log(file, title, ("time ahead (s)", "error (rad)"), &series, &[])
 }

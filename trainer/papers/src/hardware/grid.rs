@@ -1,4 +1,4 @@
-//! Uneven samples on a grid of 10 ms.
+//! Resampling of uneven samples onto a grid of 10 ms.
 
 use super::error::HardwareError;
 use leastaction_learning::data::{Measured, Rows};
@@ -21,7 +21,7 @@ impl<'m> Grid<'m> {
     pub fn new(file: &Path, measured: &'m Measured) -> Result<Self, HardwareError> {
         let t = &measured.t[..];
         let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
-        // Rounding must not lose the last sample.
+        // The tolerance keeps the last sample in spite of rounding.
         let steps = span / STEP + 1e-6;
         if steps > (SPARSEST * t.len()) as f64 {
             return Err(HardwareError::Sparse { file: file.to_owned(), span, samples: t.len() });
@@ -35,7 +35,8 @@ impl<'m> Grid<'m> {
         self.measured.straight(field, &times)
     }
 
-    /// Mean over every step of the grid of the linear interpolation between samples; after the last sample, its value is kept.
+    /// Mean over every step of the grid of the linear interpolation between samples; the value of the last sample is
+    /// kept after it.
     pub fn averaged(&self, field: &Rows) -> Rows {
         let mut place = Place::new(&self.measured.t, field);
         let steps = (0..self.samples).map(|k| [self.at(k), self.at(k + 1)]);
@@ -115,7 +116,7 @@ mod tests {
             assert!((q[k][0] - (3.0 * from - 1.0)).abs() < 1e-12);
             assert!((u[k][0] - (1.5 * (from + to) - 1.0)).abs() < 1e-12);
             let mean = (to.powi(3) - from.powi(3)) / 3.0 / (to - from);
-            // The chord of t² over an interval d is at most d²/4 above it.
+            // The chord of t² over an interval d lies at most d²/4 above the curve.
             assert!((u[k][1] - mean).abs() < 6e-6, "{k}");
         }
     }

@@ -14,7 +14,7 @@ use std::path::Path;
 /// Source: Wiebe et al., "Open Source Dual-Purpose Acrobot and Pendubot Platform", IEEE Robotics & Automation Magazine 2023.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identified {
-    /// M₁₁ and its share of cos q₂, M₁₂, M₂₂, kg m².
+    /// M₁₁ and its part proportional to cos q₂, M₁₂, M₂₂, kg m².
     inertia: [f64; 4],
     /// Coefficients of sin q₁ and sin(q₁ + q₂), N m.
     gravity: [f64; 2],
@@ -28,8 +28,8 @@ pub struct Identified {
 const STEEPNESS: f64 = 100.0;
 
 impl Identified {
-    /// Reads a file of lines `name: number` with I1, I2 about the joints and Ir of the rotors (kg m²), m1, m2 (kg), l1, r1, r2 (m), g
-    /// (m/s²), the gear ratio gr, b1, b2 (N m s/rad), cf1, cf2 (N m).
+    /// Reads a file of lines `name: number`: I1, I2 about the joints and Ir of the rotors (kg m²), m1, m2 (kg), l1, r1,
+    /// r2 (m), g (m/s²), the gear ratio gr, b1, b2 (N m s/rad), cf1, cf2 (N m).
     ///
     /// # Errors
     /// [`HardwareError::Io`], [`HardwareError::Line`], [`HardwareError::Parameters`].
@@ -57,7 +57,8 @@ impl Identified {
         [m11 + 2.0 * coupling * cosine, m12 + coupling * cosine, m22]
     }
 
-    /// Whether M is positive definite everywhere: its determinant is concave as a function of the cosine.
+    /// Whether M is positive definite everywhere. Its determinant is concave as a function of the cosine, so both ends
+    /// suffice.
     fn is_definite(&self) -> bool {
         [-1.0, 1.0].into_iter().all(|cosine| {
             let [m11, m12, m22] = self.mass(cosine);

@@ -26,7 +26,7 @@ impl Log {
     pub fn read(file: &Path, machine: Machine) -> Result<Self, HardwareError> {
         let samples = read_measured(file, &machine.columns())?;
         let grid = Grid::new(file, &samples)?;
-        // Every requested column is there.
+        // Every requested column is present in the file.
         let none = || samples.q.slice(0..0);
         let (v, u) = (samples.v.clone().unwrap_or_else(none), samples.u.clone().unwrap_or_else(none));
         let (n, torques) = (machine.joints(), grid.averaged(&u));

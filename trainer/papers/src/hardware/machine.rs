@@ -37,7 +37,7 @@ impl Machine {
         }
     }
 
-    /// Whether its drives log the commanded torque beside the measured one.
+    /// Whether its drives log the commanded torque in addition to the measured one.
     pub const fn logs_commands(self) -> bool {
         matches!(self, Self::DoublePendulum)
     }
@@ -66,8 +66,8 @@ impl Machine {
         Columns { t: Column::si("time"), q, v, u, actuation: None }
     }
 
-    /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls either way, whatever
-    /// the model: windows that pass it are left out. All windows of the double pendulum count.
+    /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls
+    /// either way, whatever the model, so windows that pass it are left out. All windows of the double pendulum count.
     pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
         match self {
             Self::DoublePendulum | Self::Panda => true,

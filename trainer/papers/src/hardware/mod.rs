@@ -1,10 +1,11 @@
 //! Real machines: logs recorded on robots, models that learn from some of them, and their errors on the others.
 //!
-//! **Window error.** The grid of a log is t₀ + 10k ms; positions are interpolated linearly, torques averaged over each step, logs counted
-//! from 0 in order of name. A window starts at grid sample s = 0, 25, 50, … while s + 104 samples exist, and counts if max |v| over it is
-//! at least 0.2 rad/s. The start state, at sample s + 3, is that of a quadratic through the positions s … s + 6. The motion is predicted
-//! under the logged torque; the error to a horizon is the root mean square over all joints and all samples from s + 3 to s + 3 + 10, 50 or
-//! 100. A row has the median over windows that start at 2 s or later, and the 90th percentile.
+//! **Window error.** The grid of a log is t₀ + 10k ms; positions are interpolated linearly, torques averaged over each
+//! step. Logs are counted from 0 in order of name. A window starts at grid sample s = 0, 25, 50, … while s + 104
+//! samples exist, and counts if max |v| over it is at least 0.2 rad/s. The start state, at sample s + 3, is that of a
+//! quadratic through the positions s … s + 6. The motion is predicted under the logged torque. The error to a horizon
+//! is the root mean square over all joints and all samples from s + 3 to s + 3 + 10, 50 or 100. A row has the median
+//! over windows that start at 2 s or later, and the 90th percentile.
 //!
 //! Without calibration ("as is"), only the start states of a tested log are used. With calibration, the zero offsets of its
 //! encoders are estimated from its first 2 s.
@@ -50,8 +51,8 @@ use entries::entries;
 use super::task::Task;
 use task::Experiment;
 
-/// Creates the tasks of all models on a machine's logs with these splits; those that depend on a seed are repeated with every one of
-/// `seeds`. `arguments` are the command-line options other than machine, tested logs and seed.
+/// Creates the tasks of all models on a machine's logs with these splits; tasks that depend on a seed are repeated for
+/// each of `seeds`. `arguments` are the command-line options other than machine, tested logs and seed.
 pub fn tasks(
     data: &MachineData,
     splits: &[Split],

@@ -1,4 +1,4 @@
-//! Files of lines `name: number`, the part of YAML in which identified parameters are published.
+//! Files of lines `name: number`, the subset of YAML in which identified parameters are published.
 
 use super::error::HardwareError;
 use std::path::{Path, PathBuf};

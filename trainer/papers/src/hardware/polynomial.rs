@@ -13,7 +13,8 @@ pub(super) struct Polynomial {
 }
 
 impl Polynomial {
-    /// Creates the polynomial of this degree, at least 2, through 2 · `half` + 1 samples, which must be more than the degree.
+    /// Creates the polynomial of this degree, at least 2, through 2 · `half` + 1 samples; their number must exceed the
+    /// degree.
     pub fn new(half: usize, degree: usize) -> Self {
         let count = 2 * half + 1;
         // Powers of −1 … 1 are better conditioned than those of seconds.
@@ -70,7 +71,7 @@ mod tests {
     fn a_quadratic_smooths_noise_evenly() {
         let quadratic = Polynomial::new(3, 2);
         let spike = Rows::from_rows(1, (0..7).map(|k| [f64::from(u8::from(k == 3))])).unwrap();
-        // Weight of the middle of seven samples, (3m² + 3m − 1)/((2m − 1)(2m + 1)(2m + 3)) · 3 for m = 3.
+        // The weight of the middle of seven samples is (3m² + 3m − 1)/((2m − 1)(2m + 1)(2m + 3)) · 3 for m = 3.
         assert!((quadratic.at(&spike, 0)[0][0] - 7.0 / 21.0).abs() < 1e-12);
     }
 }

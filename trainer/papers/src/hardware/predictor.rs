@@ -5,19 +5,19 @@ use leastaction_learning::data::Rows;
 use leastaction_programs::dynamics::Accelerations;
 use leastaction_programs::{Row, System};
 
-/// Writes accelerations, rad/s², n rows, of many samples side by side from their positions (rad), velocities (rad/s) and torques (N m), n
-/// rows each; NaN if there is none. The function keeps its workspace.
+/// Writes accelerations, rad/s², n rows, of many samples side by side, from their positions (rad), velocities (rad/s)
+/// and torques (N m), n rows each. A missing acceleration is NaN. The function keeps its workspace between calls.
 pub type Predict<'p> = dyn FnMut([&[Row]; 3], &mut [Row]) + 'p;
 
 /// A model of a machine in physical coordinates.
 pub trait Predictor: Sync {
-    /// Torque that acts in every step of a log, \[samples\]\[n\] (N m): a model that has learned a drive's gain and delay applies them
-    /// here. By default the measured torque.
+    /// Torque that acts in every step of a log, \[samples\]\[n\] (N m). A model that has learned a drive's gain and
+    /// delay applies them here. The default is the measured torque.
     fn torques(&self, log: &Log) -> Rows {
         log.measured.clone()
     }
 
-    /// Returns the model's accelerations, with a workspace of their own.
+    /// Returns the model's accelerations, with their own workspace.
     fn motion(&self) -> Box<Predict<'_>>;
 }
 

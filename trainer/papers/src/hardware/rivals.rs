@@ -15,7 +15,7 @@ use std::time::Instant;
 
 /// Number of units of both hidden layers.
 const WIDTH: u16 = 16;
-/// Maximum number of Levenberg–Marquardt iterations: usually, and for a first look.
+/// Maximum numbers of Levenberg–Marquardt iterations: for a full run, and for a first look.
 const ITERATIONS: [usize; 2] = [60, 10];
 /// Initial viscous friction b, N m s/rad.
 const VISCOUS: f64 = 0.01;
@@ -25,9 +25,10 @@ const FRICTION: [(f64, bool); 4] = [(0.1, true), (0.0, false), (0.1, false), (0.
 /// Method of the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rival {
-    /// Loss of the state after a Runge–Kutta step of order 4 from logged states: Zhong, Dey and Chakraborty 2020, Lutter and Peters 2021.
+    /// Loss of the state after a Runge–Kutta step of order 4 from logged states (Zhong, Dey and Chakraborty 2020;
+    /// Lutter and Peters 2021).
     LNode,
-    /// Loss of the torque that a smoothed motion needs, by inverse dynamics: Lutter, Ritter and Peters 2019.
+    /// Loss of the torque that a smoothed motion needs by inverse dynamics (Lutter, Ritter and Peters 2019).
     Delan,
 }
 
@@ -71,7 +72,8 @@ fn network(training: &Training, has_friction: bool) -> Architecture {
     let n = training.machine.joints();
     let mut inertia_network = InertiaNetworkArchitecture::new(&vec![Coordinate::Angle; n], WIDTH);
     if n > 1 {
-        // The constant 10⁻⁴ kg m² prevents division by nearly zero in the first iterations, whose inertia is far from that of the machine.
+        // The constant 10⁻⁴ kg m² prevents division by nearly zero in the first iterations, in which the inertia is far
+        // from that of the machine.
         inertia_network.inertia = Inertia::Cholesky { epsilon: 1e-4 };
     }
     let mut network = Architecture::from(inertia_network);

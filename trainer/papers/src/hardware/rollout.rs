@@ -1,12 +1,13 @@
-//! Predictions of many runs side by side, each under the torques of its own steps.
+//! Predictions of many runs side by side, each under its own torques.
 
 use super::grid::STEP;
 use super::predictor::Predict;
 use leastaction_programs::{Row, WIDTH};
 use std::array::from_fn;
 
-/// Number of Runge–Kutta steps per step of the grid. Friction is stiff where velocities change sign: with a slope of up to 16 N m s/rad on
-/// 0.03 kg m², the method needs steps of 2 ms to be stable and exact to four digits.
+/// Number of Runge–Kutta steps per step of the grid. Friction is stiff where velocities change sign: with a slope of up
+/// to 16 N m s/rad and an inertia of 0.03 kg m², the method needs steps of 2 ms to be stable and accurate to four
+/// digits.
 const SUBSTEPS: usize = 5;
 
 /// A run to predict.
@@ -18,8 +19,8 @@ pub struct Run<'t> {
     pub torques: &'t [f64],
 }
 
-/// Predicts the positions (rad) of every run from its start on, \[steps + 1\]\[n\], flat, after every step of the grid, by the classical
-/// Runge–Kutta method of order 4. All runs must have as many steps as the first.
+/// Predicts the positions (rad) of every run from its start, \[steps + 1\]\[n\], flat, after every step of the grid, by
+/// the classical Runge–Kutta method of order 4. All runs must have the same number of steps.
 pub fn roll_out(motion: &mut Predict, runs: &[Run]) -> Vec<Vec<f64>> {
     runs.chunks(WIDTH).flat_map(|runs| block(motion, runs)).collect()
 }

@@ -28,8 +28,8 @@ impl Split {
         }
     }
 
-    /// Default splits of a machine: for the double pendulum the last 3 of 10 logs, and as many of the odd ones; for the pendulum each log
-    /// in turn.
+    /// Default splits of a machine. For the double pendulum, one tests the last 3 of 10 logs and the other the same
+    /// number of odd logs; for the pendulum, each log is tested in turn.
     pub fn usual(machine: Machine, logs: usize) -> Vec<Self> {
         if machine == Machine::Pendulum {
             let name = "every log in turn".to_owned();
@@ -37,7 +37,7 @@ impl Split {
         }
         let count = (3 * logs / 10).max(1);
         let (late, mixed) = ((logs - count..logs).collect(), (0..count).map(|k| 2 * k + 1).collect());
-        // With two or three logs both splits may be equal.
+        // For two or three logs the two splits may be equal.
         let mut splits: Vec<Self> =
             [late, mixed].into_iter().filter_map(|test| Self::of(test, logs).ok()).collect();
         splits.dedup();

@@ -21,7 +21,8 @@ pub struct Outcome {
     pub machine: &'static str,
     /// Name of the model.
     pub model: &'static str,
-    /// Whether it is the model of `leastaction train` with the configuration that `leastaction look` writes for the logs.
+    /// Whether it is the model that `leastaction train` learns with the configuration that `leastaction look` writes
+    /// for the logs.
     pub default: bool,
     /// Tested logs, counted from 0 in order of name.
     pub test: Vec<usize>,
@@ -43,7 +44,7 @@ pub struct Outcome {
     pub windows: usize,
     /// Offsets of every tested log that was calibrated, rad.
     pub zero_offsets: Vec<Vec<f64>>,
-    /// Count of the learned numbers.
+    /// Number of learned parameters.
     pub parameters: usize,
     /// Total training time, s.
     pub train_seconds: f64,
@@ -62,7 +63,7 @@ pub(super) struct Experiment {
     pub arguments: String,
 }
 
-/// Errors of the windows as is and calibrated.
+/// Errors of the windows, as is and calibrated.
 #[derive(Default)]
 struct Errors {
     windows: [Vec<[f64; 3]>; 2],

@@ -1,4 +1,4 @@
-//! The error of predictions over windows of a second, by which every row is judged.
+//! The error of predictions over windows of one second, by which every row is judged.
 
 use super::log::Log;
 use super::machine::Machine;
@@ -11,13 +11,13 @@ use leastaction_learning::evaluate::{median, percentile};
 /// Numbers of steps of the predictions: 0.1, 0.5 and 1 s.
 pub const HORIZONS: [usize; 3] = [10, 50, 100];
 
-/// Number of samples from the start of a window to that of the next.
+/// Number of samples from the start of a window to the start of the next.
 const STRIDE: usize = 25;
 /// Number of samples on each side of the start of a prediction that determine its state.
 const HALF: usize = 3;
 /// Speed that some joint must reach in a window for it to count, rad/s.
 const MOVING: f64 = 0.2;
-/// Number of samples that calibration may use: 2 s. Windows that start later are reported.
+/// Number of samples that calibration may use: 2 s. Only windows that start later are reported.
 pub const CALIBRATED: usize = 200;
 
 /// Windows of a log with predictions of `steps` steps, by the sample at which each starts.
@@ -52,8 +52,9 @@ pub(super) fn predictions(log: &Log, windows: &[usize], offsets: &[f64]) -> Vec<
     windows.iter().map(of).collect()
 }
 
-/// Error to each horizon, rad, for the windows of a log that start at these samples: the root mean square over all joints and all samples
-/// from the start of the prediction on. `offsets` are the zeros z of the encoders, q̃ = q + z. Infinite if a prediction breaks off.
+/// Error to each horizon, rad, for the windows of a log that start at these samples: the root mean square over all
+/// joints and all samples from the start of the prediction on. `offsets` are the zero offsets z of the encoders,
+/// q̃ = q + z. The error is infinite if a prediction breaks off.
 pub(super) fn window_errors(
     predictor: &dyn Predictor,
     log: &Log,
@@ -139,12 +140,12 @@ mod tests {
         assert!(of(103, 0).is_empty());
         assert_eq!(of(104, 0), [0]);
         assert_eq!(of(154, 0), [0, 25, 50]);
-        // A window uses sample s + 103, but not the next.
+        // A window uses sample s + 103, but no later sample.
         assert_eq!((of(154, 103), of(154, 104), of(154, 129)), (vec![0, 25, 50], vec![25, 50], vec![50]));
     }
 
-    /// A constant velocity on a constant acceleration has the error ½a(kh)² after k steps; half of the joints have it, and Σ k⁴ has a
-    /// closed form.
+    /// The prediction by a constant velocity of a motion with constant acceleration has the error ½a(kh)² after k
+    /// steps. Half of the joints have this error, and Σ k⁴ is known in closed form.
     #[test]
     fn the_error_is_the_root_mean_square_over_joints_and_samples() {
         let errors = window_errors(&ConstantVelocity, &log(3.0, 160, 0), &[0, 50], &[0.0; 2]);

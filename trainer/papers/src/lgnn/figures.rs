@@ -1,4 +1,4 @@
-//! Pictures of the table, and of the learned terms; the numbers of the latter also as comma-separated values.
+//! Pictures of the table, and of the learned terms; the learned terms are also written as comma-separated values.
 
 use super::super::numbered;
 use super::{Compared, Insight, Outcome};
@@ -40,7 +40,8 @@ fn draw_errors(folder: &Path, name: &str, row: &Outcome) -> Result<Option<String
     Ok(Some(name.to_owned()))
 }
 
-/// Draws a picture and writes a table of learned curves beside the exact ones, one panel each; does nothing without curves.
+/// Draws a picture and writes a table that compare learned curves with the exact ones, one panel each; does nothing
+/// without curves.
 fn learned(
     folder: &Path,
     name: &str,

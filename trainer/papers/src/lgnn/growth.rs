@@ -1,4 +1,4 @@
-//! Growth of time and error with the number of springs.
+//! Growth of computing time and error with the number of springs.
 
 use super::{Case, Outcome};
 use serde::Serialize;

@@ -1,7 +1,8 @@
-//! LGNN's experiments (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs, learned from accelerations, run on other numbers
-//! of them and on hybrids of both.
+//! LGNN's experiments (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs, learned from accelerations
+//! and run on other sizes and on hybrids of both.
 //!
-//! Data and truth are exact motion; the authors' data carries the error of their integrator, which limits their training loss.
+//! Data and truth are exact motion; the authors' data contains the error of their integrator, which limits their
+//! training loss.
 
 mod baselines;
 mod figures;
@@ -65,7 +66,7 @@ pub struct Options {
     pub iterations: usize,
     /// Number of starts of rollouts; fewer are taken for large systems.
     pub starts: usize,
-    /// Whether the networks stand without a simple law beside them.
+    /// Whether the networks are learned without simple laws beside them.
     pub networks_alone: bool,
 }
 
@@ -253,7 +254,8 @@ impl Experiment<'_> {
     }
 }
 
-/// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, without those below 1% of the fastest.
+/// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, except those below 1% of the
+/// fastest.
 fn drag_error(model: &LearnedGraph, drag: f64, samples: &Samples) -> Result<f64, TaskError> {
     let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
     let graph = Graph::new(types, &[0], &[])?;

@@ -38,7 +38,7 @@ pub struct Outcome {
     pub seed: u64,
     /// Number of epochs of Adam; `None` for Levenberg–Marquardt.
     pub epochs: Option<u64>,
-    /// End of the training in words; null if it was complete.
+    /// Reason, in words, why training ended early; null if it was complete.
     #[serde(rename = "stopped", serialize_with = "in_words")]
     pub ending: Ending,
     /// Length of a rollout, s.

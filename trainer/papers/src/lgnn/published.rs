@@ -6,8 +6,9 @@ use leastaction_ground_truth::LgnnSystem::{self, Hybrid, Pendulum, Spring};
 /// Geometric means of rollout error and energy violation.
 pub type Published = published::Published<2>;
 
-/// Results for a model, a system, and whether it has drag or, a hybrid, is pulled by 10 N. `ours` stands for the authors' own network,
-/// trained on 3 pendulums or 5 springs (with drag if the system has it), for the hybrid the union of both. LGN diverged when we ran it.
+/// Results for a model, a system, and whether the system has drag or (if it is a hybrid) is pulled by 10 N. `ours`
+/// stands for the authors' own network, trained on 3 pendulums or 5 springs (with drag if the system has drag); for the
+/// hybrid it is the union of both. LGN diverged when we ran it.
 const TABLE: [Row<(&str, LgnnSystem, bool), 2>; 24] = [
     (("ours", Pendulum(3), false), Some(694), [2.6e-4, 2.9e-6]),
     (("ours", Pendulum(4), false), Some(694), [1.4e-3, 2.3e-5]),
@@ -35,7 +36,7 @@ const TABLE: [Row<(&str, LgnnSystem, bool), 2>; 24] = [
     (("LNN", Pendulum(3), false), None, [2.9e-2, 1.7e-4]),
 ];
 
-/// Returns the results for a model on a system, and whether it has drag or is pulled.
+/// Returns the results for a model on a system; `is_forced` says whether the system has drag or is pulled.
 pub(super) fn published(model: &str, system: LgnnSystem, is_forced: bool) -> Published {
     Published::find(&TABLE, &(model, system, is_forced))
 }

@@ -5,7 +5,7 @@ use leastaction_ground_truth::{LgnnSystem, lgnn_graph};
 use leastaction_learning::training::{Levenberg, LossKind, Samples, objective};
 use leastaction_models::GraphArchitecture;
 
-/// Inverse of the fraction of the samples that are held back to judge.
+/// Inverse of the fraction of the samples that are held back for validation.
 pub(super) const JUDGES: usize = 4;
 /// Mean squared error, relative to the mean square, that counts as rounding.
 const ROUNDING: f64 = 1e-26;
@@ -27,9 +27,9 @@ impl LearnedGraph {
     }
 }
 
-/// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples: first the simple laws alone, then with the networks
-/// beside them; keeps the weights that are best on the fourth quarter. `watch` is called with the iteration and the loss. Also returns the
-/// mean squared errors on both parts.
+/// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples: first the simple laws alone, then
+/// with the networks beside them. Keeps the weights that are best on the fourth quarter. `watch` is called with the
+/// iteration and the loss. Also returns the mean squared errors on both parts.
 pub fn train(
     architecture: GraphArchitecture,
     samples: &Samples,
@@ -49,7 +49,7 @@ pub fn train(
         weights = Levenberg::new(&*objective, weights).best(&*objective, &*judge, iterations, |_, _| ());
         best.push(architecture.with_corrections_scaled(weights.clone(), 0.0));
     }
-    // If the laws explain everything, networks could only learn rounding.
+    // If the laws explain everything, networks could only learn rounding errors.
     let rounding = ROUNDING * samples.mean_square();
     if best.first().is_none_or(|laws| judge.loss(laws) > rounding) {
         let start = Levenberg::new(&*objective, weights);

@@ -1,4 +1,4 @@
-//! Time of a step as a system grows.
+//! Time of a step as a function of the size of a system.
 
 use super::{LearnedGraph, LgnnSettings, LgnnSystem};
 use crate::task::TaskError;
@@ -16,12 +16,12 @@ use std::time::Instant;
 pub const LINEAR_SIZES: [usize; 4] = [5, 50, 500, 5_000];
 /// Step size of springs in the authors' program, s.
 const STEP: f64 = 1e-3;
-/// Number of node steps in a measured stretch.
+/// Number of steps, summed over nodes, in a measured stretch.
 const STRETCH: usize = 50_000;
-/// Number of stretches, of which the fastest counts: the others were disturbed.
+/// Number of stretches. The fastest one counts, since the others were disturbed by other programs.
 const STRETCHES: usize = 7;
 
-/// Time of one variational step of order 2 of a ring of springs, on one core in f64, µs.
+/// Time of one variational step of order 2 for a ring of springs, on one core in f64, µs.
 pub fn step_microseconds(model: &LearnedGraph) -> Result<f64, TaskError> {
     let graph = model.architecture.graph()?;
     let nodes = graph.nodes.len();

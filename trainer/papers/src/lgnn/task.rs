@@ -9,8 +9,9 @@ use super::growth::Growth;
 use super::{Baseline, Case, Options, Outcome, figures, run};
 use std::path::Path;
 
-/// Creates the tasks of these cases, each with `seeds` seeds from that of the options on; given limits, also those of the models that the
-/// paper compares with. `arguments` are the command-line options other than case and seed.
+/// Creates the tasks of these cases, each with `seeds` seeds, starting with that of the options. If limits are given,
+/// the models that the paper compares with are included. `arguments` are the command-line options other than case and
+/// seed.
 pub fn tasks(
     cases: &[Case],
     (options, limits): (&Options, Option<Limits>),
@@ -109,7 +110,7 @@ fn measures(row: &Outcome) -> Vec<Measure> {
     measures
 }
 
-/// Note with the results that have no column.
+/// Note with the results that do not have their own column.
 fn remarks(row: &Outcome) -> Option<String> {
     let failed = row.rolled_out.and_then(|rolled| rolled.failures());
     let drag = row
@@ -119,7 +120,7 @@ fn remarks(row: &Outcome) -> Option<String> {
     note([row.ending.words(), failed, drag, step])
 }
 
-/// Summary in the form of a row of the case, with the growth in place of its measures.
+/// Summary in the form of a row of the case, with the growth in place of the usual measures.
 fn summary(growth: &Growth, row: &Record) -> Result<Record, serde_json::Error> {
     let measures = vec![
         Measure::error("time ∝ springs to the power of", growth.time_exponent, None),

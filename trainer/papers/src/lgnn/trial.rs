@@ -1,4 +1,4 @@
-//! Starts from which a model is judged, with the exact motion from them.
+//! Starts with which a model is tested, and the exact motion from them.
 
 use super::{Compared, Experiment, Outcome, insight};
 use crate::rollouts::{RolledOut, UNSEEN};
@@ -9,8 +9,9 @@ use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
 use leastaction_models::particles::Driven;
 
-/// Maximum number of nodes of all starts together, and minimum number of starts: large systems need fewer.
+/// Maximum number of nodes of all starts together: large systems need fewer starts.
 const MOST_NODES: usize = 10_000;
+/// Minimum number of starts.
 const FEWEST_STARTS: usize = 4;
 
 /// A system with its exact motions.

@@ -28,7 +28,8 @@ fn every_baseline_has_its_row_beside_ours() {
         let rows = rows(case, system, limits);
         assert_eq!(rows.iter().map(|row| row.kind).collect::<Vec<_>>(), Baseline::ALL.map(Baseline::name));
         for row in &rows {
-            // About as large as the authors' model, except for the inputs of angles and the output.
+            // The network is about as large as the authors' model; they differ in the inputs of angles and in the
+            // output.
             let theirs = row.published.parameters.unwrap() as f64;
             assert!((row.parameters as f64 / theirs - 1.0).abs() < 0.12, "{row:?}");
             assert!(row.epochs == Some(1) || row.ending == Ending::Diverged { epoch: 1 }, "{row:?}");

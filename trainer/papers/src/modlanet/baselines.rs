@@ -74,8 +74,8 @@ impl Baseline {
         }
     }
 
-    /// Recipe of the authors: weight decay 1e-4; for pendulums 10,000 epochs at 1e-2, halved after 3,000 and 9,000, for bodies 3,000 epochs
-    /// at 1e-3; LNN at 1e-3 throughout.
+    /// Recipe of the authors: weight decay 1e-4; for pendulums 10,000 epochs at 1e-2, halved after 3,000 and 9,000; for
+    /// bodies 3,000 epochs at 1e-3. LNN is trained at 1e-3 throughout.
     pub fn recipe(self, system: ManyBody) -> Recipe {
         let (epochs, learning_rate, schedule) = match (system, self.is_lnn()) {
             (ManyBody::Pendulum(_), false) => {
@@ -99,7 +99,7 @@ impl Baseline {
 }
 
 impl Experiment<'_> {
-    /// Trains a baseline and judges it.
+    /// Trains a baseline and evaluates it.
     pub(super) fn baseline(
         &self,
         (baseline, bounds): (Baseline, Bounds),
@@ -122,7 +122,8 @@ impl Experiment<'_> {
         Ok(outcome)
     }
 
-    /// Predicts if the errors of the accelerations are smaller than the accelerations themselves, and time is left.
+    /// Makes predictions if the errors of the accelerations are smaller than the accelerations themselves and time is
+    /// left.
     fn predict_baseline(
         &self,
         outcome: &mut Outcome,

@@ -26,7 +26,7 @@ pub enum Case {
 }
 
 impl Case {
-    /// Number of iterations after which the errors hardly fall.
+    /// Number of iterations after which the errors hardly decrease any more.
     pub fn iterations(self, pair: PairInput) -> usize {
         match (self, pair) {
             (Self::ThreeBody | Self::ExtendBody, PairInput::Distance | PairInput::Difference) => 80,

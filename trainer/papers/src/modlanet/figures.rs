@@ -73,7 +73,7 @@ fn draw_errors(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), Pl
     time_series(file, &format!("{}: errors over {} starts", title(row), ours.trajectories.len()), &panels)
 }
 
-/// Draws paths of the first start: for a chain that of its end, for bodies all of them.
+/// Draws paths of the first start: for a chain the path of its end, for bodies the paths of all.
 fn draw_paths(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), PlotError> {
     let shown = (PATH_SECONDS / pictured.h) as usize + 1;
     let paths = |label: &str, states: &[f64], stroke| -> Vec<Series> {

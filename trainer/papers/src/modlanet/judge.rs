@@ -1,4 +1,4 @@
-//! Judge of long predictions: exact motions from starts that no training data has.
+//! Evaluation of long predictions: exact motions from starts that are not in the training data.
 
 use super::{Options, Outcome, Pictured, Predicted};
 use crate::baselines::{Follow, PredictionModel};

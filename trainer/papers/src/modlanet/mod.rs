@@ -1,4 +1,5 @@
-//! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies, learned from accelerations, extended to more of them.
+//! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies, learned from accelerations and extended to
+//! larger numbers of them.
 
 mod baselines;
 mod case;
@@ -32,8 +33,8 @@ use leastaction_learning::training::Samples;
 use leastaction_models::{Family as _, ModularArchitecture};
 use std::time::Instant;
 
-/// Runs a case with our model or, in a case that has them, one of those that the paper compares with; `tell` occasionally gets a line of
-/// progress.
+/// Runs a case with our model or, in a case that has baselines, with one of the models that the paper compares with;
+/// `tell` occasionally gets a line of progress.
 pub fn run(
     (case, baseline): (Case, Option<(Baseline, Bounds)>),
     options: &Options,
@@ -59,7 +60,7 @@ pub fn run(
     }
 }
 
-/// Generates data with another number of trajectories than the authors'.
+/// Generates data with a number of trajectories other than the authors'.
 fn generated(system: ManyBody, seed: u64, trajectories: usize) -> Result<ModlanetSet, GenerationError> {
     modlanet_set_of(&ModlanetSettings { trajectories, ..ModlanetSettings::published(system, seed) })
 }
@@ -108,7 +109,7 @@ impl Experiment<'_> {
         Ok((self.judged((system, "trained"), set, (&model, seconds), None)?, model))
     }
 
-    /// Judges a model of ours by the data of a system and, given a judge, by predictions.
+    /// Evaluates one of our models on the data of a system and, given a judge, by predictions.
     fn judged(
         &self,
         (system, kind): (ManyBody, &'static str),
@@ -155,7 +156,7 @@ impl Experiment<'_> {
         self.options.iterations.unwrap_or_else(|| self.case.iterations(self.options.pair))
     }
 
-    /// Returns the judge of predictions of `length` s; `None` if no predictions are made.
+    /// Returns the judge for predictions over `length` s; `None` if no predictions are made.
     fn judge(&self, system: ManyBody, length: f64) -> Result<Option<Judge>, TaskError> {
         if self.options.starts == 0 {
             return Ok(None);
@@ -206,7 +207,7 @@ impl Experiment<'_> {
         let mut rows = Vec::new();
         for samples in sizes.into_iter().filter(|samples| *samples <= self.options.most_samples) {
             (self.tell)(&format!("{samples} samples"));
-            // Nine of every ten trajectories of 101 states are for training.
+            // Nine of every ten trajectories, each of 101 states, are for training.
             let set = generated(system, self.options.seed, samples / 100)?;
             let (outcome, _) = self.learn(system, &set)?;
             rows.push(Outcome { published: by_samples(samples), accelerations: Vec::new(), ..outcome });
@@ -215,17 +216,17 @@ impl Experiment<'_> {
     }
 }
 
-/// Length of the predictions of a system that a model was trained on, s.
+/// Length of the predictions for a system on which a model was trained, s.
 const PREDICTION: f64 = 30.0;
 /// Step size of the long run, s.
 const LONG_STEP: f32 = 0.01;
-/// Number of trajectories of large systems: as many as those of the trained sizes.
+/// Number of trajectories of large systems, which equals that of the trained sizes.
 const TRAJECTORIES: usize = 100;
 /// Number of iterations of fine-tuning.
 const FINE_TUNING: usize = 30;
 
-/// Holds back the last 1/`one_in` of the trajectories (at least one) for validation; of a single trajectory, the last 1/`one_in` of its
-/// rows. Returns the rest, then the held-back rows.
+/// Holds back the last 1/`one_in` of the trajectories (at least one) for validation; of a single trajectory, the last
+/// 1/`one_in` of its rows. Returns the remaining rows, then the held-back rows.
 fn held_back(rows: &ModlanetRows, one_in: usize) -> [ModlanetRows; 2] {
     let starts = rows.starts();
     let first = starts.get(starts.len() - (starts.len() / one_in).max(1)).copied().unwrap_or(0);

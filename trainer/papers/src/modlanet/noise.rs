@@ -1,4 +1,4 @@
-//! Few and noisy samples, in comparison with a network that knows nothing of mechanics.
+//! Few and noisy samples, compared with a network that knows nothing of mechanics.
 
 use super::recipe::best_of;
 use super::{Experiment, Outcome, held_back};
@@ -15,7 +15,7 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 
-/// Numbers of samples in total, including those that judge.
+/// Total numbers of samples, including those held back for validation.
 const SAMPLES: [usize; 3] = [100, 300, 1_000];
 /// Standard deviations of the noise on positions (rad) and velocities (rad/s).
 const NOISE: [f64; 2] = [0.0, 0.01];
@@ -23,16 +23,16 @@ const NOISE: [f64; 2] = [0.0, 0.01];
 const JUDGES: usize = 5;
 /// Kind of the model that is learned as if the logged states were exact.
 const AT_LOGGED: &str = "at logged states";
-/// Factors λ of the penalty λ|θ|² on an objective that is 1 if the model explains everything but the noise.
+/// Factors λ of the penalty λ|θ|². The objective is 1 if the model explains everything except the noise.
 const DECAYS: [f64; 3] = [100.0, 10.0, 1.0];
 
-/// A function that learns weights from some rows and chooses among them by other rows.
+/// A function that learns weights from some rows and chooses among them by means of other rows.
 type Learning<'a> = dyn Fn([&ModlanetRows; 2]) -> Result<Vec<f64>, ModelError> + 'a;
 
 impl Experiment<'_> {
-    /// Learns the system from few samples, without and with noise, with the model and with an MLP of at least as many weights: both for the
-    /// same number of iterations, each time keeping the iteration with the lowest error on a fifth of the samples, held back and equally
-    /// noisy. The test set has no noise.
+    /// Learns the system from few samples, without and with noise, with the model and with an MLP of at least as many
+    /// weights. Both are trained for the same number of iterations, and the iteration with the lowest error on a
+    /// held-back, equally noisy fifth of the samples is kept. The test set has no noise.
     pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, TaskError> {
         let modular = self.architecture(system, set)?;
         let weights = Family::initial_weights(&modular, self.options.seed).len();
@@ -63,8 +63,8 @@ impl Experiment<'_> {
         Ok(rows)
     }
 
-    /// Learns with free states, from strong penalties on the weights to weak ones, each beginning at the best weights of the one before:
-    /// returns the weights that are best of all by the likelihood of the judging rows.
+    /// Learns with free states, with penalties on the weights from strong to weak, each starting from the best weights
+    /// of the previous one. Returns the best of all these weights, by the likelihood of the validation rows.
     fn free_states(
         &self,
         modular: &ModularArchitecture,
@@ -99,8 +99,8 @@ impl Experiment<'_> {
     }
 }
 
-/// Returns `count` rows from anywhere, drawn by the seed, with noise on their positions and velocities; a larger number begins with the
-/// same rows, and the noise differs only in its size. Accelerations stay exact.
+/// Returns `count` rows drawn at random by the seed, with noise on their positions and velocities. A larger selection
+/// begins with the same rows, and for other noise levels the noise differs only in its size. Accelerations stay exact.
 fn few(rows: &ModlanetRows, count: usize, noise: f64, seed: u64) -> ModlanetRows {
     let mut order: Vec<usize> = (0..rows.q.len()).collect();
     order.shuffle(&mut Pcg64::seed_from_u64(seed));
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
     use leastaction_ground_truth::{ModlanetSettings, modlanet_set_of};
 
-    /// A data set with 202 rows to learn from and 101 to judge by.
+    /// A data set with 202 rows for training and 101 for testing.
     fn set() -> ModlanetSet {
         let settings = ModlanetSettings::published(ManyBody::Pendulum(2), 5);
         modlanet_set_of(&ModlanetSettings { trajectories: 3, ..settings }).unwrap()
@@ -139,7 +139,8 @@ mod tests {
         for (exact, noisy) in [(exact.q, noisy.q), (exact.v, noisy.v)] {
             let pairs = exact.as_flat().iter().zip(noisy.as_flat());
             let square = pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / exact.as_flat().len() as f64;
-            // The standard deviation of 400 numbers is within a sixth, more than four times its own deviation.
+            // The standard deviation of 400 numbers is tested to within a sixth, more than four times its own standard
+            // deviation.
             assert!((square.sqrt() - 0.01).abs() < 0.01 / 6.0, "{square}");
         }
     }

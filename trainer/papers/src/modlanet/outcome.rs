@@ -91,12 +91,12 @@ pub struct Outcome {
     pub system: &'static str,
     /// Number of elements.
     pub count: usize,
-    /// Kind of model: `trained`, `zero-shot` or `fine-tuned`; or a baseline: `mlp` in [`Case::Noise`] is a plain network of the same size,
-    /// any other name is that of [`Baseline::name`](super::Baseline::name).
+    /// Kind of model: `trained`, `zero-shot` or `fine-tuned`, or the name of a baseline. `mlp` in [`Case::Noise`] is a
+    /// plain network of the same size; any other name is that of [`Baseline::name`](super::Baseline::name).
     pub kind: &'static str,
     /// Number of rows learned from.
     pub samples: usize,
-    /// Standard deviation of the noise on their positions and velocities, rad (m) and rad/s (m/s).
+    /// Standard deviation of the noise on positions and velocities of these rows, rad (m) and rad/s (m/s).
     pub noise: f64,
     /// Length of the weight block, in numbers.
     pub parameters: usize,
@@ -110,7 +110,7 @@ pub struct Outcome {
     pub train_seconds: f64,
     /// Number of epochs of Adam; `None` for Levenberg–Marquardt.
     pub epochs: Option<u64>,
-    /// End of the training in words; null if it was complete.
+    /// Reason, in words, why training ended early; null if it was complete.
     #[serde(rename = "stopped", serialize_with = "in_words")]
     pub ending: Ending,
     /// Seed of the weights and of generated data.

@@ -6,9 +6,10 @@ use leastaction_ground_truth::ManyBody::{self, Bodies, Pendulum};
 /// Mean squared error of accelerations on the test set, and the errors A_q and A_E of predictions in the authors' measures.
 pub type Published = published::Published<3>;
 
-/// Results for a system and a kind of model. ModLaNet trained on the system itself is from Table 2; extended to it, from section 5.3, its
-/// predictions of pendulums by the authors' program over 100 and 40 starts. The compared models are from Table 2; the light MLP is by the
-/// authors' program, whose losses of HNN and MLP are those of ṗ alone. Predictions that are left out fail.
+/// Results for a system and a kind of model. Results of ModLaNet trained on the system itself are from Table 2. Those
+/// of ModLaNet extended to the system are from section 5.3, and its predictions of pendulums from the authors' program
+/// over 100 and 40 starts. Results of the compared models are from Table 2; those of the light MLP are from the
+/// authors' program, whose losses of HNN and MLP are those of ṗ alone. Predictions that are left out failed.
 const TABLE: [Row<(ManyBody, &str), 3>; 24] = [
     ((Pendulum(2), "trained"), Some(6_275), [3.47e-2, 1.28, 4.6e-2]),
     ((Bodies(3), "trained"), Some(6_307), [1.56e-5, 3.96e-2, 1.1e-3]),
@@ -41,7 +42,8 @@ pub(super) fn published(system: ManyBody, kind: &str) -> Published {
     Published::find(&TABLE, &(system, kind))
 }
 
-/// Returns the results for the double pendulum by the number of samples (Table 4): 100K and 1M fail.
+/// Returns the results for the double pendulum by the number of samples (Table 4); 100K and 1M samples fail in the
+/// paper.
 pub(super) fn by_samples(samples: usize) -> Published {
     let test_mse = match samples {
         10_000 => Some(3.47e-2),

@@ -1,4 +1,4 @@
-//! The models to be learned, and the training.
+//! The models that are learned, and the training.
 
 use crate::baselines::{AccelerationModel, PredictionModel};
 use leastaction_core::energy::List;
@@ -14,8 +14,9 @@ use leastaction_models::{Architecture, Model, ModularArchitecture, NamedTree, Na
 
 /// Numbers of hidden units of the pendulum's position; its potential is linear in the position, as in the authors' model.
 const POSITION: [u16; 4] = [32, 0, 0, 0];
-/// Numbers of hidden units of the bodies' pair potential. With the reciprocal distance as input it is linear, w/r + b: the form of the law
-/// is known and its strength learned, and only then does it hold at encounters closer than any in the data.
+/// Numbers of hidden units of the bodies' pair potential. With the reciprocal distance as input it is linear, w/r + b:
+/// the form of the law is known and its strength learned. Only in this form does it hold at encounters closer than any
+/// in the data.
 const fn pair_widths(input: PairInput) -> [u16; 4] {
     match input {
         PairInput::Concat => [24, 24, 0, 0],
@@ -65,8 +66,8 @@ fn bodies(input: PairInput) -> ModularArchitecture {
     one_type(shape, "body")
 }
 
-/// Returns a model whose numbers are all known: a point of mass 1 without damping, c₁ = c₂ = 1. The networks contain the scales, and a
-/// known mass fixes the scale of L, which accelerations do not show.
+/// Returns a model with only known numbers: a point of mass 1 without damping, c₁ = c₂ = 1. The networks contain the
+/// scales, and the known mass fixes the scale of L, which accelerations do not determine.
 fn one_type(shape: ModularShape, name: &str) -> ModularArchitecture {
     let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
     let types = vec![NamedType { name: name.to_owned(), numbers }];
@@ -104,7 +105,7 @@ impl LearnedTree {
         )
     }
 
-    /// Returns the shape that is learned, and its weights.
+    /// Returns the learned model and its weights.
     pub fn learned(&self) -> (&dyn PredictionModel, &[f64]) {
         (&self.architecture, &self.weights)
     }
@@ -124,8 +125,8 @@ pub fn train(
     Ok(LearnedTree { architecture, weights: levenberg.weights })
 }
 
-/// Continues from these weights by Levenberg–Marquardt on `rows`; returns the weights with the lowest error on `validation` among all
-/// iterations, including the start: the model never becomes worse there.
+/// Continues from these weights by Levenberg–Marquardt on `rows`. Returns the weights with the lowest error on
+/// `validation` among all iterations, including the start, so the model never becomes worse on `validation`.
 pub(super) fn best_of(
     shape: &dyn PredictionModel,
     [rows, validation]: [&ModlanetRows; 2],

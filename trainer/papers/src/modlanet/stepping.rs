@@ -1,5 +1,5 @@
-//! A learned double pendulum stepped a million times in single precision: with the DEL equation its energy stays, with a Runge–Kutta method
-//! on the same accelerations it drifts.
+//! A learned double pendulum that is stepped a million times in single precision. With the DEL equation its energy
+//! stays bounded; with a Runge–Kutta method on the same accelerations the energy drifts.
 
 use super::LearnedTree;
 use crate::task::TaskError;
@@ -21,7 +21,7 @@ const KEPT: usize = 1000;
 
 type Tree<'w, S> = System<Modular<'w, <S as Scalar>::Weight, N, MAX_TYPES, WIDTH, DEPTH>, Viscous<S, N>>;
 
-/// Energies along three runs, relative to that of the start, J.
+/// Energies along three runs, minus the energy at the start, J.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LongRun {
     /// Number of steps of each run.
@@ -41,7 +41,7 @@ pub struct LongRun {
 pub struct Energies {
     /// Largest error, J.
     pub largest: f64,
-    /// Rise of the line through the errors over the run, J.
+    /// Change over the run of the straight line fitted to the errors, J.
     pub drift: f64,
 }
 

@@ -18,8 +18,9 @@ pub struct ModlanetData {
     pub set: Arc<ModlanetSet>,
 }
 
-/// Creates the tasks of these cases, each with `seeds` seeds from that of the options on, and those of the baselines within the limits, in
-/// cases that have them; without data it is generated. `arguments` are the command-line options other than case and seed.
+/// Creates the tasks of these cases, each with `seeds` seeds, starting with that of the options, and those of the
+/// baselines within the limits, in cases that have baselines. If no data is given, it is generated. `arguments` are the
+/// command-line options other than case and seed.
 pub fn tasks(
     cases: &[Case],
     options: &Options,
@@ -146,7 +147,7 @@ fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
     measures
 }
 
-/// Note on the end of the training, the reason for missing predictions, and the energies of the long run.
+/// Note on an early end of the training, the reason for missing predictions, and the energies of the long run.
 fn remarks(row: &Outcome) -> Option<String> {
     let unpredicted = row.unpredicted.map(|why| format!("no predictions: {why}"));
     note([row.ending.words(), unpredicted, row.stepped.as_ref().map(energies)])

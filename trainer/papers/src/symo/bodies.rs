@@ -1,7 +1,8 @@
 //! Mechanisms as planar rigid bodies on joints, whose masses, lengths, centres and moments of inertia are learned.
 //!
-//! The known numbers are those an engineer sees at a glance: which joints there are, that gravity is 9.81 m/s² and its direction at q = 0,
-//! and that the centres of mass lie on the links. All other numbers are learned, from initial values that belong to none of the mechanisms.
+//! The known numbers are those that an engineer sees at a glance: which joints there are, that gravity is 9.81 m/s² and
+//! its direction at q = 0, and that the centres of mass lie on the links. All other numbers are learned, from initial
+//! values that are not those of any of the mechanisms.
 
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_ground_truth::Mechanism;
@@ -18,11 +19,11 @@ const LENGTH: f64 = 0.4;
 /// Returns the bodies of a mechanism; `None` if they do not form a tree.
 pub(super) fn bodies(mechanism: Mechanism) -> Option<Architecture> {
     let (gravity, bodies) = match mechanism {
-        // Upright at 0.
+        // The link is upright at 0.
         Mechanism::Pendulum => ([-GRAVITY, 0.0], vec![link(None, 0.0, None)]),
-        // Along x, and upright at 0 on it.
+        // The cart slides along x, and the pole on it is upright at 0.
         Mechanism::Cartpole => ([0.0, GRAVITY], vec![cart(), link(Some(0), -FRAC_PI_2, None)]),
-        // Hanging at 0.
+        // Both links hang at 0.
         Mechanism::Acrobot => ([GRAVITY, 0.0], vec![link(None, 0.0, None), link(Some(0), 0.0, Some(LENGTH))]),
     };
     BodiesArchitecture::new(gravity.map(Number::known), bodies).map(Architecture::from)
@@ -32,7 +33,7 @@ fn learned(value: f64) -> Number {
     Number { value, learned: true }
 }
 
-/// Returns a link on a joint that is turned by `angle` and sits at `length` along its parent.
+/// Returns a link whose joint is turned by `angle` and sits at the distance `length` along the parent.
 fn link(parent: Option<u8>, angle: f64, length: Option<f64>) -> (TreeBody, BodyParameters<Number>) {
     let ([mass, centre, inertia], zero) = (START.map(learned), Number::known(0.0));
     let parameters = BodyParameters {
@@ -47,7 +48,7 @@ fn link(parent: Option<u8>, angle: f64, length: Option<f64>) -> (TreeBody, BodyP
     (TreeBody { joint: Joint::Revolute, parent }, parameters)
 }
 
-/// Returns a mass on a rail, which never turns.
+/// Returns a cart on a rail, which never turns.
 fn cart() -> (TreeBody, BodyParameters<Number>) {
     let (joint, (_, link)) = (Joint::Prismatic, link(None, 0.0, None));
     let [zero, one] = [0.0, 1.0].map(Number::known);

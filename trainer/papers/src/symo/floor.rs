@@ -1,5 +1,5 @@
-//! Errors of exact physics stepped by the DEL equation, which all models here use: the floor of the discretisation. A learned Lagrangian
-//! may go below it, because it learns the modified Lagrangian.
+//! Errors of exact physics stepped by the DEL equation, which all models here use: the floor set by the discretisation.
+//! A learned Lagrangian may go below this floor, because it learns the modified Lagrangian.
 
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
@@ -8,7 +8,7 @@ use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::{energy_mse, integration_errors, rollout_system};
 
-/// Measures of [`super::Outcome::measures`] for the exact mechanism; NaN for the inertia matrix.
+/// Measures as in [`super::Outcome::measures`] for the exact mechanism; NaN for the inertia matrix.
 pub(super) fn floor(mechanism: Mechanism, order: u8, set: &SymoSet) -> [f64; 6] {
     match mechanism.exact() {
         Exact::One(exact) => of(&undamped(exact), mechanism, order, set),

@@ -34,10 +34,10 @@ pub enum Method {
     Symo,
     /// Minimises the error of the implicit step's next position.
     E2eSymo,
-    /// Minimises the position error of Runge–Kutta steps of order 4 over whole trajectories with free start states, from positions alone;
-    /// stepped by the equation of the SyMo models.
+    /// Minimises the position error of Runge–Kutta steps of order 4 over whole trajectories with free start states,
+    /// from positions alone; afterwards it is stepped by the same equation as the SyMo models.
     Windows,
-    /// Like `windows`, with the mechanism described as rigid bodies on joints, whose numbers are learned.
+    /// Like `windows`, but the mechanism is described as rigid bodies on joints with learned parameters.
     Bodies,
     /// SyMo's network; minimises the error of the next state by a Runge–Kutta step of order 4.
     LNodeRk4,
@@ -55,7 +55,7 @@ impl Method {
         matches!(self, Self::Symo | Self::E2eSymo | Self::Windows | Self::Bodies)
     }
 
-    /// Whether it is meant only for data with noise: without noise, single steps show as much.
+    /// Whether it is meant only for noisy data: without noise, single steps are just as informative.
     pub fn is_for_noise(self) -> bool {
         matches!(self, Self::Windows | Self::Bodies)
     }
@@ -136,7 +136,7 @@ impl Outcome {
     }
 }
 
-/// Inverse of the fraction of noisy trajectories that judge.
+/// Inverse of the fraction of noisy trajectories that are held back for validation.
 const JUDGES: usize = 4;
 
 /// Settings for learning a case.
@@ -144,18 +144,20 @@ const JUDGES: usize = 4;
 pub struct Recipe {
     /// Shape of the network.
     pub architecture: Architecture,
-    /// Number of iterations on the order-2 DEL residual, which is finite for any weights, before the loss of a discrete model itself.
+    /// Number of iterations on the order-2 DEL residual, which is finite for any weights, before the actual loss of a
+    /// discrete model.
     pub warm_up: usize,
     /// Number of iterations on the loss.
     pub iterations: usize,
     /// Penalty on the weights.
     pub decay: f64,
-    /// Number of training trajectories that are held back to judge.
+    /// Number of training trajectories that are held back for validation.
     pub judges: usize,
 }
 
 impl Recipe {
-    /// Runs the given number of iterations on an objective; returns the last weights, or those that are best by another objective.
+    /// Runs the given number of iterations on an objective; returns the last weights, or those that are best according
+    /// to another objective.
     fn minimise(
         &self,
         (objective, judge): (&dyn Objective, Option<&dyn Objective>),
@@ -171,7 +173,8 @@ impl Recipe {
         }
     }
 
-    /// Runs all iterations on an objective; returns the last weights or, if trajectories are held back, those that are best by the judge.
+    /// Runs all iterations on an objective; returns the last weights or, if trajectories are held back, those that are
+    /// best on these.
     fn learn(
         &self,
         [loss, judge]: [&dyn Objective; 2],
@@ -182,7 +185,7 @@ impl Recipe {
         self.minimise((loss, judge), weights, self.iterations, watch)
     }
 
-    /// Splits trajectories into those that are learned from and those that judge; both are all trajectories if none are held back.
+    /// Splits trajectories into training and validation; both are all trajectories if none are held back.
     fn split(&self, data: &Dataset) -> [Dataset; 2] {
         match self.judges {
             0 => [data.clone(), data.clone()],
@@ -192,8 +195,9 @@ impl Recipe {
 }
 
 impl Case {
-    /// Returns the recipe for a case. One wide layer is better conditioned than two narrow ones and generalises better from few
-    /// trajectories; the acrobot needs the second layer once there is enough data. The cart's position is known to be cyclic.
+    /// Returns the recipe for a case. One wide layer is better conditioned than two narrow ones and generalises better
+    /// from few trajectories; the acrobot needs the second layer once there is enough data. The cart's position is
+    /// declared cyclic.
     pub fn recipe(&self) -> Recipe {
         let (coordinates, widths): (&[Coordinate], Vec<u16>) = match self.mechanism {
             Mechanism::Pendulum => (&[Coordinate::Angle], vec![40]),
@@ -202,15 +206,15 @@ impl Case {
         };
         let architecture =
             InertiaNetworkArchitecture { widths, ..InertiaNetworkArchitecture::new(coordinates, 0) }.into();
-        // At order 2 the model cannot fit the motion exactly and soon overfits to the integrator's error. That error, and therefore the
-        // penalty on the weights against overfitting, is largest at the pendulum's step of 0.1 s.
+        // At order 2 the model cannot fit the motion exactly and soon overfits to the integrator's error. This error is
+        // largest at the pendulum's step of 0.1 s, and so is the penalty on the weights against overfitting.
         let (iterations, decay) = match (self.order, self.mechanism) {
             (4, _) => (150, 0.0),
             (_, Mechanism::Pendulum) => (30, 1e-8),
             (_, Mechanism::Cartpole) => (30, 1e-9),
             (_, Mechanism::Acrobot) => (30, 0.0),
         };
-        // Overfitting to noise shows on other trajectories.
+        // Overfitting to noise shows on held-back trajectories.
         let judges = if self.noise > 0.0 { self.trajectories / JUDGES } else { 0 };
         Recipe { architecture, warm_up: 20, iterations: iterations.min(self.most_iterations), decay, judges }
     }
@@ -238,7 +242,7 @@ impl Case {
         let loss = objective(architecture, samples, kind, self.order)?;
         let weights = architecture.initial_weights(self.seed);
         let weights = recipe.minimise((&*warm_up, Some(&*next)), weights, recipe.warm_up, &mut watch);
-        // On the same trajectories the loss of the next position would judge itself.
+        // On the same trajectories the loss of the next position would be its own judge.
         let is_other = recipe.judges > 0 || is_symo;
         let judge = Some(&*judge).filter(|_| is_other);
         Ok(recipe.minimise((&*loss, judge), weights, recipe.iterations, &mut watch))

@@ -11,7 +11,8 @@ use std::path::Path;
 
 /// Number of steps of the motion.
 const STEPS: usize = 4_000;
-/// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that no data has; returns the name of the file.
+/// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that is in no data set; returns
+/// the name of the file.
 pub(super) fn draw(folder: &Path, name: &str, case: &Case, model: &Model) -> Result<String, TaskError> {
     let start = Settings {
         samples: STEPS + 2,

@@ -5,7 +5,8 @@ use super::Method::{self, E2eSymo, LNodeRk4, NodeRk4, Symo};
 use crate::published::{self, Row, UNKNOWN};
 use leastaction_ground_truth::Mechanism::{self, Acrobot, Cartpole, Pendulum};
 
-/// Measures in the order of [`super::Outcome::measures`]; those beyond 100 steps of the chaotic acrobot are meaningless and left out.
+/// Measures in the order of [`super::Outcome::measures`]. For the chaotic acrobot, measures beyond 100 steps are
+/// meaningless and left out.
 pub type Published = published::Published<6>;
 
 /// Results for a mechanism, a model and a number of trajectories under equal conditions.
@@ -37,7 +38,7 @@ const TABLE: [Row<(Mechanism, Method, usize), 6>; 25] = [
     ((Acrobot, E2eSymo, 128), Some(68_100), [8.1e-9, UNKNOWN, UNKNOWN, 0.0042, 3.0e-3, 1.2e-4]),
 ];
 
-/// Returns the published program's results for a case, measured with it on its own data.
+/// Returns the results of the published program for a case, measured with it on its own data.
 pub(super) fn published(case: &Case) -> Published {
     if case.noise > 0.0 {
         let test = noisy(case);
@@ -49,7 +50,8 @@ pub(super) fn published(case: &Case) -> Published {
     Published::find(&TABLE, &(case.mechanism, case.model, case.trajectories))
 }
 
-/// Returns the error one step ahead against noisy targets, with noise on positions and velocities of the training and the test set.
+/// Returns the error one step ahead, compared with noisy targets, for noise on positions and velocities of the training
+/// and the test set.
 fn noisy(case: &Case) -> Option<f64> {
     let is_known = case.mechanism == Pendulum && case.trajectories == 32;
     let of_noise = match case.model {

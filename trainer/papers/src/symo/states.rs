@@ -56,8 +56,8 @@ impl Case {
         Ok(Outcome { inertia_mse, parameters: weights.len(), train_seconds: seconds, ..outcome })
     }
 
-    /// Learns by the recipe of SyMo's models: the network, the number of iterations on the loss, the penalty and the judge. The loss is
-    /// finite for any initial weights and needs no warm-up.
+    /// Learns by the recipe of SyMo's models, with the same network, number of iterations on the loss, penalty and
+    /// validation. The loss is finite for any initial weights, so there is no warm-up.
     fn learn_from_states(
         &self,
         recipe: Recipe,

@@ -17,7 +17,7 @@ use std::time::Instant;
 #[derive(Clone, Debug)]
 pub struct SymoData {
     set: Arc<OnceLock<Result<SymoSet, IntegrationError>>>,
-    /// Errors of exact physics on this data at order 2 and at order 4, measured when the first task needs them.
+    /// Errors of exact physics on this data at order 2 and at order 4, computed when the first task needs them.
     floors: Arc<[OnceLock<[f64; 6]>; 2]>,
     mechanism: Mechanism,
     seed: u64,
@@ -56,8 +56,8 @@ impl SymoData {
     }
 }
 
-/// Creates the tasks of these cases on the data of their mechanism; `arguments` are the command-line options other than those that name a
-/// case.
+/// Creates the tasks of these cases on the data of their mechanism; `arguments` are the command-line options other than
+/// those that identify a case.
 pub fn tasks(cases: &[Case], data: &SymoData, arguments: &str) -> Vec<Task> {
     cases.iter().map(|case| task(*case, data.clone(), arguments)).collect()
 }
@@ -85,7 +85,7 @@ fn task(case: Case, data: SymoData, arguments: &str) -> Task {
     }
 }
 
-/// Learns and judges a case.
+/// Learns a case and evaluates the result.
 fn learned(
     case: &Case,
     data: &SymoData,

@@ -1,4 +1,5 @@
-//! Learning from positions alone over windows of many steps, whose start states are free: noise averages out, and effects of forces add up.
+//! Learning from positions alone over windows of many steps with free start states: noise averages out, and the effects
+//! of forces add up.
 
 use super::bodies::bodies;
 use super::{Case, Method, Recipe};
@@ -15,15 +16,16 @@ use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Number of steps of the first windows: motion over them is hardly chaotic, whatever the initial weights.
+/// Number of steps of the first windows: over so few steps motion is hardly chaotic, whatever the initial weights.
 const SHORT: usize = 7;
 /// Longest Runge–Kutta step of order 4, s: its error is far below the noise.
 const LONGEST_STEP: f64 = 0.025;
-/// Hidden layers to choose from, by their units; without one, potential and the factor of the inertia are linear in the features.
+/// Candidate hidden layers, by their units; without hidden layers, the potential and the factor of the inertia are
+/// linear in the features.
 const WIDTHS: [&[u16]; 2] = [&[], &[40]];
-/// Penalties on the weights of a hidden layer to choose from.
+/// Candidate penalties on the weights of a hidden layer.
 const DECAYS: [f64; 3] = [1e-6, 1e-5, 1e-4];
-/// Fraction by which the error of a later choice must be lower.
+/// Fraction by which the error of a later candidate must be lower for it to be chosen.
 const MARGIN: f64 = 0.02;
 
 impl Case {
@@ -41,8 +43,9 @@ impl Case {
         Ok((recipe.architecture, weights))
     }
 
-    /// Learns from all trajectories, first over short windows, then over their whole length. If there are several shapes and penalties,
-    /// uses those with the lowest error on held-back trajectories; each trajectory is held back once.
+    /// Learns from all trajectories, first over short windows, then over their whole length. If there are several
+    /// candidates for shape and penalty, those with the lowest error on held-back trajectories are used; each
+    /// trajectory is held back once.
     fn learn_over_windows(
         &self,
         recipe: &Recipe,
@@ -62,7 +65,7 @@ impl Case {
         Ok((best.1.architecture, weights))
     }
 
-    /// Shapes to choose from: the bodies of the mechanism, or networks.
+    /// Candidate shapes: the bodies of the mechanism, or networks.
     fn candidates(&self, recipe: &Recipe) -> Result<Vec<Recipe>, ModelError> {
         if self.model != Method::Bodies {
             return Ok(networks(recipe));
@@ -71,7 +74,8 @@ impl Case {
         Ok(vec![Recipe { architecture, ..recipe.clone() }])
     }
 
-    /// Geometric mean over folds of the mean squared error over windows of the fold, learned from the other folds.
+    /// Geometric mean over folds of the mean squared error over windows of a fold, with the model learned from the
+    /// other folds.
     fn held_back_error(
         &self,
         recipe: &Recipe,
@@ -88,7 +92,7 @@ impl Case {
         Ok((logarithms / folds.len() as f64).exp())
     }
 
-    /// Returns the weights that are best over windows of some of the trajectories.
+    /// Returns the weights that are best over windows of the given trajectories.
     fn over_windows(
         &self,
         recipe: &Recipe,
@@ -112,7 +116,7 @@ impl Case {
     }
 }
 
-/// Returns every width with every penalty; without a hidden layer, no penalty is needed.
+/// Returns every combination of width and penalty; without a hidden layer, no penalty is needed.
 fn networks(recipe: &Recipe) -> Vec<Recipe> {
     let Some(inertia_network) = recipe.architecture.family.inertia_network() else { return Vec::new() };
     let of = |widths: &[u16]| -> Vec<Recipe> {
@@ -133,7 +137,7 @@ fn whole(data: &Dataset) -> usize {
     data.trajectories.iter().map(Trajectory::samples).min().unwrap_or(0).saturating_sub(1).max(1)
 }
 
-/// Loss over windows of `steps` steps that overlap by half, of some trajectories.
+/// Loss over windows of `steps` steps, overlapping by half, of the given trajectories.
 fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> Result<WindowLoss, TaskError> {
     let settings = WindowSettings {
         steps,
@@ -160,7 +164,7 @@ mod tests {
     /// If gravity or an axis had another direction, no masses would give the same motion.
     #[test]
     fn bodies_are_the_mechanisms() {
-        // The acrobot is chaotic.
+        // The tolerance of the acrobot is larger because it is chaotic.
         let cases = [
             (Mechanism::Pendulum, 1e-6, 1e-3),
             (Mechanism::Cartpole, 1e-5, 1e-3),

@@ -3,8 +3,9 @@ use super::{Finished, Row, Table, exceptions, failures, number, tables};
 use leastaction_learning::report::page::{escaped, page as framed};
 use std::path::Path;
 
-/// Returns a self-contained page: the tables with the paper's numbers, ours, their ratio and the spread over the seeds, the command and the
-/// data of every row, and the pictures of `folder`; at the top, a list of everything that is better than our models.
+/// Returns a self-contained page: the tables with the paper's numbers, ours, their ratio and the spread over the seeds,
+/// the command and the data of every row, and the pictures in `folder`. At the top it lists everything that is better
+/// than our models.
 pub fn page(paper: &Paper, results: &[Finished], folder: &Path, overviews: &[Overview]) -> String {
     let tables = tables(results);
     let body: String = tables.iter().map(|table| section(table, folder, overviews)).collect();
@@ -75,7 +76,7 @@ fn cell(row: &Row, k: usize) -> String {
     format!("<td{}>{text}</td>", if is_worse { " class=\"worse\"" } else { "" })
 }
 
-/// Notes with the results that have no column.
+/// Notes with the results that do not have their own column.
 fn notes(table: &Table) -> String {
     let note = |row: &Row| {
         let (record, note) = (row.first, row.first.note.as_ref()?);

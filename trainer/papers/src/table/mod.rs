@@ -1,4 +1,5 @@
-//! Rows of a paper as tables: the seeds of a row side by side, and everything that is better than our models.
+//! Rows of a paper as tables, with the seeds of a row summarised, and a list of everything that is better than our
+//! models.
 
 mod csv;
 mod html;
@@ -95,7 +96,7 @@ pub fn exceptions(tables: &[Table]) -> Vec<String> {
 /// Largest ratio of our value to the floor that counts as being at the floor.
 const AT_FLOOR: f64 = 2.0;
 
-/// Describes a row of ours in words, if anything is better.
+/// Describes in words what is better than one of our rows, if anything is.
 fn exception(table: &Table, ours: &Row) -> Option<String> {
     let is_rival = |row: &&Row| !row.first.is_ours && row.first.subject == ours.first.subject;
     let rivals: Vec<&Row> = table.rows.iter().filter(is_rival).collect();
@@ -115,7 +116,7 @@ fn exception(table: &Table, ours: &Row) -> Option<String> {
     (!measures.is_empty()).then(|| format!("{}, {subject}, {model}: {}", table.title, measures.join("; ")))
 }
 
-/// Whether our value is not worse, or at the floor.
+/// Whether our value is at least as good as theirs, or at the floor.
 fn is_best(measure: &Measure, ours: f64, theirs: f64) -> bool {
     match measure.better {
         Better::Less => ours <= theirs || measure.floor.is_some_and(|floor| ours <= AT_FLOOR * floor),

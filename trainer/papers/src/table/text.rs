@@ -1,6 +1,6 @@
 use super::{Cell, Finished, Row, Table, exceptions, number, tables};
 
-/// Returns the tables as text, with a list of everything that is better than our models, and of failures.
+/// Returns the tables as text, with lists of everything that is better than our models, and of failures.
 pub fn text(results: &[Finished]) -> String {
     let tables = tables(results);
     let mut text: String =
@@ -37,7 +37,8 @@ fn lines(table: &Table) -> String {
     text
 }
 
-/// Cells with our values, the extremes over the seeds if there are several, and the paper's values and the floor if known.
+/// Cells with our values, the extremes over the seeds if there are several seeds, and the paper's values and the floor
+/// if they are known.
 fn row_cells(row: &Row) -> Vec<Vec<String>> {
     let (record, count) = (row.first, row.first.measures.len());
     let subject = || record.subject.iter();
@@ -69,7 +70,7 @@ fn row_cells(row: &Row) -> Vec<Vec<String>> {
     lines
 }
 
-/// Aligns columns to their necessary width, the first `left` of them flush left.
+/// Pads columns to the necessary width; the first `left` columns are aligned to the left.
 fn aligned(cells: &[Vec<String>], left: usize) -> String {
     let columns = cells.first().map_or(0, Vec::len);
     let width = |k: usize| cells.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);

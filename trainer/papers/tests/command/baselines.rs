@@ -32,7 +32,8 @@ fn all_rows_are_there_after_few_epochs() {
 fn a_row_out_of_time_says_so() {
     let bench = Bench::new();
     data(&bench);
-    // Less than a nanosecond, which a fast machine's clock may not see pass: no time at all.
+    // The limit is less than a nanosecond, so training runs out of time at once, even if the clock of a fast machine
+    // has not advanced.
     let done = bench.run(&format!("{RUN} --baselines --minutes 1e-12 -o out")).good();
     assert_eq!(done.stdout.matches("out of time at epoch 0").count(), 6, "{}", done.stdout);
     assert_eq!(bench.text("out/modlanet.html").matches("out of time at epoch 0").count(), 6);
@@ -40,7 +41,7 @@ fn a_row_out_of_time_says_so() {
     bench.run("modlanet --minutes 0").bad(2, &["--minutes", "above 0"]);
 }
 
-/// An epoch of a baseline in `lgnn`; systems with the numbers of nodes that it is run on.
+/// Runs one epoch of a baseline in `lgnn`; `counts` are the numbers of nodes of the systems on which it is run.
 fn lgnn(task: &str, (model, parameters): (&str, u64), counts: &[u64]) {
     let bench = Bench::new();
     let run = format!("lgnn --quick --starts 1 --iterations 1 --epochs 1 --only {task} --json");

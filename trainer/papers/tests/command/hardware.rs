@@ -123,7 +123,7 @@ fn hostile_logs_are_refused_with_their_place() {
     }
     std::fs::remove_file(bench.at("double-pendulum/01.csv")).unwrap();
     run().bad(2, &["double-pendulum", "only one log"]);
-    // Logs too short for a window that counts give NaN.
+    // The errors of logs that are too short for a window are NaN.
     let short = good.lines().take(30).collect::<Vec<_>>().join("\n");
     write(&bench, "double-pendulum/01.csv", &short);
     let found =

@@ -1,5 +1,5 @@
-//! A simulated double pendulum that writes logs like the real one: jittered stamps, an encoder grid, friction, zero offsets, torques that
-//! change all the time.
+//! A simulated double pendulum that writes logs like those of the real one: jittered stamps, encoders of finite
+//! resolution, friction, zero offsets, torques that change all the time.
 
 use leastaction_papers::hardware::{Identified, Predictor};
 use leastaction_programs::Row;
@@ -28,7 +28,7 @@ tl1: 10.0
 
 /// Step of the simulation, s.
 const STEP: f64 = 5e-4;
-/// Numbers of steps from one sample to the next, in turn: 4 ms with jitter.
+/// Numbers of simulation steps from one sample to the next, in turn: 4 ms with jitter.
 const INTERVALS: [usize; 5] = [8, 7, 8, 9, 8];
 /// Resolution of an encoder, rad.
 const GRID: f64 = 3.8e-4;
@@ -67,7 +67,7 @@ fn text(robot: &Identified, log: usize, seconds: f64) -> String {
             motion(rows.each_ref().map(|rows| &rows[..]), &mut a);
             [v, a.map(|a| a.0[0])]
         };
-        // The midpoint rule: 0.5 ms is short enough.
+        // This is the midpoint rule, for which 0.5 ms is short enough.
         let first = rate(state);
         state = moved(state, STEP, rate(moved(state, STEP / 2.0, first)));
     }

@@ -44,14 +44,15 @@ impl Adjoint {
     }
 }
 
-/// Derivatives in the weights for every sample: for a layer's weights Σ z̄ᵢ aⱼ over pairs of an adjoint and inputs, for its biases z̄.
+/// Derivatives with respect to the weights, for every sample: for a layer's weights Σ z̄ᵢ aⱼ over pairs of an adjoint
+/// and inputs, for its biases z̄.
 pub struct Derivatives<'p> {
     pairs: Vec<[&'p [DMatrix<f64>]; 2]>,
     biases: &'p [DMatrix<f64>],
 }
 
 impl Layers {
-    /// Takes a network with these numbers of units, inputs and outputs included; `None` if the block is too short.
+    /// Takes a network with these numbers of units (inputs and outputs included); `None` if the block is too short.
     pub fn take(block: &[f64], units: &[usize]) -> Option<Self> {
         let (mut layers, mut start) = (Vec::new(), 0);
         for (inputs, outputs) in layers_of(units) {
@@ -107,7 +108,7 @@ impl Layers {
         })
     }
 
-    /// Goes from ȳ back to the inputs; `slope` converts ā of hidden layer k to z̄.
+    /// Propagates ȳ back to the inputs; `slope` converts ā of hidden layer k to z̄.
     fn backward(&self, y_bar: DMatrix<f64>, slope: impl Fn(usize, &mut DMatrix<f64>)) -> Adjoint {
         let (mut sums, mut inputs) = (vec![y_bar], Vec::new());
         for (k, layer) in self.0.iter().enumerate().rev() {
@@ -169,14 +170,14 @@ impl Pass {
         Derivatives { pairs, biases: &tangent.sums }
     }
 
-    /// Multiplies by 1 − a², the slope of unit i of hidden layer k.
+    /// Multiplies by 1 − a², the derivative of the activation at unit i of hidden layer k.
     fn times_slope(&self, k: usize, i: usize, x: &mut [f64]) {
         x.iter_mut().zip(column(&self.inputs[k + 1], i)).for_each(|(x, a)| *x *= 1.0 - a * a);
     }
 }
 
 impl Derivatives<'_> {
-    /// Writes the derivatives in the weight from input j to output i of layer k.
+    /// Writes the derivatives with respect to the weight from input j to output i of layer k.
     fn weight(&self, k: usize, [i, j]: [usize; 2], out: &mut [f64]) {
         out.fill(0.0);
         for [bars, units] in &self.pairs {

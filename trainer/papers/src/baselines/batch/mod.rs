@@ -1,7 +1,8 @@
 //! Tanh networks over many samples at once.
 //!
-//! With eight samples side by side, every weight that is read serves eight products, and the derivatives of layers with hundreds of units
-//! do not fit a cache. In a chunk of hundreds of samples, layers are matrix products, as fast as the processor multiplies.
+//! With only eight samples side by side, every weight that is read is used for eight products, and the derivatives of
+//! layers with hundreds of units do not fit in a cache. In a chunk of hundreds of samples, layers are matrix products,
+//! which run at the full speed of the processor.
 
 mod layers;
 
@@ -13,7 +14,7 @@ use leastaction_learning::training::{ChunkRows, Failed, NormalEquations, Residua
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Residuals r of samples that are computed together, all by one network.
+/// Residuals r of samples that are computed together, all by the same network.
 pub(super) trait Batched: Sync {
     /// Intermediate results of the residuals, for their derivatives.
     type Trace;

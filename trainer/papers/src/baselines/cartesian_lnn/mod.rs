@@ -12,14 +12,15 @@ use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, Network};
 use leastaction_programs::{Builder, Node};
 
-/// Initial k, kg: that of 1 kg.
+/// Initial k, kg, which corresponds to a mass of 1 kg.
 const HALF: f64 = 0.5;
 
-/// M v̇ = −V_q + Aᵀλ, A v̇ = −Ȧv: L = Σ k_i |v_i|² − V(q) of nodes in the plane, with two hidden squareplus layers between all positions
-/// and V, and known rods.
+/// Model M v̇ = −V_q + Aᵀλ, A v̇ = −Ȧv with L = Σ k_i |v_i|² − V(q) for nodes in the plane and known rods. V is a
+/// network of all positions with two hidden squareplus layers.
 ///
-/// LGNN's program has 256 units per layer. Every k_i is learned, starting at ½ kg, so that L is known up to its scale; all other weights
-/// start uniform with Glorot's variance. V fits only one number of nodes: nothing carries over to other graphs.
+/// LGNN's program has 256 units per layer. Every k_i is learned, starting at ½ kg, so L is only determined up to its
+/// scale. All other weights start uniform with Glorot's variance. V fits only one number of nodes, so nothing can be
+/// transferred to other graphs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CartesianLnn {
     graph: NamedGraph,
@@ -32,7 +33,7 @@ impl CartesianLnn {
         Self { graph, width }
     }
 
-    /// Network of V, after every k.
+    /// Network of V, whose weights follow those of all k.
     fn potential(&self) -> Network {
         let start = self.graph.nodes.len();
         Network::of_widths(self.n(), &[self.width; 2], (1, Activation::Squareplus), start)

@@ -19,12 +19,12 @@ fn lnn() -> CartesianLnn {
     CartesianLnn::new(lgnn_graph(LgnnSystem::Pendulum(NODES)), WIDTH)
 }
 
-/// States on the rods or off them.
+/// States, of which only some are on the rods.
 fn samples() -> Samples {
     oracle::samples(N, SAMPLES, [2.0, 1.5, 2.0])
 }
 
-/// k that differ, and V of a scale that shows.
+/// Values of k that differ, and a V large enough to matter.
 fn weights() -> Vec<f64> {
     let mut weights = lnn().initial_weights(5);
     weights[..NODES].copy_from_slice(&[0.7, 0.4]);

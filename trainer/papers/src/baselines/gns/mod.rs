@@ -9,9 +9,9 @@ use leastaction_learning::training::{Objective, Samples};
 use leastaction_models::accelerations::Accelerations;
 use leastaction_models::{NamedGraph, random_layers};
 
-/// Accelerations v̇_i = N_a(h′_i): nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i − x_j|) are embedded
-/// linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u and N_a have two hidden squareplus
-/// layers.
+/// Accelerations v̇_i = N_a(h′_i). Nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i
+/// − x_j|) are embedded linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u
+/// and N_a have two hidden squareplus layers.
 ///
 /// Sizes and inputs are those of LGNN's program. Positions themselves are inputs, so the accelerations are not translation-invariant, and
 /// energy is not conserved. The weights fit any graph. They start uniform with Glorot's variance.
@@ -21,7 +21,8 @@ pub struct Gns {
 }
 
 impl Gns {
-    /// Creates the model on the nodes and edges of a graph, whose rods are ignored; an error if an edge ends at no node.
+    /// Creates the model on the nodes and edges of a graph; its rods are ignored. An error if an edge refers to a node
+    /// that does not exist.
     pub fn new(sizes: GraphSizes, graph: &NamedGraph) -> Result<Self, ModelError> {
         let ends = graph.edges.iter().map(|edge| edge.ends);
         Ok(Self { network: GraphNetwork::new((sizes, sizes.dimension), graph, ends)? })

@@ -29,7 +29,7 @@ fn samples() -> Samples {
     oracle::samples(N, SAMPLES, [1.0, 1.5, 2.0])
 }
 
-/// The model as its equations are printed.
+/// The model, written directly from its printed equations.
 fn naive(mut weights: &[f64], kinds: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
     let nodes = messages(&mut weights, SIZES, (kinds, &ENDS), [q, v]);
     let GraphSizes { dimension, hidden, .. } = SIZES;
@@ -81,7 +81,7 @@ fn weights_of_five_springs_serve_a_ring_of_any_size() {
     let on = |nodes| Gns::new(GraphSizes::LGNN, &lgnn_graph(LgnnSystem::Spring(nodes))).unwrap();
     let five = on(5);
     assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_130, 2_130));
-    // If all nodes are alike, their number makes no difference.
+    // If all nodes have the same state and type, their number makes no difference.
     let weights = five.initial_weights(1);
     let alike = |nodes: usize| {
         let (q, v) = ([0.3, 0.4].repeat(nodes), [0.1, -0.2].repeat(nodes));

@@ -23,11 +23,12 @@ const DEPTH: usize = 2;
 
 /// Flow q̇ = H_p, ṗ = −H_q with H(q, p) = N(s(q), p): two hidden tanh layers of equal width.
 ///
-/// Like ModLaNet's authors, we train it on q̇ and ṗ alike, at canonical momenta p = M(q)v of the true mass matrix, which no other model is
-/// given; but on the motions used for the other models, while the authors draw motions with p in ±10. Its accelerations are those of ṗ at
-/// the true velocity, v̇ = M⁻¹(−H_q − Ṁv): for bodies of mass 1 (p = v) the error of v̇ is that of ṗ, which their program prints.
-/// Predictions follow the learned flow in (q, p), which conserves H. The output's bias, one of the weights, is a constant of H that no
-/// motion shows; the authors' second output, which nothing uses, is left out.
+/// Like ModLaNet's authors, we train it on q̇ and ṗ with equal weight, at canonical momenta p = M(q)v. This uses the
+/// true mass matrix, which no other model is given. The motions are those used for the other models, while the authors
+/// draw motions with p in ±10. Its accelerations follow from ṗ at the true velocity, v̇ = M⁻¹(−H_q − Ṁv): for bodies of
+/// mass 1 (p = v) the error of v̇ is that of ṗ, which their program prints. Predictions follow the learned flow in (q,
+/// p), which conserves H. The output's bias, one of the weights, is a constant of H that no motion determines; the
+/// authors' second output, which is not used, is left out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hnn {
     coordinates: String,
@@ -38,8 +39,8 @@ pub struct Hnn {
 type Network<'w> = Mlp<'w, f64, MAX_WIDTH, DEPTH>;
 
 impl Hnn {
-    /// Creates the network with `width` units in each hidden layer; `coordinates` has one letter each, `a` for angles, any other letter for
-    /// translations; an error if it is wider than [`MAX_WIDTH`].
+    /// Creates the network with `width` units in each hidden layer. `coordinates` has one letter each: `a` for angles,
+    /// any other letter for translations. An error if the network is wider than [`MAX_WIDTH`].
     pub fn new(coordinates: &str, width: usize, momenta: Momenta) -> Result<Self, ModelError> {
         let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
         let hnn = Self { coordinates: coordinates.to_owned(), width, momenta };

@@ -1,4 +1,4 @@
-//! Momenta p = M(q) v of ModLaNet's systems, which a Hamiltonian network must be given.
+//! Momenta p = M(q) v of ModLaNet's systems, which a Hamiltonian network needs as inputs.
 
 use leastaction_ground_truth::ManyBody;
 use nalgebra::{DMatrix, DVector};
@@ -45,7 +45,7 @@ impl Momenta {
         Some(self.mass_matrix(q).cholesky()?.inverse())
     }
 
-    /// Term Ṁv, the part of ṗ = M v̇ + Ṁv that is not in any acceleration.
+    /// Term Ṁv, the part of ṗ = M v̇ + Ṁv that no acceleration contains.
     pub(super) fn convection(self, q: &[f64], v: &[f64]) -> Vec<f64> {
         match self {
             Self::Bodies => vec![0.0; v.len()],
@@ -57,7 +57,7 @@ impl Momenta {
     }
 }
 
-/// Matrix of (n − max(i, j)) x_ij: the mass below both points times a number of the pair.
+/// Matrix with the entries (n − max(i, j)) x_ij: the mass at or below both points times a factor for the pair.
 fn by_pairs(q: &[f64], x: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
     DMatrix::from_fn(q.len(), q.len(), |i, j| (q.len() - i.max(j)) as f64 * x(i, j))
 }

@@ -90,7 +90,7 @@ fn rate_direction(k: usize, n: usize) -> Vec<f64> {
 }
 
 impl Batched for Slopes {
-    /// The adjoint is that of H itself.
+    /// The trace is that of H itself.
     type Trace = (Pass, Adjoint);
 
     fn units(&self) -> [usize; 4] {

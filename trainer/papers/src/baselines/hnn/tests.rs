@@ -111,7 +111,8 @@ fn predictions_keep_the_learned_hamiltonian() {
 
 #[test]
 fn sizes_are_those_of_the_authors_and_others_are_refused() {
-    // The authors' network has 41,600 weights: two inputs fewer, and a second output that nothing uses in place of our bias.
+    // The authors' network has 41,600 weights: it has two inputs fewer, and a second, unused output in place of our
+    // bias.
     let hnn = Hnn::new("aa", 200, Momenta::Chain).unwrap();
     assert_eq!((hnn.parameters(), hnn.initial_weights(0).len()), (41_400 + 400 + 1, 41_801));
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });

@@ -11,12 +11,12 @@ use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::Energies;
 use leastaction_programs::{Builder, Node};
 
-/// L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv, with L = N_L(Σ_i h′_i): the sum of the node embeddings of a [`Gns`](super::Gns) after the
-/// messages, read out to one number.
+/// Model L_vv v̇ = L_q − L_vq v + Aᵀλ, A v̇ = −Ȧv with L = N_L(Σ_i h′_i): the node embeddings of a [`Gns`](super::Gns)
+/// after the messages are summed and read out to one number.
 ///
-/// Sizes and inputs are those of LGNN's program; messages go along edges and along rods between two nodes. L_vv need not be positive
-/// definite or regular: if it has no inverse, there is no acceleration. The weights fit any graph in the plane. They start uniform with
-/// Glorot's variance.
+/// Sizes and inputs are those of LGNN's program; messages pass along edges and along rods between two nodes. L_vv need
+/// not be positive definite or regular: if it is singular, there is no acceleration. The weights fit any graph in the
+/// plane. They start uniform with Glorot's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lgn {
     network: GraphNetwork,
@@ -24,7 +24,8 @@ pub struct Lgn {
 }
 
 impl Lgn {
-    /// Creates the model on the nodes, edges and rods of a graph; an error in another dimension than 2, or if an edge ends at no node.
+    /// Creates the model on the nodes, edges and rods of a graph; an error for a dimension other than 2, or if an edge
+    /// refers to a node that does not exist.
     pub fn new(sizes: GraphSizes, graph: NamedGraph) -> Result<Self, ModelError> {
         if sizes.dimension != 2 {
             return Err(ModelError::Shape { what: "dimensions", found: sizes.dimension, compiled: 2 });

@@ -12,7 +12,7 @@ use leastaction_learning::training::AdamSettings;
 use leastaction_programs::{Row, System, WIDTH};
 use std::array::from_fn;
 
-/// Nodes and sizes are pairwise distinct; a node embedding with fewer numbers than velocities would leave L_vv singular.
+/// Nodes and sizes are pairwise distinct. A node embedding with fewer numbers than velocities would make L_vv singular.
 const SIZES: GraphSizes = GraphSizes { dimension: 2, node: 4, edge: 1, hidden: 5 };
 const NODES: usize = 3;
 const N: usize = 2 * NODES;
@@ -23,7 +23,7 @@ const RODS: [(Option<u16>, u16); 2] = [(None, 0), (Some(2), 1)];
 /// Number of samples, not divisible by the number of lanes.
 const SAMPLES: usize = 9;
 
-/// Creates a model with its nodes in the given order, by the old number of each.
+/// Creates a model with its nodes in the given order; `order` lists their old numbers.
 fn lgn(order: [usize; NODES], rods: &[(Option<u16>, u16)]) -> Lgn {
     let place = |node: u16| order.iter().position(|old| *old == usize::from(node)).unwrap() as u16;
     let rod = |(from, to): &(Option<u16>, u16)| Rod { from: from.map(place), to: place(*to), length: 1.0 };
@@ -130,7 +130,7 @@ fn what_does_not_fit_is_refused() {
     assert!(five.motion(&weights).unwrap()(&[0.0; 9], &[0.0; 10], &mut [0.0; 10]).is_none());
 }
 
-/// A graph with more coordinates than there are lanes, so that several blocks make up the mass matrix.
+/// A graph with more coordinates than lanes, so that the mass matrix is computed in several blocks.
 #[test]
 fn accelerations_of_many_nodes_are_those_that_are_learned_from() {
     let lgn = Lgn::new(SIZES, lgnn_graph(LgnnSystem::Spring(10))).unwrap();

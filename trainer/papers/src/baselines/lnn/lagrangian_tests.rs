@@ -51,7 +51,7 @@ fn system() -> System {
     System::new(&Lnn::new(COORDINATES, UNITS))
 }
 
-/// The program's vectors at these inputs, and its gradients in the weights.
+/// The vectors of the program at these inputs, and its gradients with respect to the weights.
 fn run(program: &Program, inputs: &[&Vector], vectors: usize) -> [Vec<Vec<f64>>; 2] {
     let rows: Vec<[Row; N]> = inputs.iter().map(|x| x.map(Row::splat)).collect();
     let rows: Vec<&[Row]> = rows.iter().map(|rows| &rows[..]).collect();
@@ -97,7 +97,7 @@ fn first_and_second_derivatives_are_those_of_the_network() {
     }
 }
 
-/// The part of L that moves with two directions and every weight in turn.
+/// The derivatives of L along two directions and with respect to every weight in turn.
 fn by_weight(
     weights: &[f64],
     state: [&Vector; 2],

@@ -15,10 +15,11 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// Acceleration v̇ = M⁻¹(L_q − L_vq v) with L(q, v) = N(s(q), v), M = L_vv: two hidden softplus layers of equal width.
+/// Acceleration v̇ = M⁻¹(L_q − L_vq v) with L(q, v) = N(s(q), v) and M = L_vv; the network has two hidden softplus
+/// layers of equal width.
 ///
-/// M need not be positive definite or regular: if it has no inverse, there is no acceleration. The output's bias, one of the weights, is a
-/// constant of L that no motion shows; ModLaNet's authors leave it out.
+/// M need not be positive definite or regular: if it is singular, there is no acceleration. The output's bias, one of
+/// the weights, is a constant of L that no motion determines; ModLaNet's authors leave it out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lnn {
     coordinates: String,
@@ -26,8 +27,8 @@ pub struct Lnn {
 }
 
 impl Lnn {
-    /// Creates the network with `width` units in each hidden layer; `coordinates` has one letter each, `a` for angles, any other letter for
-    /// translations.
+    /// Creates the network with `width` units in each hidden layer. `coordinates` has one letter each: `a` for angles,
+    /// any other letter for translations.
     pub fn new(coordinates: &str, width: usize) -> Self {
         Self { coordinates: coordinates.to_owned(), width }
     }
@@ -57,8 +58,9 @@ impl Energies for Lnn {
 }
 
 impl AccelerationModel for Lnn {
-    /// Normal deviates with standard deviation 2.2/√n₀ from n₀ inputs, 1.16/√n between layers of n units, 1 to the output; biases 0. These
-    /// are the variances of ModLaNet's program after Cranmer et al., appendix C (which has √n for the output).
+    /// Normal deviates with standard deviation 2.2/√n₀ for the first layer with n₀ inputs, 1.16/√n between layers of n
+    /// units, and 1 for the output layer; biases are 0. These are the variances of ModLaNet's program after Cranmer et
+    /// al., appendix C (which has √n for the output).
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let (mut weights, mut stream) = (Vec::new(), Pcg64::seed_from_u64(seed));
         let (inputs, width) = (count(&self.coordinates), self.width);

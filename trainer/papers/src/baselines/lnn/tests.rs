@@ -1,4 +1,4 @@
-//! The model under training, whatever its derivatives.
+//! Tests of training with the model.
 
 use super::*;
 use crate::baselines::oracle::{
@@ -69,8 +69,8 @@ fn a_mass_matrix_without_inverse_has_no_loss() {
 
 #[test]
 fn sizes_are_those_of_the_authors_and_their_weights_have_the_variances_said() {
-    // The authors' network has 364,200 weights: two inputs fewer, since angles are not replaced by cosine and sine, and no bias at the
-    // output.
+    // The authors' network has 364,200 weights: it has two inputs fewer, since angles are not replaced by cosine and
+    // sine, and no bias at the output.
     let lnn = Lnn::new("aa", 600);
     assert_eq!(lnn.parameters(), 364_200 + 2 * 600 + 1);
     let weights = lnn.initial_weights(0);
@@ -98,7 +98,8 @@ fn both_optimisers_train_it() {
     assert!(after < 0.9 * before, "{after} {before}");
 }
 
-/// The values that a pass through the widest network of the largest size hands on fit on a thread's stack.
+/// The values that the passes through the widest network of the largest size hand to each other fit on a thread's
+/// stack.
 #[test]
 fn the_largest_has_a_gradient() {
     let lnn = Lnn::new("tttttt", 600);

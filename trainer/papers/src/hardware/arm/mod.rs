@@ -1,10 +1,12 @@
-//! Torques of an arm along a logged motion: learned from the beginning and the end of a log, judged on the motion in between.
+//! Torques of an arm along a logged motion: models learn from the beginning and the end of a log, and are tested on the
+//! motion in between.
 //!
-//! **Protocol.** Positions, velocities and torques are interpolated linearly to 1 ms and filtered by a Butterworth filter of order 4 at 20
-//! Hz, forward and backward; accelerations are differences of the filtered velocities. Samples are taken every 20 ms from 0.2 s to 0.2 s
-//! before the end. The motion of the Panda's log repeats after 13.32 s, so a simple split in time would test on motion that was learned
-//! from: the models learn from t < 7.56 s and t > 13.44 s, and are tested on 7.76 … 13.24 s, motion that occurs nowhere else. The error is
-//! the mean over joints of the mean squared error over the variance of the torque on the tested part.
+//! **Protocol.** Positions, velocities and torques are interpolated linearly to 1 ms and filtered by a Butterworth
+//! filter of order 4 at 20 Hz, forward and backward; accelerations are differences of the filtered velocities. Samples
+//! are taken every 20 ms from 0.2 s to 0.2 s before the end. The motion of the Panda's log repeats after 13.32 s, so a
+//! simple split in time would test on the motion of the training data. The models therefore learn from t < 7.56 s and
+//! t > 13.44 s, and are tested on 7.76 … 13.24 s, whose motion occurs nowhere else. The error is the mean over joints
+//! of the mean squared error over the variance of the torque on the tested part.
 
 mod models;
 mod network;
@@ -33,7 +35,7 @@ const TESTED: [f64; 2] = [7.76, 13.24];
 const LEARNED: [f64; 2] = [7.56, 13.44];
 /// Period after which the motion repeats, s.
 const PERIOD: f64 = 13.32;
-/// Number of parts of the learned motion that are held back in turn, in blocks of time.
+/// Number of folds of the training motion, made of blocks of time and held back in turn.
 const FOLDS: usize = 5;
 /// Length of a block, s.
 const BLOCK: f64 = 0.76;
@@ -47,7 +49,7 @@ pub struct ArmData {
     pub file: PathBuf,
     /// Samples to learn from.
     pub train: Samples,
-    /// Samples to judge by.
+    /// Samples to test with.
     pub test: Samples,
 }
 
@@ -58,7 +60,7 @@ pub struct ArmOutcome {
     pub machine: &'static str,
     /// Name of the model.
     pub model: &'static str,
-    /// Whether it is the default of a fit.
+    /// Whether it is the default model of a fit.
     pub default: bool,
     /// Mean over joints of the mean squared error over the variance of the torque.
     pub mean_nmse: f64,
@@ -66,12 +68,13 @@ pub struct ArmOutcome {
     pub rmse: Vec<f64>,
     /// Mean over joints of the normalised error on the samples that were learned from.
     pub train_nmse: f64,
-    /// Count of the learned numbers.
+    /// Number of learned parameters.
     pub parameters: usize,
-    /// Number of them that the samples alone determine, to 10⁻⁶ of the best determined; not for networks.
+    /// Number of these parameters that the samples alone determine: singular values down to 10⁻⁶ of the largest count.
+    /// `None` for networks.
     pub rank: Option<usize>,
-    /// Smallest eigenvalue of a body's pseudo-inertia, scaled to a unit diagonal: positive if all bodies are physically consistent. Only
-    /// for bodies that are identified.
+    /// Smallest eigenvalue of any body's pseudo-inertia, scaled to a unit diagonal: positive if all bodies are
+    /// physically consistent. Only for models that identify bodies.
     pub consistency: Option<f64>,
     /// Training time, s.
     pub train_seconds: f64,
@@ -97,7 +100,7 @@ impl ArmData {
         Ok(Self { file, train, test })
     }
 
-    /// Fold of each learned sample; both passes through the same piece of motion have the same fold.
+    /// Fold of each training sample; both passes through the same piece of motion are in the same fold.
     pub fn folds(&self) -> Vec<usize> {
         self.train.t.iter().map(|t| (t % PERIOD / BLOCK) as usize % FOLDS).collect()
     }

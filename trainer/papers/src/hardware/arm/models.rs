@@ -16,7 +16,7 @@ use leastaction_models::tree::Tree;
 pub struct Identification {
     /// Name in the table and, in small letters, in the names of tasks.
     pub name: &'static str,
-    /// Whether it is the default of a fit.
+    /// Whether it is the default model of a fit.
     pub is_default: bool,
     /// Whether it is our model.
     pub is_ours: bool,
@@ -33,21 +33,21 @@ pub type Predict = dyn Fn(&Samples) -> Vec<f64>;
 pub struct Learned {
     /// Torques of all samples, row by row.
     pub predict: Box<Predict>,
-    /// Count of the learned numbers.
+    /// Number of learned parameters.
     pub parameters: usize,
-    /// Number of them that the samples alone determine; not for networks.
+    /// Number of these parameters that the samples alone determine; `None` for networks.
     pub rank: Option<usize>,
-    /// Consistency of the bodies, if they are identified one by one.
+    /// Consistency of the bodies, if the model identifies bodies.
     pub consistency: Option<f64>,
 }
 
-/// Width ε in the rows where it is not learned, rad/s.
+/// Width ε in rows in which it is not learned, rad/s.
 const WIDTH: f64 = 0.05;
 /// Rigid bodies and nothing else.
 const RIGID: Terms = Terms { rotors: false, viscous: false, coulomb: None, offsets: false };
 const VISCOUS: Terms = Terms { viscous: true, ..RIGID };
 const COULOMB: Terms = Terms { rotors: true, viscous: true, coulomb: Some(WIDTH), offsets: true };
-/// Numbers to learn with friction of constant size.
+/// Learned numbers for friction of constant size.
 pub(super) const WITHOUT_LOAD: Numbers = Numbers {
     bodies: Bodies::Consistent,
     known: Vec::new(),
@@ -60,9 +60,9 @@ pub(super) const WITHOUT_LOAD: Numbers = Numbers {
     smoothing: [SOFTNESS; 2],
     held: Vec::new(),
 };
-/// Mass of the whole arm (kg), from its data sheet, and radius of its links about their lines (m): the guess that is the prior if no
-/// inertia is known.
+/// Mass of the whole arm (kg), from its data sheet. The guess made from it is the prior if no inertia is known.
 const MASS: f64 = 18.0;
+/// Radius of the arm's links about their lines, m.
 const RADIUS: f64 = 0.1;
 /// Strength λ of a prior that only keeps the equations solvable.
 const WEAKEST: f64 = 1e-6;
@@ -127,7 +127,8 @@ fn guess() -> Result<Tree, TaskError> {
     Ok(panda()?.with_guessed_inertias(MASS, RADIUS))
 }
 
-/// Least squares with every torque divided by its standard deviation, so that the minimised quantity is the measure of the table.
+/// Least squares with every torque divided by its standard deviation, so that the minimised quantity is the error in
+/// the table.
 fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
     let tree = panda()?;
     let deviations: Vec<f64> = variances(&data.train).iter().map(|variance| variance.sqrt()).collect();
@@ -138,14 +139,14 @@ fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
     Ok(Learned { predict: Box::new(predict), parameters, rank, consistency: None })
 }
 
-/// Fits physically consistent bodies; the strength of their prior is chosen by parts of the samples.
+/// Fits physically consistent bodies; cross-validation over parts of the samples chooses the strength of the prior.
 pub(super) fn consistent(data: &ArmData, learned: &Numbers) -> Result<Fitted, TaskError> {
     Ok(fit_by_folds(&guess()?, &data.train, learned, (&STRENGTHS, &data.folds()))?.0)
 }
 
 fn of_fit(fitted: Fitted) -> Learned {
     let consistency = fitted.arm.tree.bodies().iter().map(|body| body.inertia.consistency());
-    // NaN if a diagonal is not positive.
+    // The consistency is NaN if a diagonal entry is not positive.
     let least = consistency.fold(f64::INFINITY, |least, x| if x < least || x.is_nan() { x } else { least });
     let (parameters, rank, arm) = (fitted.parameters, Some(fitted.rank), fitted.arm);
     let predict = move |samples: &Samples| arm.torques(samples);

@@ -1,5 +1,5 @@
-//! Inertia matrix and potential of the arm from a single network, with the friction and the offsets of the body models, learned by the
-//! torque loss: the learned alternative to bodies (DeLaN: Lutter, Ritter and Peters 2019).
+//! Inertia matrix and potential of the arm from a single network, with the friction and the offsets of the body models,
+//! learned by the torque loss. This is the learned alternative to rigid bodies (DeLaN: Lutter, Ritter and Peters 2019).
 
 use super::ArmData;
 use super::models::{Learned, WITHOUT_LOAD, consistent};
@@ -24,13 +24,13 @@ const WIDTH: u16 = 16;
 const EPSILON: f32 = 1e-4;
 /// Maximum number of Levenberg–Marquardt iterations.
 const ITERATIONS: usize = 25;
-/// Strengths λ of the penalty λ|θ|² to be tried in turn; held-back motion chooses one, and the number of iterations.
+/// Strengths λ of the penalty λ|θ|² that are tried; held-back motion chooses one, and the number of iterations.
 const DECAYS: [f64; 4] = [1e-4, 1e-3, 3e-3, 1e-2];
-/// Fold of the motion that chooses.
+/// Fold of the motion that is held back for this choice.
 const HELD_BACK: usize = 0;
 /// Step of the samples, s; the torque loss does not use it.
 const STEP: f64 = 1e-3;
-/// Initial friction that does not come from bodies.
+/// Initial friction if it does not come from a fit of bodies.
 const FIRST: JointNumbers = JointNumbers {
     rotor: 0.0,
     viscous: 0.1,
@@ -54,8 +54,8 @@ pub(super) fn from_nothing(data: &ArmData) -> Result<Learned, TaskError> {
     })
 }
 
-/// Learns from weights whose inertia and potential are those of bodies fitted to the same samples, and from the friction and the offsets
-/// found with these bodies.
+/// Learns from weights that reproduce the inertia and potential of bodies fitted to the same samples, and from the
+/// friction and the offsets found with these bodies.
 pub(super) fn from_bodies(data: &ArmData) -> Result<Learned, TaskError> {
     learn(data, |data| {
         let Arm { tree, joints } = consistent(data, &WITHOUT_LOAD)?.arm;
@@ -95,7 +95,7 @@ fn with_offsets(mut weights: Vec<f64>, joints: &[JointNumbers]) -> Vec<f64> {
     weights
 }
 
-/// Chooses the penalty and the number of iterations by held-back motion, then trains on all samples with them.
+/// Chooses the penalty and the number of iterations by held-back motion, then trains with them on all samples.
 fn learn(
     data: &ArmData,
     begin: impl Fn(&ArmData) -> Result<Beginning, TaskError>,
@@ -122,7 +122,7 @@ fn learn(
     })
 }
 
-/// Choice by held-back motion.
+/// Choice made by held-back motion.
 struct Choice {
     loss: f64,
     decay: f64,
