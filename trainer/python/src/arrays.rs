@@ -1,4 +1,4 @@
-//! Conversion of Python arrays: a copy, which no other Python thread can change meanwhile.
+//! Conversion of Python arrays: each is copied, so that no other Python thread can change it meanwhile.
 
 use crate::errors::input;
 use numpy::{
@@ -39,7 +39,7 @@ pub fn table<T: Element + Copy>(
     let Some(split) = split else {
         return Err(input(format!("{what} has the shape {shape:?}; its last axes must be {last:?}")));
     };
-    // The numbers of an array in another memory order are taken in the order of its axes.
+    // Numbers of an array in another memory order are taken in the order of its axes.
     let numbers = match array.as_slice() {
         Ok(numbers) if array.is_c_contiguous() => numbers.to_vec(),
         _ => array.as_array().iter().copied().collect(),

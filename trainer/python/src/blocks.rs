@@ -1,4 +1,4 @@
-//! Computation of rows in blocks of a fixed size: the result is bit-identical on any number of threads.
+//! Computation of rows in blocks of a fixed size: the result has the same bits on any number of threads.
 
 use leastaction_models::parallel;
 use rayon::prelude::*;
@@ -12,7 +12,8 @@ static THREADS: LazyLock<usize> = LazyLock::new(|| parallel::within(rayon::curre
 
 /// Writes rows of `width` numbers block by block; `work` gets the index of a block's first row and the block's slice.
 ///
-/// A single block, or a process with one thread, stays on the caller's thread: Python threads then do not wait for each other.
+/// A single block, or a process with one thread, is computed on the caller's thread, so that Python threads do not wait
+/// for each other.
 ///
 /// # Errors
 /// The error of the first block that fails.

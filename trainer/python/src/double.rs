@@ -92,7 +92,7 @@ pub fn evaluate(
     Ok(numbers)
 }
 
-/// Accelerations of a graph, state by state in linear time, on its rods.
+/// Accelerations of a graph with its rods, state by state, each in linear time.
 fn graph(forced: &Forced, inputs: &[Table<f64>], (numbers, width): (&mut [f64], usize)) {
     let work = |index: usize, to: &mut [f64]| {
         let row = |which: usize| inputs.get(which).map_or(&[][..], |table| table.row(index));
@@ -104,7 +104,7 @@ fn graph(forced: &Forced, inputs: &[Table<f64>], (numbers, width): (&mut [f64], 
     let Ok(()) = fill((numbers, width, 1), work);
 }
 
-/// States from `first` on, side by side, padded with the last.
+/// States from `first` on, side by side; lanes beyond the last state repeat it.
 fn side_by_side(table: &Table<f64>, first: usize, n: usize) -> Vec<Row> {
     let last = table.count.saturating_sub(1);
     let at = |lane: usize, i: usize| table.row((first + lane).min(last)).get(i).copied().unwrap_or(0.0);
@@ -129,13 +129,14 @@ pub struct Rollout {
     pub step: (f64, Order),
     /// Start of the motions.
     pub start: Start,
-    /// Forces τ at the start and the end of every step, \[motions\]\[steps\]\[n\]; those of one motion apply to all.
+    /// Forces τ at the start and the end of every step, \[motions\]\[steps\]\[n\]; the forces of a single motion apply
+    /// to all.
     pub tau: [Table<f64>; 2],
 }
 
 impl Rollout {
-    /// Positions and momenta at every sample, \[motions\]\[steps + 1\]\[2n\]; NaN from the first step that cannot be solved. If a motion
-    /// starts from two positions, the momentum at the first is NaN.
+    /// Positions and momenta at every sample, \[motions\]\[steps + 1\]\[2n\]; NaN from the first step that cannot be
+    /// solved. If a motion starts from two positions, the momentum at the first position is NaN.
     ///
     /// # Errors
     /// [`ModelError`] if the shape is inconsistent or has rods.

@@ -48,7 +48,7 @@ impl Quantity {
     }
 }
 
-/// A state without a value, and the reason.
+/// A state for which a quantity cannot be computed, and the reason.
 #[derive(Debug)]
 pub struct Unsolved {
     /// Index of the state.
@@ -57,10 +57,10 @@ pub struct Unsolved {
     pub error: ReplicaError,
 }
 
-/// Computes a quantity of every state; a value that does not exist is NaN, or an error.
+/// Computes a quantity of every state; a value that does not exist is NaN, or leads to an error.
 ///
 /// # Errors
-/// [`Unsolved`] for the first state without a value, unless `nan`.
+/// [`Unsolved`] for the first state without a value, unless `nan` is set.
 pub fn evaluate(
     chip: &Replica,
     (quantity, nan): (Quantity, bool),

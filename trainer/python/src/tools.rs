@@ -36,7 +36,8 @@ fn control(name: Option<&str>) -> PyResult<Option<ControlKind>> {
     name.map(known).transpose()
 }
 
-/// Looks at logs; returns the command's report as JSON and in words, its doubts, and a configuration for a file named `output`.
+/// Looks at logs; returns the command's report as JSON and in words, its doubts, and the text of a configuration for a
+/// file named `output`.
 #[pyfunction]
 pub fn look_at(
     py: Python<'_>,
@@ -51,7 +52,7 @@ pub fn look_at(
     Ok((json(&report)?, report.to_string(), doubts, proposal.map(|proposal| proposal.text)))
 }
 
-/// A log that a model is evaluated on.
+/// A log on which a model is evaluated.
 #[derive(FromPyObject)]
 pub struct LogRequest {
     #[pyo3(item)]
@@ -75,8 +76,8 @@ impl LogRequest {
     }
 }
 
-/// Measures a model, from a file or a run folder, on a log; returns the command's report as JSON and in words, with notes. `page` names an
-/// HTML page to write, `beside` a model to compare with there.
+/// Measures a model, from a file or a run folder, on a log; returns the command's report as JSON and in words, with
+/// notes. `page` names an HTML page to write, `beside` a model with which the page compares.
 #[pyfunction]
 pub fn evaluate(
     py: Python<'_>,
@@ -139,7 +140,8 @@ pub fn write_file(path: PathBuf, bytes: &[u8], kind: &str) -> PyResult<()> {
 /// A log: h, control kind, trajectories, notes.
 type ReadLog<'py> = (f64, Option<&'static str>, Bound<'py, PyList>, Vec<String>);
 
-/// Reads a log, by the `[data]` of a configuration if one is given; returns h, control kind, trajectories and notes.
+/// Reads a log according to the `[data]` of a configuration, if one is given; returns h, control kind, trajectories and
+/// notes.
 #[pyfunction]
 pub fn read_log<'py>(
     py: Python<'py>,

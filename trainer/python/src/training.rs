@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 /// Time between checks for Ctrl-C.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Reports training to Python: rows to `callback`, warnings to `tell`. An exception stops training, which saves first.
+/// Reports training to Python: rows to `callback`, warnings to `tell`. If either raises an exception, training saves
+/// and stops.
 struct Teller<'a> {
     callback: Option<Py<PyAny>>,
     tell: Py<PyAny>,
@@ -107,7 +108,7 @@ pub fn train_run(
     }
 }
 
-/// The exception that stopped training; a KeyboardInterrupt says how to go on.
+/// The exception that stopped training; the message of a KeyboardInterrupt says how to continue.
 fn interrupted(py: Python<'_>, error: PyErr, folder: &Path, saved: Option<u64>) -> PyErr {
     if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
         return error;

@@ -48,7 +48,7 @@ class Environment:
 
     model      a Model with or without friction; it is stepped in single precision
     actuated   coordinates that an action drives; by default all
-    max_u      largest force on each actuated coordinate, N or N m; by default the range of the training data, or no bound if it is unknown
+    max_u      largest force on each actuated coordinate, N or N m; by default the range of the training data; no bound if that is unknown
     start      initial state (q, v), or a function that draws one from a numpy Generator; by default rest at q = 0
     reward     function reward(q, v, u) of the new state and the force
     done       function done(q, v) that says whether the task has ended
@@ -91,7 +91,7 @@ class Environment:
 
     @property
     def unwrapped(self) -> Environment:
-        """This environment: it wraps no other."""
+        """This environment itself: it wraps no other."""
         return self
 
     def _bounds(self, max_u: ArrayLike | None) -> Array:
@@ -104,7 +104,7 @@ class Environment:
         return np.where(most > 0.0, most, np.inf)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
-        """Begins an episode and returns observation and info; `options` may hold the initial q and v."""
+        """Begins an episode and returns observation and info; `options` may contain the initial q and v."""
         if seed is not None:
             self._random = np.random.default_rng(seed)
         zero = np.zeros(self.model.n)
@@ -134,7 +134,7 @@ class Environment:
         return self._observed(), reward, terminated, truncated, info
 
     def render(self) -> None:
-        """Does nothing: plot the observations instead."""
+        """Does nothing; plot the observations instead."""
 
     def close(self) -> None:
         """Does nothing: there is nothing to close."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def choose() -> None:
-    """Replaces the portable module by the fastest build that runs here; a build from source has no folders, hence no choice."""
+    """Replaces the portable module by the fastest build that runs here; a build from source has only one module, which stays."""
     here, name = Path(__file__).parent, f"{__package__}._leastaction"
     builds = {int(folder.name[-1]): folder for folder in here.glob("x86_64_v[34]") if folder.is_dir()}
     if not builds:

@@ -30,7 +30,7 @@ class Log:
     t or h      time stamps, [samples], s; or the time between samples, s
     v, a, u     velocities, accelerations and generalised forces (N or N m), shaped like q; each may be left out
     trajectory  number of the trajectory that each sample belongs to, [samples], integers; by default all are one trajectory
-    control     "held" if u_k acts from t_k to t_{k+1}, like a controller's output; "linear" if a sensor sampled u
+    control     "held" if u_k acts from t_k to t_{k+1}, like a controller's output; "linear" if u was sampled by a sensor
 
     q, t, v, a and u may also be lists of arrays, one per trajectory. When the log is read, uneven stamps are resampled and gaps split
     trajectories; `notes` says so.
@@ -121,7 +121,7 @@ class Look:
         self.doubts = doubts
         """Oddities, one sentence each."""
         self.configuration = configuration
-        """TOML that trains as it stands, with columns guessed by their names; None if they cannot be guessed."""
+        """TOML, ready for training, with columns guessed by their names; None if they cannot be guessed."""
         self._text = text
 
     def __str__(self) -> str:
@@ -131,7 +131,7 @@ class Look:
 
 
 class Evaluation(dict):  # type: ignore[type-arg]
-    """The measures of `leastaction evaluate --json` by name, with `notes`; as text, the measures in words."""
+    """The measures of `leastaction evaluate --json` by name, with `notes`; converted to text, the measures in words."""
 
     def __init__(self, measures: dict[str, Any], text: str, notes: list[str]) -> None:
         super().__init__(measures)
@@ -146,7 +146,7 @@ class Evaluation(dict):  # type: ignore[type-arg]
 
 
 def look(files: PathLike | Sequence[PathLike], output: PathLike | None = None) -> Look:
-    """Examines unknown logs of one machine: clocks, ranges, encoder grids, noise, and what the columns may be.
+    """Examines unknown logs of one machine: clocks, ranges, encoder grids, noise, and a guess of what the columns are.
 
     `output` names a file for a first configuration: check it, then train with it.
     """
@@ -176,7 +176,7 @@ def evaluate(
     data     Log or files; by default the files of the configuration
     config   configuration whose [data] gives names and units of the columns, step and control of the log
     order    order of the steps, 2 or 4; by default that of the model, else 4
-    control  course of u between samples, "held" or "linear"; by default the log's, else the model's, else held
+    control  course of u between samples, "held" or "linear"; by default that of the log, else of the model, else held
     page     .html file to write: horizons, residuals, friction
     beside   another model to show beside this one on the page
     """

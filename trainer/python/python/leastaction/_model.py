@@ -93,7 +93,7 @@ class Model:
 
     @property
     def control(self) -> str | None:
-        """Course of u between samples in training, held or linear; None if the model was trained without a step."""
+        """Behaviour of u between samples in training, held or linear; None if the model was trained without a step."""
         return self._facts["control"]
 
     @property
@@ -103,7 +103,7 @@ class Model:
 
     @property
     def weights(self) -> NDArray[np.float64]:
-        """The weight block, [parameters], as the file has it."""
+        """The weight block, [parameters], as it is in the file."""
         return self._core.weights()
 
     @property
@@ -145,7 +145,7 @@ class Model:
 
     @property
     def double(self) -> Model:
-        """This model in double precision, for studies and adaptive integrators: works for any size, without the bits of the chip."""
+        """This model in double precision, for studies and adaptive integrators: works for any size, but not with the chip's bits."""
         return self._in_precision(True)
 
     @property
@@ -207,8 +207,9 @@ class Model:
     ) -> tuple[Array, Array]:
         """Position and velocity after one step of the discrete Euler–Lagrange equation, [..., n] each.
 
-        u [..., n] is held over the step, or goes linearly from u to u_end. h (s) and order (2 or 4) are by default those of training.
-        For many steps in a row `rollout` and `motion` are more exact: they keep the momentum and the rounding remainders.
+        u [..., n] is held over the step or, with u_end, goes linearly from u to u_end. h (s) and order (2 or 4) are by
+        default those of training. For many consecutive steps `rollout` and `motion` are more accurate: they keep
+        the momentum and the rounding remainders.
         """
         u = self._or_zero(u)
         start = self._as_array("u", u)[..., None, :]
@@ -285,7 +286,7 @@ class Model:
 
     def forces(self, commands: ArrayLike, *, h: float | None = None, control: str = "held") -> tuple[Array, Array]:
         """The forces at the start and the end of each step, by the file's gain, offset and delay, N or N m: the steps begin at the
-        samples of `commands`, [samples, n]. The first command is assumed to have stood before."""
+        samples of `commands`, [samples, n]. The first command is assumed to have been in effect before."""
         h, _ = self._step(h, 2)
         rows = _rows(np.asarray(commands, self.dtype), self._n, "commands")
         forces = self._core.forces_double if self._double else self._core.forces
@@ -467,7 +468,7 @@ class Motion:
     def step(self, u: ArrayLike | None = None, *, u_end: ArrayLike | None = None) -> StepReport:
         """Advances by one step under the force u [..., n] (N or N m), or a force that goes linearly from u to u_end.
 
-        If a motion cannot be stepped, SolveError is raised: that motion and those after it stay where they were, those before it have
+        If a motion cannot be stepped, SolveError is raised: that motion and those after it are left unchanged, those before it have
         been stepped.
         """
         model = self._model
@@ -512,7 +513,7 @@ def _broadcast(leads: list[tuple[int, ...]]) -> tuple[int, ...]:
 
 
 def _flat(x: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:
-    """Flattens the leading axes to one; a single row stands for all."""
+    """Flattens the leading axes to one; a single row is used for all."""
     if x.size == np.prod(tail, dtype=int):
         return x.reshape((1,) + tail)
     return np.broadcast_to(x, lead + tail).reshape((-1,) + tail)

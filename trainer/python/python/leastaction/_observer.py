@@ -30,8 +30,8 @@ class Observer:
 
     model     Model in generalised coordinates (graphs have no observer)
     h, order  step size (s) and order of the integrator; by default those of training
-    memory    maximum number of samples in memory: a longer memory smooths the noise more and follows a wrong model longer
-    patience  number of samples of one encoder missing in a row after which the estimate is no longer trusted
+    memory    maximum number of samples in memory: a longer memory smooths the noise more, but trusts a wrong model longer
+    patience  number of consecutive missing samples of one encoder after which the estimate is no longer trusted
     zeros     standard deviations (of the encoders' zeros, of an innovation), rad or m: learns the zeros; by default they are 0
 
     One tick is `correct(y)`, then `predict(u)` with the force until the next tick; or `update(y, u)`, which does both and returns the
@@ -60,12 +60,12 @@ class Observer:
 
     @property
     def zeros(self) -> Array:
-        """Zeros of the encoders, by which they read too much, [n], rad or m; 0 unless they are learned."""
+        """Zero offsets of the encoders (reading minus true position), [n], rad or m; 0 unless they are learned."""
         return self._core.zeros()
 
     @property
     def trusted(self) -> bool:
-        """Whether the estimate is fit to act on: every encoder has given three samples (fewer if `memory` is shorter), and none has been
+        """Whether the estimate can be relied on: every encoder has given three samples (fewer if `memory` is shorter), and none has been
         silent for longer than `patience`."""
         return self._core.trusted()
 

@@ -115,8 +115,8 @@ def train(
     config    file, or a dictionary with the same keys: {"model": {"coordinates": "ta"}, "training": {"iterations": 50}};
               `print(leastaction.defaults("inertia-network"))` explains all keys (inertia-network, modular, graph, bodies, arm).
     output    folder of the run; a temporary folder by default.
-    data      data to learn from in place of the configuration's files: a `Log`, or a dictionary of its arguments, which is written to
-              output.npz so that the run is like any other; or the name of a file, a pattern, or a list of them.
+    data      data to learn from instead of the configuration's files: a `Log`, or a dictionary of its arguments, which is written to
+              output.npz so that the run can be resumed like any other; or the name of a file, a pattern, or a list of them.
     resume    continues the run in the folder, bit for bit.
     force     replaces the run in the folder as soon as the new one has a finite loss.
     progress  True: a line on stderr; False: nothing; or a function that is called with a `Progress` after every iteration. If it raises
