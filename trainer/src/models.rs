@@ -26,7 +26,7 @@ pub fn read(file: &Path) -> Result<Loaded, Failure> {
     Ok(Loaded { model, bytes })
 }
 
-/// The message why bytes are not a model, with a remedy.
+/// The message that explains why bytes are not a model, with a remedy.
 pub fn refused(error: ModelError) -> String {
     format!("{error}; `leastaction export` makes a model file of a training run")
 }
@@ -96,7 +96,7 @@ pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), F
     Ok((trained, bytes))
 }
 
-/// The reason why weights are not a model.
+/// The reason why the weights of a run are not a usable model.
 fn nothing(best: &Best) -> String {
     let found = if best.solves_nothing {
         "no training sample could be solved".to_owned()
@@ -110,7 +110,7 @@ fn nothing(best: &Best) -> String {
     )
 }
 
-/// The file of a model, as loaded on a chip.
+/// The file of a model, loaded as on a chip.
 ///
 /// # Errors
 /// A message, if it cannot be encoded or loaded.

@@ -3,7 +3,7 @@
 use leastaction_learning::data::{Note, Resampled};
 use std::path::PathBuf;
 
-/// All notes as sentences, with their file if there are several; notes that files were resampled are merged into one.
+/// All notes as sentences, with their file if there are several files; notes on resampled files are merged into one.
 pub fn sentences(notes: &[(PathBuf, Note)]) -> Vec<String> {
     let mut said = Vec::new();
     let several = notes.iter().any(|(file, _)| *file != notes[0].0);

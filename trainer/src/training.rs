@@ -71,7 +71,8 @@ impl fmt::Display for Report {
     }
 }
 
-/// Reads the data that a configuration file names and prepares the losses; reports what the user should know, each a sentence.
+/// Reads the data that a configuration file names and prepares the losses; reports facts that the user should know,
+/// each as a sentence.
 ///
 /// # Errors
 /// [`Failure::Input`] if a log cannot be read, or if a run with it cannot begin.
@@ -91,7 +92,7 @@ pub fn plan(file: &Path, config: Config, tell: &mut dyn FnMut(String)) -> Result
     Ok(plan)
 }
 
-/// Trains; returns the result, and the reason for the end.
+/// Trains; returns the result, and the reason why training ended.
 ///
 /// # Errors
 /// [`Failure::Work`] if training cannot go on.

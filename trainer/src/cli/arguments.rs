@@ -1,4 +1,4 @@
-//! Parsers for option values; their errors say what a value must be.
+//! Parsers for option values; their error messages say what the value must be.
 
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::data::control_of_name;

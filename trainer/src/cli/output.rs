@@ -48,7 +48,7 @@ impl Output {
 
     /// Prints a message for people on stderr.
     pub fn note(self, message: &str) {
-        // If stderr is closed, nobody can be told.
+        // If stderr is closed, the message cannot be shown to anybody.
         let _closed = writeln!(io::stderr(), "{message}");
     }
 

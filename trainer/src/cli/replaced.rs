@@ -1,5 +1,5 @@
-//! Protection of existing files: a command only replaces files of the kind that it writes. A mistyped name must not cost a log, a
-//! configuration or a run.
+//! Protection of existing files: a command only replaces files of the kind that it writes. A mistyped name must not
+//! destroy a log, a configuration or a run.
 
 use super::Failure;
 use leastaction_core::model::MAGIC;

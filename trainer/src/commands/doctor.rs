@@ -81,7 +81,7 @@ impl Doctor {
     }
 }
 
-/// Available instruction sets that programs here make use of.
+/// Available instruction sets that the programs of this project use.
 #[cfg(target_arch = "x86_64")]
 fn instruction_sets() -> Vec<&'static str> {
     let sets = [

@@ -132,12 +132,12 @@ impl Evaluate {
         Err(Failure::input(path, format!("the model has {found} coordinates, the one beside it {own}")))
     }
 
-    /// The log, and how to read it.
+    /// The log, and the settings for reading it.
     fn log(&self) -> Result<DataConfig, Failure> {
         log_config(self.config.as_deref(), self.data.as_ref().map(DataConfig::new))
     }
 
-    /// The exact mechanism of a system, in the model's size.
+    /// The exact mechanism of a system, with as many coordinates as the model.
     fn exact(&self, system: System, model: &Model) -> Result<Exact, Failure> {
         let (n, letters) = (model.architecture.n(), model.architecture.coordinates());
         match system.kind() {
@@ -190,7 +190,7 @@ impl Evaluate {
     }
 }
 
-/// An exact mechanism in the model's size.
+/// An exact mechanism with as many coordinates as the model.
 enum Exact {
     Symo(Mechanism),
     Scalable(Scalable),

@@ -89,7 +89,7 @@ struct Report {
     joints: Vec<JointUse>,
 }
 
-/// Use that a joint makes of its limits; limits that do not exist are null.
+/// Extent to which a motion uses the limits of a joint; a limit that does not exist is null.
 #[derive(Serialize)]
 struct JointUse {
     joint: String,
@@ -239,7 +239,7 @@ fn motion_text(found: &Excitation, limits: &[Limits]) -> Result<String, toml::se
     };
     toml::to_string(&MotionFile {
         frequency: series.frequency,
-        // The motion begins at rest by itself.
+        // The motion already begins at rest.
         ramp: 0.0,
         centre: series.centre.clone(),
         limit: limits.iter().map(|of| of.effort).collect(),

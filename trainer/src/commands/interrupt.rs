@@ -1,4 +1,4 @@
-//! Ctrl-C: the first requests a stop, the second stops at once.
+//! Handling of Ctrl-C: the first requests a stop, the second ends the program at once.
 
 use leastaction::cli::Failure;
 use std::sync::atomic::{AtomicBool, Ordering};

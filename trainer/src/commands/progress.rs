@@ -15,11 +15,11 @@ pub enum Progress {
     Quiet,
     /// A bar that is redrawn in place.
     Bar(ProgressBar),
-    /// A line now and then.
+    /// A line every few seconds.
     Lines {
         /// Time of the last line.
         last: Option<Instant>,
-        /// Number of all iterations.
+        /// Number of iterations of all stages.
         iterations: u64,
     },
 }

@@ -1,4 +1,4 @@
-//! `leastaction reproduce`: a pointer to the command with the papers' experiments.
+//! `leastaction reproduce`: refers to the command with the papers' experiments.
 
 use clap::Args;
 use leastaction::cli::{Done, Failure};

@@ -1,4 +1,5 @@
-//! Predictions over many seconds from accelerations, in ModLaNet's measures, beside the floor of single precision.
+//! Predictions over many seconds from accelerations, in ModLaNet's measures, beside the error floor of single
+//! precision.
 
 use crate::cli::{Failure, FileKind, folder, replaceable};
 use leastaction_ground_truth::{
@@ -91,7 +92,7 @@ pub struct LongTerm {
 /// Errors of predictions over all starts.
 #[derive(Serialize)]
 struct Measures {
-    /// Mean position error of the predictions that did not break off; the following errors likewise.
+    /// Mean position error of the predictions that did not break off; the following errors also cover only these.
     position: Option<f64>,
     position_deviation: Option<f64>,
     energy: Option<f64>,

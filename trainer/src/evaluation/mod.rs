@@ -47,8 +47,8 @@ pub struct Log {
     pub data: Dataset,
 }
 
-/// The log to evaluate on, and how to read it: the named log, read by the `[data]` of the configuration, or else the configuration's own
-/// log.
+/// The log on which to evaluate, and the settings for reading it. This is the named log, read by the `[data]` of the
+/// configuration, or else the configuration's own log.
 ///
 /// # Errors
 /// [`Failure::Input`] if neither is given, or if the configuration cannot be read.
@@ -154,7 +154,7 @@ impl Evaluation<'_> {
         let model = self.model;
         let architecture = &model.architecture;
         let order = self.order.or(model.facts.trained_step.map(|step| step.order.number())).unwrap_or(4);
-        // Under a force even the true energy changes, but the measure compares with its first value.
+        // Under a force even the true energy changes, but the measure compares it with its first value.
         let free = system.filter(|_| !log.is_forced());
         let steps = || steps(model, order, log, free);
         let inertia = |system| inertia_mse(model, system, log);
@@ -187,7 +187,7 @@ impl Evaluation<'_> {
     }
 }
 
-/// Errors of steps in the chip's arithmetic; an error message if it is not compiled for the model's size.
+/// Errors of steps in the chip's arithmetic; an error message if core is not compiled for the model's size.
 fn on_chip(model: &Model, order: u8, log: &Dataset) -> Result<Steps, String> {
     let order = Order::from_number(order).ok_or("there is no such order")?;
     let file = chip_file(model)?;

@@ -9,7 +9,7 @@ use leastaction_learning::training::Solved;
 use leastaction_models::parallel;
 use leastaction_replica::{Control, Motion, Replica, ReplicaError, Step};
 
-/// Steps a model along a log: single steps from every pair of positions, and whole trajectories from the second sample.
+/// Steps a model along a log: one step from every pair of positions, and whole trajectories from the second sample on.
 pub fn steps(chip: &Replica, order: Order, log: &Dataset) -> Result<Steps, ReplicaError> {
     let step = Step { order, h: log.h as f32 };
     let tracks: Vec<_> =
@@ -68,7 +68,8 @@ impl<'l> Track<'l> {
         self.chip.motion_between(self.step, [&self.q[k - 1], &self.q[k]], self.control(k - 1))
     }
 
-    /// Mean squared errors of every position but the first two, predicted from the two before; `None` if a step cannot be solved.
+    /// Mean squared errors of every position except the first two, each predicted from the two before it; `None` if a
+    /// step cannot be solved.
     fn one_steps(&self) -> Vec<Option<f64>> {
         (1..self.logged.samples().saturating_sub(1)).map(|k| self.one_step(k).ok()).collect()
     }

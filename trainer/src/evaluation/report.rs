@@ -39,10 +39,10 @@ pub struct Report {
     /// Errors of torques, if every coordinate is driven.
     #[serde(flatten)]
     pub torques: Option<Torques>,
-    /// Errors of steps in double precision; `None` on rods.
+    /// Errors of steps in double precision; `None` for a model with rods.
     #[serde(flatten)]
     pub steps: Option<Steps>,
-    /// Errors of steps in the chip's arithmetic; `None` for a size that it is not compiled for here.
+    /// Errors of steps in the chip's arithmetic; `None` if core is not compiled for the model's size here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chip: Option<Steps>,
     /// Error of the inertia matrix, compared with an exact mechanism.
@@ -80,7 +80,8 @@ impl fmt::Display for Report {
 /// Errors of accelerations.
 #[derive(Serialize)]
 pub struct Acceleration {
-    /// Mean squared error over the samples that can be computed; `None` if there are none. The same applies below.
+    /// Mean squared error over the samples that can be computed; `None` if there are none. The ratio below covers the
+    /// same samples.
     pub acceleration_mse: Option<f64>,
     /// Ratio to the mean squared acceleration.
     pub acceleration_relative: Option<f64>,
@@ -120,7 +121,8 @@ pub struct Steps {
     pub one_step_mse: Option<f64>,
     /// Number of steps that cannot be solved.
     pub one_step_unsolved: usize,
-    /// Mean squared error of the rollouts that reach the end; `None` if there are none. The same applies below.
+    /// Mean squared error of the rollouts that reach the end; `None` if there are none. The rollout errors below cover
+    /// the same rollouts.
     pub rollout_mse: Option<f64>,
     /// Median over rollouts.
     pub rollout_median: Option<f64>,
@@ -173,7 +175,7 @@ fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
     writeln!(f, "{name:<30} {value}")
 }
 
-/// Writes how many cases the rows above leave out.
+/// Writes how many cases the rows above do not include.
 fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
     if count == 0 { Ok(()) } else { writeln!(f, "  without {count}: these {what}") }
 }

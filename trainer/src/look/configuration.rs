@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// Relative difference below which sampling intervals belong to one clock.
 const SAME: f64 = 0.01;
 
-/// The text of a configuration that trains as it stands, or the reason why the columns cannot be guessed. Without a mechanism the model is
-/// a network.
+/// The text of a configuration that can be used for training without changes, or the reason why the columns cannot be
+/// guessed. Without a mechanism the model is a network.
 pub fn of(
     (files, at): (&[PathBuf], &Path),
     report: &Report,
@@ -44,7 +44,7 @@ pub fn of(
             line(&mut text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)))
         }
         Some(_) => line(&mut text, format_args!("t = {}", quoted(t))),
-        // Messages have a time of their own.
+        // Messages have their own time, so no column is named.
         None => {}
     }
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
@@ -87,8 +87,8 @@ fn network(n: usize) -> String {
     format!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\"\n")
 }
 
-/// The longest sampling interval of a file, to two digits, if other files have shorter ones; `None` if all files have the same step, with
-/// jitter or not.
+/// The longest sampling interval of all files, to two digits, if some files have shorter ones. `None` if all files have
+/// the same step, with jitter or without.
 fn step(report: &Report, guess: &Guess) -> Option<f64> {
     let has_q = |file: &&File| guess.q.first().is_some_and(|q| file.may_have(q));
     let rates = || report.files.iter().filter(has_q).filter_map(|file| file.rate);

@@ -1,4 +1,4 @@
-//! Excitation of coordinates in logs.
+//! Excitation of the coordinates in logs.
 
 use super::Seen;
 use leastaction_learning::data::survey::{Clock, Guess, MotionSurvey, time_unit};
@@ -22,7 +22,7 @@ pub struct Coordinate {
     pub turns: usize,
     /// Number of jumps by 360.
     pub turns_of_360: usize,
-    /// Number of outliers: single samples off the curve of their neighbours.
+    /// Number of outliers: single samples off the curve through their neighbours.
     pub outliers: usize,
     /// First outlier.
     pub first_outlier: Option<FirstOutlier>,
@@ -37,7 +37,7 @@ pub struct FirstOutlier {
     pub sample: usize,
     /// Stamp (s).
     pub time: f64,
-    /// Deviation from the neighbours' curve.
+    /// Deviation from the curve through the neighbours.
     pub off: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Choice of a mechanism of few joints that moves as logs show.
+//! Choice of a mechanism with few joints whose motion resembles that in the logs.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::{self, Write};
@@ -10,14 +10,15 @@ pub const MOST_JOINTS: usize = 3;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mechanism(Vec<Joint>);
 
-/// Joint of a body on the body before it.
+/// Joint between a body and the body before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Joint {
-    /// A revolute joint; at q = 0 the body hangs down, or continues the line of the link before.
+    /// A revolute joint. At q = 0 the body hangs down, or continues the line of the link before it.
     Link,
-    /// A prismatic joint: on the ground horizontal, then vertical; on a link along the link.
+    /// A prismatic joint. The first slide on the ground is horizontal, a slide on it vertical; a slide on a link is
+    /// along the link.
     Slide {
-        /// Whether it slides the opposite way.
+        /// Whether it slides in the opposite direction.
         back: bool,
     },
 }
@@ -27,9 +28,9 @@ const JOINTS: [Joint; 3] = [Joint::Link, Joint::Slide { back: false }, Joint::Sl
 /// A body with its place in a mechanism.
 struct Body {
     joint: Joint,
-    /// Direction, relative to the hanging frame or to the link before, rad.
+    /// Direction, relative to the hanging frame or to the previous link, rad.
     direction: f64,
-    /// Direction of the body before, rad.
+    /// Direction of the previous body, rad.
     before: f64,
     /// Whether some earlier body turns.
     on_link: bool,
@@ -43,7 +44,8 @@ impl Mechanism {
         Self(vec![Joint::Link; n])
     }
 
-    /// All mechanisms with n joints, the chain of links first. For a single slide only one direction is listed, since both are equal.
+    /// All mechanisms with n joints; the chain of links comes first. For a single slide only one direction is listed,
+    /// since both give the same motion.
     pub fn all(n: usize) -> Vec<Self> {
         let joints = (0..n).fold(vec![Vec::new()], |all: Vec<Vec<Joint>>, _| {
             let with = |before: Vec<Joint>| JOINTS.map(|joint| [before.clone(), vec![joint]].concat());
@@ -52,7 +54,7 @@ impl Mechanism {
         joints.into_iter().map(Self).filter(|own| own.bodies().is_some()).collect()
     }
 
-    /// Bodies; `None` if slides are parallel, or if the mechanism equals another one in [`Mechanism::all`].
+    /// Bodies; `None` if slides are parallel, or if the mechanism is equivalent to another one in [`Mechanism::all`].
     fn bodies(&self) -> Option<Vec<Body>> {
         let (mut bodies, mut slides, mut on_link, mut before) = (Vec::new(), 0, false, 0.0);
         for (i, joint) in self.0.iter().copied().enumerate() {
@@ -124,7 +126,7 @@ impl Body {
             add(format_args!("at = [\"learned\", 0.0]"));
         }
         match (slides, self.on_link) {
-            // A body that never turns shows only its mass.
+            // For a body that never turns, motion shows only its mass.
             (true, false) => add(format_args!("centre = [0.0, 0.0]\ninertia = 1.0")),
             (false, true) => add(format_args!("rotor = \"learned\"\ngear = 10.0")),
             _ => (),
@@ -153,7 +155,8 @@ mod tests {
     #[test]
     fn mechanisms_are_told_apart_once() {
         assert_eq!(Mechanism::all(1).len(), 2);
-        // Two links; a link and a slide out or in; a slide and a link or a vertical slide, each in both directions.
+        // These are two links; a link and a slide, outwards or inwards; a slide and a link, or a vertical slide, each
+        // in both directions.
         assert_eq!(Mechanism::all(2).len(), 9);
         assert_eq!(Mechanism::all(2)[0], Mechanism::links(2));
         let mut all: Vec<String> = Mechanism::all(3).iter().map(|own| own.tables().concat()).collect();

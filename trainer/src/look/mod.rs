@@ -23,7 +23,7 @@ pub struct Look {
     guess: Guess,
 }
 
-/// The data of one clock in a file.
+/// The data of a file that have one clock.
 struct Seen {
     file: PathBuf,
     log: RawLog,
@@ -51,7 +51,7 @@ impl Look {
         Report::new(&self.seen, &self.guess)
     }
 
-    /// A configuration for a file of this name, which trains as it stands.
+    /// A configuration for a file of this name; it can be used for training without changes.
     ///
     /// # Errors
     /// The reason, in words, why the columns cannot be guessed.
@@ -89,12 +89,12 @@ struct Found {
     of_links: f64,
 }
 
-/// Ratio of errors, to the chain of links, below which another mechanism is proposed.
+/// Ratio of the error to that of the chain of links, below which another mechanism is proposed.
 const BETTER: f64 = 0.7;
 
 impl Found {
-    /// Chooses among several mechanisms, the chain of links first, by the text of the configuration of each; `None` if no log can be held
-    /// back, or if none predicts anything.
+    /// Chooses among several mechanisms, of which the first is the chain of links; `text` gives the configuration of
+    /// each. `None` if no log can be held back, or if no mechanism predicts anything.
     fn among(all: Vec<Mechanism>, text: impl Fn(&Mechanism) -> Option<String>) -> Option<Self> {
         let mut data: Option<Dataset> = None;
         let errors = all.iter().map(|mechanism| {

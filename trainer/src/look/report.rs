@@ -16,7 +16,7 @@ pub struct Report {
     pub columns: Vec<Column>,
     /// Motion of every coordinate.
     pub coordinates: Vec<Coordinate>,
-    /// Other columns.
+    /// Columns that are not numeric.
     pub others: Vec<String>,
     /// Configuration that was written.
     pub configuration: Option<PathBuf>,

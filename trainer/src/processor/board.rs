@@ -55,7 +55,7 @@ pub enum BoardError {
 }
 
 impl Board {
-    /// Largest size of a model file, bytes: the slot in flash without its two words.
+    /// Largest size of a model file, bytes: the slot in flash minus its two header words.
     pub const ROOM: u64 = (64 << 10) - 8;
 
     /// Name of the processor, as it reports itself.
@@ -95,8 +95,8 @@ impl Board {
         if matches!(self, Self::Riscv) { 0x803f_0000 } else { 0x003f_0000 }
     }
 
-    /// The controller's image for this number of coordinates: the named one, or the one built in the repository that contains this program
-    /// or the working folder. `LEASTACTION_CHIP_TARGET` names another folder of builds.
+    /// The controller's image for this number of coordinates: the named one, or the one built in the repository that
+    /// contains this program or the working folder. `LEASTACTION_CHIP_TARGET` names another folder with builds.
     ///
     /// # Errors
     /// [`BoardError`] if there is none.
@@ -151,8 +151,8 @@ impl Board {
     }
 }
 
-/// Fixed arguments: no window and no console; one instruction per virtual nanosecond, for counts that are equal in every run; semihosting,
-/// for the end.
+/// Fixed arguments: no window and no console; one instruction per virtual nanosecond, so that counts are equal in every
+/// run; semihosting, with which the program ends the emulator.
 const OUTSIDE: [&str; 10] = [
     "-display",
     "none",

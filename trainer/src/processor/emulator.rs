@@ -8,9 +8,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Interval at which a wait checks whether the run is to stop.
+/// Interval at which a waiting call checks whether the run is to stop.
 const GLANCE: Duration = Duration::from_millis(50);
-/// Longest time to end for an emulator that was told to, or that closed its line.
+/// Longest time for an emulator to end after it was told to, or after it closed its line.
 const FAREWELL: Duration = Duration::from_secs(2);
 
 /// A board under QEMU; its serial line is the stdin and stdout of a child process. The child ends when this value is dropped.
@@ -67,7 +67,7 @@ impl Emulator {
     /// The reason why no more bytes arrive.
     fn closed(&mut self) -> LinkError {
         let status = self.wait(FAREWELL);
-        // Ctrl-C reaches the emulator too, perhaps first.
+        // Ctrl-C also reaches the emulator, perhaps before it reaches this program.
         thread::sleep(GLANCE);
         if self.stop.load(Ordering::Relaxed) {
             return LinkError::Interrupted;

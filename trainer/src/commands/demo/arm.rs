@@ -1,4 +1,4 @@
-//! The demo of an arm with six joints: from its description and a log of torques to a motion that the firmware's program follows.
+//! The demo of an arm with six joints: from its description and a log of torques to a motion that the firmware follows.
 
 mod robot;
 
@@ -18,7 +18,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Configuration for what the description lacks: the log, and the numbers to learn.
+/// Configuration of everything that the description does not contain: the log, and the numbers to learn.
 const CONFIG: &str = r#"
 [data]
 file = "log.npz"
@@ -32,7 +32,7 @@ friction = { viscous = "learned", coulomb = "learned" }
 /// Bandwidth ω of the feedback of both controllers, rad/s.
 const BANDWIDTH: f32 = 60.0;
 
-/// The plots show one tick of this many.
+/// Number of ticks of which the plots show one.
 const SHOWN: usize = 20;
 
 /// Results of the demo.

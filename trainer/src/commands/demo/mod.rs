@@ -55,7 +55,7 @@ enum Machine {
 }
 
 const MECHANISM: Mechanism = Mechanism::Cartpole;
-/// Settings that learn the energies well within a quarter of a minute on one core.
+/// Settings with which the energies are learned well within a quarter of a minute on one core.
 const TRAJECTORIES: usize = 16;
 const WIDTH: u16 = 16;
 const ITERATIONS: u64 = 40;

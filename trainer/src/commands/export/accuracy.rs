@@ -1,4 +1,4 @@
-//! Loss of accuracy by rounding the weights, on the log that they were learned from.
+//! Loss of accuracy caused by rounding the weights, measured on the log that they were learned from.
 
 use super::Precision;
 use leastaction::cli::{Failure, Output};
@@ -19,9 +19,9 @@ pub struct Accuracy {
     data: PathBuf,
     /// Bits of a shipped weight.
     bits: u8,
-    /// Errors with trained weights, in double precision.
+    /// Errors with the weights as trained, in double precision.
     trained: Errors,
-    /// Errors with the weights of the file.
+    /// Errors with the weights as shipped in the file.
     shipped: Errors,
 }
 
@@ -72,7 +72,7 @@ impl Compared {
             return Err(Failure::input(&log, message));
         }
         set.control = set.control.or(self.trained.facts.trained_step.map(|step| step.control));
-        // Training has reported the seams already.
+        // Training has already reported the seams.
         let _ = set.unwrap_angles(&self.trained.architecture.coordinates());
         let failed = |error: ModelError| Failure::input(run, error);
         let trained = errors(&self.trained, &set).map_err(failed)?;

@@ -128,7 +128,7 @@ impl Export {
         self.rust.iter().try_for_each(|file| replaceable(file, FileKind::RustModule))
     }
 
-    /// The loss by rounding, if weights were rounded to half precision or a log is given.
+    /// The loss of accuracy by rounding, if weights were rounded to half precision or a log is given.
     fn accuracy(&self, trained: &Trained, bytes: &[u8], output: Output) -> Result<Option<Accuracy>, Failure> {
         if self.weights == Weights::F32 && self.data.is_none() {
             return Ok(None);

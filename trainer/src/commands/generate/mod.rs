@@ -101,7 +101,7 @@ enum Control {
 /// Largest number of elements in a system.
 const MOST_ELEMENTS: i64 = 1000;
 
-/// Largest count of numbers in a log: a gibibyte, held in memory before it is written.
+/// Largest count of numbers in a log; together they take 1 GiB, which is held in memory before it is written.
 const MOST_NUMBERS: usize = 1 << 27;
 
 /// Report on the written files.
@@ -163,7 +163,7 @@ impl Generate {
         output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })
     }
 
-    /// The log to write; without --robot there always is one.
+    /// The log to write; without --robot there is always one.
     fn file(&self) -> &Path {
         self.output.as_deref().unwrap_or(Path::new(""))
     }
@@ -192,7 +192,7 @@ impl Generate {
             output: file.as_deref(),
         };
         let (logs, samples, _) = common.size();
-        // Every sample takes twice the numbers of a log: measured and true values.
+        // Every sample takes twice as many numbers as in a log: measured and true values.
         fits(logs, samples, 2 * robot::MOST_COORDINATES)?;
         let ((trajectories, each, h), hidden) = robot.run(&common)?;
         let (samples, hidden) = (trajectories * each, Some(hidden));
@@ -311,7 +311,7 @@ impl Generate {
     }
 }
 
-/// Refuses logs that would fill the memory: q, v, a and u of every sample, its time and its trajectory's id.
+/// Refuses logs that would fill the memory. A sample has q, v, a and u, its time and its trajectory's id.
 fn fits(trajectories: usize, samples: usize, coordinates: usize) -> Result<(), Failure> {
     let numbers = trajectories.saturating_mul(samples).saturating_mul(4 * coordinates + 2);
     if numbers <= MOST_NUMBERS {

@@ -83,7 +83,7 @@ pub struct Common<'a> {
     pub output: Option<&'a Path>,
 }
 
-/// Truth about the logs that is not in them.
+/// Facts about the logs that are not in the logs.
 #[derive(Serialize)]
 pub struct Hidden {
     /// Zero offsets of the encoders, log by log.

@@ -41,7 +41,7 @@ struct Report {
     model: PathBuf,
     family: &'static str,
     coordinates: Vec<&'static str>,
-    /// Tree or graph that coordinates and cost refer to, if the file has several.
+    /// Tree or graph to which coordinates and cost refer, if the file has several.
     #[serde(skip)]
     part: Option<[String; 2]>,
     #[serde(flatten)]
@@ -70,7 +70,7 @@ struct Report {
     format_version: u8,
     provenance: String,
     flash_bytes: usize,
-    /// Cost; `None` for a model without a graph.
+    /// Cost; `None` for a model without a selected graph.
     cost: Option<Cost>,
     #[serde(skip_serializing_if = "Option::is_none")]
     target: Option<OnTarget>,
@@ -106,7 +106,7 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
     let friction = architecture.friction_of_coordinates(&model.weights);
     let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
-    // Every modular model has damping numbers; most are 0.
+    // Every modular model has damping numbers, but most are 0.
     let damped =
         architecture.family.inertia_network().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {

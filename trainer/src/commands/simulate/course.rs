@@ -3,7 +3,7 @@
 use leastaction_firmware_sim::control::{Setpoint, Trajectory, enter};
 use leastaction_learning::data;
 
-/// A motion of N coordinates, entered from rest; after its end it stays where it is.
+/// A motion of N coordinates, entered from rest; after its end it stays at its last position.
 ///
 /// Between two samples every coordinate is a cubic polynomial. Positions, velocities and accelerations are continuous (a cubic spline with
 /// given slopes at both ends).
@@ -69,8 +69,8 @@ impl<const N: usize> Trajectory<N> for Course<N> {
     }
 }
 
-/// Value and first two derivatives of the cubic from one position and velocity to the next, h seconds later, at the fraction x of the
-/// interval.
+/// Value and first two derivatives of the cubic between two positions and velocities that are h seconds apart, at the
+/// fraction x of the interval.
 fn hermite([q0, v0]: [f64; 2], [q1, v1]: [f64; 2], h: f64, x: f64) -> [f64; 3] {
     let (rise, bend) = (q1 - q0 - h * v0, h * (v1 - v0));
     let (square, cube) = (3.0 * rise - bend, bend - 2.0 * rise);
@@ -92,7 +92,8 @@ fn one_sided<'a>(values: impl Iterator<Item = &'a f64>, h: f64) -> f64 {
     weights.iter().zip(&values).map(|(weight, value)| weight * value).sum::<f64>() / h
 }
 
-/// Slopes at all samples that make second derivatives continuous: d₋ + 4d + d₊ = 3 (q₊ − q₋)/h, by Thomas elimination.
+/// Slopes at all samples that make second derivatives continuous, from d₋ + 4d + d₊ = 3 (q₊ − q₋)/h by the Thomas
+/// algorithm.
 fn slopes(q: &[f64], h: f64, [first, last]: [f64; 2]) -> Vec<f64> {
     let mut slopes = vec![first];
     let mut factors = vec![0.0];

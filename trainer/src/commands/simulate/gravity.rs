@@ -1,4 +1,4 @@
-//! The scenario `gravity`: floating by the model's gravity alone, and a push.
+//! The scenario `gravity`: floating, held by the model's gravity alone, and a push.
 
 use super::plant::{OnPlant, encoders};
 use super::reference::strongest;
@@ -38,7 +38,7 @@ impl Floats {
         Err(Failure::Input("--at, --push and --drag are of --scenario gravity".to_owned()))
     }
 
-    /// Overrides the scenario's settings by the command line's.
+    /// Overrides the scenario's settings with those of the command line.
     fn adapt<const N: usize>(&self, config: &mut GravityConfig<N>) -> Result<(), Failure> {
         let setup = &mut config.setup;
         replace("--at", &self.at, &mut setup.start.q)?;
@@ -48,7 +48,7 @@ impl Floats {
     }
 }
 
-/// Replaces `values` by those of an option, if it is given.
+/// Replaces `values` by those of an option, if the option is given.
 fn replace<const N: usize>(option: &str, list: &[f64], values: &mut [f32; N]) -> Result<(), Failure> {
     if !list.is_empty() {
         *values = super::world::for_all(option, list, 0.0)?;
@@ -88,7 +88,7 @@ pub(super) fn floating<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     Ok(report)
 }
 
-/// Floating on the plant of another model file.
+/// Task of floating on the plant of another model file.
 pub struct OnAnother;
 
 impl OnPlant for OnAnother {
@@ -102,7 +102,7 @@ impl OnPlant for OnAnother {
     }
 }
 
-/// The default configuration: from the middle of the training data, at 1,000 ticks per second.
+/// The default configuration: starts in the middle of the training data, at 1,000 ticks per second.
 fn config<const N: usize>(request: &Request) -> Result<GravityConfig<N>, Failure> {
     let range = &request.model.facts.range;
     let limit = request.world.limit()?.or_else(|| strongest(range)).ok_or_else(|| {

@@ -199,7 +199,7 @@ pub fn simulate(
     Ok((report, rows))
 }
 
-/// The failure of a run that was cut short; the existing part of its trace is kept.
+/// The failure of a run that was interrupted; the part of its trace that exists is kept.
 fn cut(failure: Failure, rows: &Trace, file: &Path) -> Failure {
     if rows.rows.is_empty() {
         return failure;

@@ -44,9 +44,10 @@ fn vertical(kind: Coordinate) -> Vertical {
 
 fn position(scenario: Scenario, trace: &Trace, i: usize, kind: Coordinate) -> Vec<Series> {
     let angle = kind == Coordinate::Angle;
-    // Upright is upright after any number of turns: the motion is shown ending within half a turn of its reference.
+    // Upright is the same after any number of turns, so the motion is shown such that it ends within half a turn of its
+    // reference.
     let turns = if angle { whole_turns(trace, i) } else { 0.0 };
-    // Encoders lose whole turns, so an estimated angle may differ from the true one by turns.
+    // Encoders do not count whole turns, so an estimated angle may differ from the true one by whole turns.
     let near = move |x: f32, q: f32| if angle { q + wrap(x - q) } else { x };
     let of_model = move |row: &Row| {
         let q = row.q.get(i)?;

@@ -93,7 +93,7 @@ pub fn on_plant(
     model.visit(OfAnySize { request, plant, what, trace })
 }
 
-/// Dispatches a task on the number of coordinates.
+/// Dispatches a task by the number of coordinates.
 struct OfAnySize<'r, 'c, W> {
     request: &'r Request<'r>,
     plant: &'r Replica<'c>,
@@ -122,7 +122,7 @@ pub fn no_graphs() -> Failure {
     Failure::Input("the scenarios take inertia networks and trees, no graphs".to_owned())
 }
 
-/// Steps a model beside the plant under the same force.
+/// Task of stepping a model beside the plant under the same force.
 pub struct Predicting;
 
 impl OnPlant for Predicting {
@@ -146,9 +146,9 @@ pub fn encoders<const N: usize>(request: &Request) -> [EncoderConfig; N] {
     })
 }
 
-/// The default prediction: 5 s at the model's own step, with errors up to 0.01 rad or m allowed. It starts in the middle half of the
-/// training data's range, at up to half its speeds, under half its largest forces at 0.5 Hz. If the file does not give the range, it starts
-/// within 0.5 rad or m at up to 0.5 rad/s or m/s, without force.
+/// The default prediction: 5 s at the model's own step, with errors up to 0.01 rad or m allowed. It starts in the
+/// middle half of the training data's range, at up to half the largest speeds, under half the largest forces at 0.5 Hz.
+/// If the file does not give the range, it starts within 0.5 rad or m at up to 0.5 rad/s or m/s, without force.
 fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> {
     let facts = &request.model.facts;
     let ranges: [CoordinateRange; N] =

@@ -12,7 +12,7 @@ use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::Dataset;
 use std::path::Path;
 
-/// Begin of a motion, s: the observer needs a few samples before.
+/// Begin of a motion, s: before it the observer needs a few samples.
 const BEGIN: f32 = 0.1;
 /// Time in which a logged motion that does not begin at rest is entered, s.
 const RAMP: f32 = 2.0;
@@ -36,7 +36,7 @@ impl<const N: usize> Trajectory<N> for Followed<N> {
     fn validate(&self) -> Result<(), SetupError> {
         match self {
             Self::Series(series) => series.validate(),
-            // The log's numbers were checked when it was read.
+            // The numbers of the log were checked when the log was read.
             Self::Samples(_) => Ok(()),
         }
     }

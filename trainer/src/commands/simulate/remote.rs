@@ -89,7 +89,7 @@ impl Target {
             RunError::Processor { tick, error } => failure(error, &format!("{name}, tick {tick}")),
         })?;
         let instructions = remote.instructions().to_vec();
-        // The run is over, and the emulator will end soon in any case.
+        // The run is over; if the emulator is not told, it ends soon anyway.
         if let Ok(emulator) = remote.end() {
             emulator.finish();
         }
@@ -106,7 +106,7 @@ impl Target {
     }
 }
 
-/// The failure to begin; a processor without any answer probably runs something else.
+/// The failure to begin. A processor that does not answer at all probably runs another program.
 fn not_begun(error: LinkError, name: &str) -> Failure {
     let hint = match &error {
         LinkError::Timeout(_) | LinkError::Closed(_) | LinkError::Broken => {

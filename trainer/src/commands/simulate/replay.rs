@@ -34,7 +34,8 @@ pub struct Replay<'a> {
     pub on: Option<&'a Target>,
 }
 
-/// Result of a replay. Lists have one entry per coordinate; statistics cover the ticks before which the estimate was trusted.
+/// Result of a replay. Lists have one entry per coordinate; statistics cover the ticks at which the estimate was
+/// already trusted.
 #[derive(Debug, Serialize)]
 pub struct ReplayReport {
     /// The model file.
@@ -93,7 +94,7 @@ impl Replay<'_> {
             DataConfig { file: self.log.into(), ..config.unwrap_or_else(|| DataConfig::new(self.log)) };
         let own = self.model.facts.trained_step.map(|step| f64::from(step.h));
         let step = self.tick.map(f64::from).or(own).map(|step| step as f32);
-        // The shortest decimal notation of the model's single-precision step.
+        // This is the shortest decimal notation of the model's single-precision step.
         config.step = step.and_then(|step| step.to_string().parse().ok()).or(config.step);
         let (data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
         output.notes(&leastaction::notes::sentences(&notes));
@@ -118,7 +119,7 @@ impl Replay<'_> {
 /// Standard deviation of an innovation while zeros are learned, rad or m.
 const INNOVATION: f32 = 3e-3;
 
-/// Dispatches the run along a log on the number of coordinates.
+/// Dispatches the run along a log by the number of coordinates.
 struct Along<'r, 'a> {
     replay: &'r Replay<'a>,
     data: &'r Dataset,
@@ -175,7 +176,7 @@ fn ticks<const N: usize>(data: &Dataset) -> Vec<Logged<N>> {
     log
 }
 
-/// Statistics of the innovations of ticks before which the estimate was trusted.
+/// Statistics of the innovations, over the ticks at which the estimate was already trusted.
 struct Innovations<const N: usize> {
     angle: [bool; N],
     /// The last two readings, newest first.

@@ -78,8 +78,8 @@ pub struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Overrides the scenario's setup by the options. The firmware steps the model with the order it was trained with; prints a warning if
-    /// the tick is not the model's step.
+    /// Overrides the scenario's setup with the options. The firmware steps the model with the order that it was trained
+    /// with. Prints a warning if the tick is not the model's step.
     ///
     /// # Errors
     /// [`Failure`] if the options of the devices do not fit.
@@ -236,7 +236,7 @@ where
     closed_loop(request, plant, (&config.setup, &config.reference), firmware, |tick| trace.push(tick))
 }
 
-/// Runs a program on this machine, which has `firmware` for it, or on the processor asked for.
+/// Runs a program on this machine, for which `firmware` is given, or on the requested processor.
 pub(super) fn closed_loop<
     P: firmware_sim::Mechanism<N>,
     R: Processor<N, Error = Infallible>,

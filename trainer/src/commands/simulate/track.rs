@@ -80,7 +80,7 @@ impl TrackArgs {
         }
     }
 
-    /// Refuses these options if the scenario has a motion of its own.
+    /// Refuses these options if the scenario has its own motion.
     pub fn check(&self, is_followed: bool, config: Option<&Path>) -> Result<(), Failure> {
         let is_log = self.trajectory.as_deref().is_some_and(|file| !is_series(file));
         if config.is_some() && !is_log {
@@ -109,7 +109,7 @@ impl TrackArgs {
     }
 }
 
-/// Following a motion on the plant of another model file.
+/// Task of following a motion on the plant of another model file.
 pub struct Following;
 
 impl OnPlant for Following {
@@ -129,7 +129,7 @@ impl OnPlant for Following {
     }
 }
 
-/// Follows the motion without an observer.
+/// Follows the motion without an observer, by the encoder readings.
 fn by_encoders<const N: usize>(
     request: &Request,
     (plant, model): (&SystemOf<N>, &SystemOf<N>),

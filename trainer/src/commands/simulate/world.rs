@@ -59,7 +59,7 @@ pub struct World {
 
 /// Default width of Coulomb friction.
 const WIDTH: f64 = 0.05;
-/// Standard deviation of an innovation while zeros are learned, rad or m: noise and model errors.
+/// Standard deviation of an innovation while zeros are learned, rad or m; it includes noise and model errors.
 const INNOVATION: f32 = 3e-3;
 
 impl World {
@@ -85,8 +85,8 @@ impl World {
         Ok(())
     }
 
-    /// The standard deviation of zero offsets to be learned along a log; refuses the other options, since a log has its own friction and
-    /// devices.
+    /// The standard deviation of zero offsets to be learned along a log. Refuses all other options, since a log already
+    /// contains its own friction and devices.
     pub fn only_zeros(&self) -> Result<Option<f32>, Failure> {
         let Self { viscous, coulomb, width, zeros, noise, gain, offset, limit, .. } = self;
         let lists = [viscous, coulomb, width, zeros, noise, gain, offset, limit];

@@ -26,29 +26,36 @@ pub const DESCRIPTION: &str = include_str!("../arm.urdf");
 const N: usize = 6;
 /// Mass ratio of each true body to its description: the forearm carries cables, the flange a tool.
 const HEAVIER: [f64; N] = [1.1, 1.05, 1.3, 1.1, 1.2, 2.5];
-/// Rotors (kg m²), viscous friction (N m s/rad), Coulomb friction (N m).
+/// Rotor inertias, kg m².
 const ROTORS: [f64; N] = [0.4, 0.4, 0.2, 0.05, 0.05, 0.03];
+/// Viscous friction, N m s/rad.
 const VISCOUS: [f64; N] = [3.0, 3.0, 1.5, 0.5, 0.4, 0.3];
+/// Coulomb friction, N m.
 const COULOMB: [f64; N] = [4.0, 4.5, 2.5, 1.0, 0.8, 0.6];
 /// Width of Coulomb friction, rad/s.
 const WIDTH: f64 = 0.06;
 
-/// Number of harmonics of a motion, frequency of the first (Hz), and typical speed of every joint (rad/s).
+/// Number of harmonics of a motion.
 const HARMONICS: usize = 5;
+/// Frequency of the first harmonic, Hz.
 const FREQUENCY: f64 = 0.1;
+/// Typical speed of every joint, rad/s.
 const SPEEDS: [f64; N] = [1.0, 0.8, 1.0, 1.5, 1.5, 1.5];
-/// Centre of the motion, rad, and largest torque, N m, of every joint.
+/// Centre of the motion of every joint, rad.
 const CENTRE: [f64; N] = [0.0, 0.3, 0.9, 0.0, 0.6, 0.0];
+/// Largest torque of every joint, N m.
 const LIMIT: [f64; N] = [120.0, 120.0, 60.0, 20.0, 20.0, 20.0];
-/// Step and length of the log, s; standard deviations of positions (rad), velocities (rad/s) and torques (N m).
+/// Step of the log, s.
 const STEP: f64 = 0.005;
+/// Length of the log, s.
 const SECONDS: f64 = 20.0;
+/// Standard deviations of positions (rad), velocities (rad/s) and torques (N m).
 const NOISE: [f64; 3] = [1e-4, 2e-3, 0.2];
 
 /// Coefficients of the cosines and sines of every joint, rad.
 type Waves = [[[f64; HARMONICS]; N]; 2];
 
-/// A motion with random phases whose harmonics all have the same speed.
+/// A motion with random phases, in which all harmonics have the same speed amplitude.
 fn waves(seed: u64, which: u64) -> Waves {
     let mut stream = Pcg64::seed_from_u64(seed.wrapping_mul(3).wrapping_add(which));
     let mut waves = [[[0.0; HARMONICS]; N]; 2];
@@ -57,7 +64,7 @@ fn waves(seed: u64, which: u64) -> Waves {
         for (k, (c, s)) in cosines.iter_mut().zip(sines).enumerate() {
             let size = speed * (2.0 / HARMONICS as f64).sqrt() / (TAU * FREQUENCY * (k + 1) as f64);
             let (sine, cosine) = stream.random_range(0.0..TAU).sin_cos();
-            // Without this limit the first harmonics would have large amplitudes.
+            // Without this limit the low harmonics would have large amplitudes.
             let size = size.min(0.4);
             (*c, *s) = (size * cosine, size * sine);
         }
@@ -113,7 +120,7 @@ pub fn plant() -> Result<Vec<u8>, Failure> {
         .map_err(|error| failed(&error.to_string()))
 }
 
-/// Exact states of a motion, with the torques that it needs.
+/// Exact states of a motion, with the torques that the motion needs.
 fn samples(waves: &Waves) -> Result<Samples, Failure> {
     let t: Vec<f64> = (0..(SECONDS / STEP) as usize).map(|k| k as f64 * STEP).collect();
     let states: Vec<_> = t.iter().map(|t| state(waves, *t)).collect();
@@ -127,7 +134,7 @@ fn rows(values: Vec<f64>) -> Result<Rows, Failure> {
     Rows::from_flat(N, values).ok_or_else(|| Failure::Work("rows of another width".to_owned()))
 }
 
-/// Sensor readings along a motion; every `seed` and `which` gives another motion.
+/// Sensor readings along a motion; every pair of `seed` and `which` gives another motion.
 pub fn log(seed: u64, which: u64) -> Result<Dataset, Failure> {
     let Samples { q, v, tau, .. } = samples(&waves(seed, which))?;
     let mut stream = Pcg64::seed_from_u64(seed ^ (which + 1));
@@ -141,7 +148,7 @@ pub fn log(seed: u64, which: u64) -> Result<Dataset, Failure> {
     Ok(Dataset { n: N, h: STEP, control: Some(ControlKind::Linear), trajectories: vec![trajectory] })
 }
 
-/// The file of a third motion, which is to be followed.
+/// The file of a third motion, which the firmware is to follow.
 pub fn motion(seed: u64) -> String {
     let [cosines, sines] = waves(seed, 2);
     format!(
@@ -149,10 +156,10 @@ pub fn motion(seed: u64) -> String {
     )
 }
 
-/// The plots show one sample of this many.
+/// Number of samples of which the plots show one.
 const SHOWN: usize = 10;
 
-/// Plots the torques of the motion held back from learning: sensor readings, and the model's torques.
+/// Plots the torques of the motion that was held back from learning: sensor readings, and the model's torques.
 pub fn draw_torques(file: &Path, model: &Model, seed: u64, unseen: &Dataset) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
     let exact = samples(&waves(seed, 1))?;
