@@ -1,6 +1,6 @@
 //! Models ready for the solvers: the system of a family over the weights of a file, and what else the file says.
 
-use super::laws::load_forces;
+use super::load_forces::load_forces;
 use super::parse::parse_knowing;
 use super::{
     ActuatorBytes, Law, LawNumbers, Laws, LoadForces, ModelError, ParsedAs, Sections, ShapeHeader,

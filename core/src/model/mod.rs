@@ -35,6 +35,7 @@ mod header;
 mod inertia_network;
 mod law_network;
 mod laws;
+mod load_forces;
 mod loaded;
 mod modular;
 mod parse;
@@ -54,7 +55,8 @@ pub use graph::{GraphHeader, GraphLayout, GraphModel, GraphSystem, MAX_GRAPHS, O
 pub use header::{FORMAT_VERSION, Header, MAGIC};
 pub use inertia_network::{InertiaNetworkHeader, InertiaNetworkModel};
 pub use law_network::LawNetwork;
-pub use laws::{FrictionNumber, Law, LawNumbers, Laws, LoadForces};
+pub use laws::{FrictionNumber, Law, Laws};
+pub use load_forces::{LawNumbers, LoadForces};
 pub use loaded::Model;
 pub use modular::{MAX_TREES, ModularHeader, ModularModel, TreeHeader};
 pub use parse::{Parsed, ParsedAs, ShapeHeader, parse, parse_as};

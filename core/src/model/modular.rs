@@ -1,5 +1,5 @@
 use super::header::{MAX_TREE_COORDINATES, are_names, check_names, require};
-use super::laws::load_forces;
+use super::load_forces::load_forces;
 use super::{LawNumbers, Laws, LoadForces, Model, ModelError, ParsedAs};
 use crate::energy::modular::{self, Modular, TreeElement, TreeError};
 use crate::expected::expected;

@@ -6,10 +6,11 @@ use std::io::{self, Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::npy::{self, BEFORE_HEADER, Element, Header, LONGEST_HEADER};
 use crate::npy_text;
 use crate::place::Place;
+use crate::problem::Problem;
 
 /// Largest count of numbers unpacked from one archive: 8 GiB.
 const MOST: u64 = 1 << 30;

@@ -1,10 +1,12 @@
 //! Columns of a log with names and units of their own.
 
-use crate::error::{Fault, Problem};
+use crate::Rows;
+use crate::dataset::positive;
+use crate::error::Fault;
 use crate::join::Widths;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::Table;
-use crate::{Rows, positive};
 use std::f64::consts::TAU;
 
 /// A column of a log, with its conversion to SI units: value = scale × number.

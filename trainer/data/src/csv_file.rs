@@ -7,8 +7,9 @@ use csv::ByteRecord;
 
 use crate::columns::{Column, Columns};
 use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::{Origin, Table};
 use crate::{Dataset, Rows, Trajectory, control_name, control_of_name};
 use leastaction_core::forces::ControlKind;

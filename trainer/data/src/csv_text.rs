@@ -4,8 +4,9 @@ use std::borrow::Cow;
 
 use csv::{ByteRecord, Error, Reader, ReaderBuilder, Trim};
 
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::place::Place;
+use crate::problem::Problem;
 
 /// Possible separators; of equally good ones the last is taken.
 const SEPARATORS: [u8; 3] = [b'\t', b';', b','];

@@ -4,10 +4,11 @@
 //! of the table to the next. Samples of the table within a gap of the other clock, or outside its time span, are left out.
 
 use crate::columns::Column;
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::intervals::{GAP, Intervals};
 use crate::note::Note;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::resample::{Track, rising};
 use crate::table::{Origin, Table};
 use crate::{MIN_SAMPLES, Rows};

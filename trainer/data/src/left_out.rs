@@ -1,8 +1,9 @@
 //! Removal of time intervals from logs.
 
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::note::Note;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::Table;
 use crate::{MIN_SAMPLES, Rows};
 

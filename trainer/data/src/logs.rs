@@ -1,10 +1,11 @@
 //! Reading of several files as one log, according to a configuration.
 
 use crate::columns::{Column, Columns};
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::join::{Part, Wanted, joined};
 use crate::note::Note;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::source::Source;
 use crate::table::Table;
 use crate::{DataError, Dataset, control_name, located};

@@ -1,8 +1,9 @@
 //! The samples of a file at their own stamps, for callers with a resampling rule of their own.
 
 use crate::columns::Columns;
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::resample::Track;
 use crate::source::Source;
 use crate::table::Table;

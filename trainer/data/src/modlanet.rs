@@ -9,10 +9,12 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::archive::{Archive, Array};
-use crate::error::{DataError, Fault, Problem};
+use crate::dataset::{expect, finite};
+use crate::error::{DataError, Fault};
 use crate::npz::Writer;
 use crate::place::Place;
-use crate::{Dataset, Rows, Trajectory, expect, finite, located, store};
+use crate::problem::Problem;
+use crate::{Dataset, Rows, Trajectory, located, store};
 
 /// Rows of whole trajectories, one trajectory after another.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! NumPy arrays that hold a single string.
 
-use crate::error::Problem;
 use crate::npy::Header;
+use crate::problem::Problem;
 
 /// The string of an array of shape () or (1,), of type `U` or `S`; its header must have been checked before.
 pub(crate) fn read(npy: &[u8]) -> Result<String, Problem> {

@@ -7,9 +7,10 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::archive::{Archive, Array};
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::npy::{Element, Header};
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::{Origin, Table};
 use crate::{Dataset, Rows, ShapedArray, control_name, control_of_name, npy_text};
 use leastaction_core::forces::ControlKind;

@@ -3,8 +3,9 @@
 use crate::Rows;
 use crate::archive::Archive;
 use crate::columns::{Column, Columns};
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::{Origin, Table};
 use std::collections::HashMap;
 

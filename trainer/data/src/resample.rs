@@ -4,13 +4,15 @@
 //! and accelerations are interpolated linearly. A held control, with u_j acting from t_j to t_{j+1}, is averaged over the step in which it
 //! acts, which keeps its impulse; a linear control is interpolated.
 
-use crate::error::{Fault, Problem};
+use crate::dataset::positive;
+use crate::error::Fault;
 use crate::intervals::{GAP, Intervals};
 use crate::note::{Note, Resampled};
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::{Run, Table};
 use crate::time::rounded;
-use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
+use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory};
 use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 

@@ -2,9 +2,10 @@
 
 use crate::bag::Bag;
 use crate::columns::Columns;
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::note::Note;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::Table;
 use crate::{csv_file, join, npz, npz_columns};
 use leastaction_core::forces::ControlKind;

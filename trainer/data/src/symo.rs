@@ -11,10 +11,12 @@ use std::path::Path;
 use leastaction_core::forces::ControlKind;
 
 use crate::archive::{Archive, Array};
-use crate::error::{DataError, Fault, Problem};
+use crate::dataset::{expect, positive};
+use crate::error::{DataError, Fault};
 use crate::npz::Writer;
 use crate::place::Place;
-use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, expect, located, positive, store};
+use crate::problem::Problem;
+use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, located, store};
 
 /// The three parts of a data set.
 #[derive(Debug, Clone, PartialEq)]

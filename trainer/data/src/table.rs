@@ -5,11 +5,13 @@ use std::ops::Range;
 
 use leastaction_core::forces::ControlKind;
 
-use crate::error::{Fault, Problem};
+use crate::dataset::positive;
+use crate::error::Fault;
 use crate::note::Note;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::time::Stamps;
-use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
+use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory};
 
 /// Data of a file, checked for shapes only.
 pub(crate) struct Table {

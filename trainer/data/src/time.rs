@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::error::Problem;
+use crate::problem::Problem;
 
 /// Tolerance of an interval, relative to itself.
 const TOLERANCE: f64 = 1e-6;

@@ -1,6 +1,7 @@
 //! Forward differentiation.
 
-use crate::builder::{Builder, Node, Operation};
+use crate::builder::Builder;
+use crate::operation::{Node, Operation};
 
 impl Builder {
     /// Derivatives of `of` as the vectors of `along` move; each of these pairs is a vector and its direction.

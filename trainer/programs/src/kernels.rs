@@ -2,7 +2,7 @@
 //! sums in the same order as there. A layer is applied to columns, vectors one after the other; a panel's weights serve all columns before
 //! those of the next panel are read.
 
-use crate::builder::Layer;
+use crate::operation::Layer;
 use crate::row::{GROUPS, Row};
 use std::ops::Range;
 use wide::f64x8;

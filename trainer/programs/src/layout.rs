@@ -5,7 +5,8 @@
 //! [`WIDTH`] columns take as many rows as a column has units; a vector without such columns has columns of one unit, so its numbers follow
 //! one another. If all columns are equal, only one is kept.
 
-use crate::builder::{Builder, Node, Operation};
+use crate::builder::Builder;
+use crate::operation::{Node, Operation};
 use crate::picks::{NOWHERE, PickSums, Picks};
 use crate::row::{Row, WIDTH};
 
@@ -217,8 +218,9 @@ fn fused(builder: &Builder, needed: &[bool], outputs: &[Node]) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builder::Layer;
-    use crate::program::{Program, Step};
+    use crate::operation::Layer;
+    use crate::program::Program;
+    use crate::step::Step;
 
     /// A layer that is applied to many equal columns is computed for one of them.
     #[test]

@@ -11,6 +11,7 @@
 //! Data flows one way: [`Builder`] (list, and its derivatives) → [`Program`] (schedule) → [`Workspace`] (numbers).
 
 mod builder;
+mod derivative_outputs;
 pub mod dynamics;
 pub mod energies;
 mod forward;
@@ -19,6 +20,7 @@ mod kernels;
 mod layout;
 pub mod losses;
 mod numbers;
+mod operation;
 mod picks;
 mod program;
 mod reverse;
@@ -27,13 +29,16 @@ mod schedule;
 mod single;
 mod sources;
 mod sparsity;
+mod step;
 pub mod steps;
 mod system;
 
-pub use builder::{Builder, Layer, Node};
+pub use builder::Builder;
+pub use derivative_outputs::DerivativeOutputs;
 pub use function::Function;
+pub use operation::{Layer, Node};
 pub use program::{Program, Workspace};
 pub use reverse::{Adjoints, WeightTerm};
 pub use row::{Row, WIDTH};
 pub use sparsity::Pattern;
-pub use system::{DerivativeOutputs, Separable, System};
+pub use system::{Separable, System};

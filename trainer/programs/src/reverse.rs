@@ -1,7 +1,8 @@
 //! Backward differentiation.
 
-use crate::builder::{Builder, Layer, Node, Operation};
+use crate::builder::Builder;
 use crate::forward::widened;
+use crate::operation::{Layer, Node, Operation};
 
 /// A part of the gradient with respect to the weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,13 +4,15 @@
 mod forms;
 mod fused;
 
-use crate::builder::{Builder, Layer, Node, Operation};
+use crate::builder::Builder;
 use crate::function::ORDERS;
 use crate::kernels::Pair;
 use crate::layout::{Form, Layout};
-use crate::program::{Program, Slot, Step};
+use crate::operation::{Layer, Node, Operation};
+use crate::program::Program;
 use crate::reverse::WeightTerm;
 use crate::row::Row;
+use crate::step::{Slot, Step};
 use std::collections::{HashMap, HashSet};
 
 /// Nodes of a gradient's terms for one layer.

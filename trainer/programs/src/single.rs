@@ -4,7 +4,8 @@
 //! The displacement by an element of a tree is a network of its own angle. Its derivatives x′, x″ serve all coordinates, in place of a
 //! backward pass through the network for every use.
 
-use crate::builder::{Builder, Node, Operation};
+use crate::builder::Builder;
+use crate::operation::{Node, Operation};
 
 /// Variables that a node depends on, besides constants and weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,10 +84,11 @@ impl Builder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builder::Layer;
     use crate::function::Function;
-    use crate::program::{Program, Step};
+    use crate::operation::Layer;
+    use crate::program::Program;
     use crate::row::Row;
+    use crate::step::Step;
 
     /// |y|² for a network y of one of two inputs: its derivative goes forwards through the network.
     #[test]

@@ -1,6 +1,7 @@
 //! Entries of gathered and added vectors, traced back to the vectors that they come from.
 
-use crate::builder::{Builder, Node, Operation};
+use crate::builder::Builder;
+use crate::operation::{Node, Operation};
 use crate::single::Variables;
 
 impl Builder {

@@ -1,6 +1,7 @@
 //! Dependence of the entries of one vector on those of another, and sparse Jacobians from few directions.
 
-use crate::builder::{Builder, Node, Operation};
+use crate::builder::Builder;
+use crate::operation::{Node, Operation};
 use std::collections::HashMap;
 
 /// Sets of numbers, each stored once: an entry of a vector is described by the position of its set.
@@ -182,7 +183,7 @@ fn leader(leaders: &[usize], mut k: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builder::Layer;
+    use crate::operation::Layer;
 
     #[test]
     fn an_entry_depends_on_what_it_is_computed_from() {

@@ -1,7 +1,9 @@
 //! Programs of a model for the solvers and the losses.
 
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
+use crate::derivative_outputs::DerivativeOutputs;
 use crate::energies::Energies;
+use crate::operation::Node;
 use crate::program::Program;
 use crate::reverse::WeightTerm;
 use crate::sparsity::Pattern;
@@ -21,12 +23,6 @@ pub struct System {
     bends: Option<Node>,
 }
 
-/// Numbers of the outputs of a program for L_q + Q and L_v with their derivatives: vectors of n rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DerivativeOutputs {
-    n: usize,
-}
-
 /// Programs of [`System::separable`].
 #[derive(Clone, Debug)]
 pub struct Separable {
@@ -36,33 +32,6 @@ pub struct Separable {
     pub momentum: Program,
     /// Drag Q(v), N, with ∂Q/∂v.
     pub drag: Option<Program>,
-}
-
-impl DerivativeOutputs {
-    /// Force F = L_q + Q.
-    pub const FORCE: usize = 0;
-    /// Momentum p = L_v.
-    pub const MOMENTUM: usize = 1;
-
-    /// Derivative ∂F/∂q_j, all rows.
-    pub const fn force_q(self, j: usize) -> usize {
-        2 + j
-    }
-
-    /// Derivative ∂L_v/∂q_j, all rows.
-    pub const fn momentum_q(self, j: usize) -> usize {
-        2 + self.n + j
-    }
-
-    /// Derivative ∂F/∂v_j, all rows.
-    pub const fn force_v(self, j: usize) -> usize {
-        2 + 2 * self.n + j
-    }
-
-    /// Column j of M = L_vv.
-    pub const fn mass(self, j: usize) -> usize {
-        2 + 3 * self.n + j
-    }
 }
 
 impl System {

@@ -10,10 +10,12 @@
 //! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size: neither Python threads nor
 //! the module's own change a bit. The Python code beside this module (`python/leastaction`) documents shapes, units and defaults.
 
+mod arguments;
 mod arrays;
 mod blocks;
 mod double;
 mod errors;
+mod facts;
 mod model;
 mod motion;
 mod observer;

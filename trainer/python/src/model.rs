@@ -1,14 +1,16 @@
 //! A model file in memory, and evaluation of its states.
 
-use crate::arrays::{Table, rows, table, tables};
+use crate::arguments::{common, inputs, order, quantity, second, unsolved};
+use crate::arrays::{rows, table, tables};
 use crate::double::{self, Rollout, Start};
 use crate::errors::{Kind, failure, input};
+use crate::facts;
 use crate::motion::{Flight, Motions};
-use crate::single::{self, Quantity, Unsolved};
+use crate::single;
 use leastaction::models::{Loaded as Read, chip_file, of_part, read, refused};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
-use leastaction_core::model::{FORMAT_VERSION, Interval};
+use leastaction_core::model::FORMAT_VERSION;
 use leastaction_learning::data::control_name;
 use leastaction_models as models;
 use leastaction_models::file::{Precision, c_source, rust_source};
@@ -65,48 +67,6 @@ impl Model {
 
     fn n(&self) -> usize {
         self.host.architecture.n()
-    }
-}
-
-/// The exception for a state without a value.
-pub fn unsolved(Unsolved { index, error }: Unsolved) -> PyErr {
-    Kind::Solve.says(format!("state {index}: {error}"))
-}
-
-/// The order of a step; 2 or 4.
-pub fn order(number: u8) -> PyResult<Order> {
-    Order::from_number(number).ok_or_else(|| input(format!("order {number}: it must be 2 or 4")))
-}
-
-fn quantity(name: &str) -> PyResult<Quantity> {
-    Quantity::named(name).ok_or_else(|| input(format!("{name:?} is no quantity")))
-}
-
-/// The inputs of a quantity, and the number of rows, which all inputs with more than one row share.
-fn inputs<T: numpy::Element + Copy>(
-    quantity: Quantity,
-    arrays: &[PyReadonlyArrayDyn<T>],
-    n: usize,
-) -> PyResult<(Vec<Table<T>>, usize)> {
-    let names: [&str; 3] = match quantity {
-        Quantity::InverseDynamics => ["q", "v", "a"],
-        _ => ["q", "v", "u"],
-    };
-    if arrays.len() != quantity.inputs() {
-        return Err(input(format!("{} arrays are needed, not {}", quantity.inputs(), arrays.len())));
-    }
-    let tables: Vec<Table<T>> =
-        names.iter().zip(arrays).map(|(name, array)| table(name, array, &[n])).collect::<PyResult<_>>()?;
-    let count = common(tables.iter().map(|table| table.count))?;
-    Ok((tables, count))
-}
-
-/// The common number of rows; arrays with a single row fit any number.
-pub fn common(counts: impl Iterator<Item = usize> + Clone) -> PyResult<usize> {
-    let count = counts.clone().find(|count| *count != 1).unwrap_or(1);
-    match counts.into_iter().find(|own| *own != 1 && *own != count) {
-        Some(other) => Err(input(format!("arrays of {count} and of {other} states do not fit each other"))),
-        None => Ok(count),
     }
 }
 
@@ -173,8 +133,8 @@ impl Model {
         dictionary.set_item("parts", architecture.parts())?;
         dictionary.set_item("provenance", &facts.provenance)?;
         dictionary.set_item("format_version", self.host.version)?;
-        dictionary.set_item("range", self.range(py)?)?;
-        dictionary.set_item("actuator", self.actuator(py)?)?;
+        dictionary.set_item("range", facts::range(py, &self.host.facts)?)?;
+        dictionary.set_item("actuator", facts::actuator(py, &self.host.facts)?)?;
         dictionary.set_item("on_chip", self.chip.is_ok())?;
         Ok(dictionary)
     }
@@ -366,11 +326,6 @@ impl Model {
     }
 }
 
-/// Name of the second vector of a start.
-fn second(positions: bool) -> &'static str {
-    if positions { "q1" } else { "v" }
-}
-
 impl Model {
     fn flight(
         &self,
@@ -386,36 +341,5 @@ impl Model {
             return Err(input(format!("h is {h}; it must be a finite number above 0")));
         }
         Ok(Flight { count, step: Step { order: order(number)?, h }, start, positions })
-    }
-
-    /// The range of the training data: smallest and largest q, v and u of every coordinate.
-    fn range<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let range = &self.host.facts.range;
-        if range.is_empty() {
-            return Ok(None);
-        }
-        let dictionary = PyDict::new(py);
-        let add = |name: &str, of: fn(&leastaction_core::model::CoordinateRange) -> Interval| {
-            let ends =
-                range.iter().map(of).map(|Interval { least, most }| (f64::from(least), f64::from(most)));
-            dictionary.set_item(name, ends.collect::<Vec<_>>())
-        };
-        add("q", |range| range.q)?;
-        add("v", |range| range.v)?;
-        add("u", |range| range.u)?;
-        Ok(Some(dictionary))
-    }
-
-    /// Gain, offset and delay of the drives; `None` if they are ideal.
-    fn actuator<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let of = self.host.facts.actuator.clone();
-        if of.is_ideal() {
-            return Ok(None);
-        }
-        let dictionary = PyDict::new(py);
-        dictionary.set_item("gain", of.gain)?;
-        dictionary.set_item("offset", of.offset)?;
-        dictionary.set_item("delay", of.delay)?;
-        Ok(Some(dictionary))
     }
 }

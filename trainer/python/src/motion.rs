@@ -1,8 +1,9 @@
 //! Motions side by side, step by step, in the chip's arithmetic.
 
+use crate::arguments::unsolved;
 use crate::arrays::{Numbers, Table, rows, table};
 use crate::blocks::fill;
-use crate::model::{OnChip, unsolved};
+use crate::model::OnChip;
 use crate::single::Unsolved;
 use leastaction_replica::{Control, Motion, Replica, ReplicaError, Step};
 use numpy::{PyArray1, PyReadonlyArrayDyn};

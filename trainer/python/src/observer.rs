@@ -1,8 +1,9 @@
 //! The observer of the firmware, bit for bit.
 
+use crate::arguments::order;
 use crate::arrays::Numbers;
 use crate::errors::{Kind, input};
-use crate::model::{Model, OnChip, order};
+use crate::model::{Model, OnChip};
 use leastaction_core::observer::{Tuning, ZerosPrior};
 use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_replica::{Control, Step, Watch};

@@ -10,11 +10,13 @@ mod graph;
 mod inertia_network;
 #[cfg(feature = "modular")]
 mod modular;
+#[cfg(not(feature = "graph"))]
+mod no_lists;
 
 #[cfg(feature = "arm")]
-pub(crate) use arm::{FAMILY, Lists, Mechanism, load, system};
+pub(crate) use arm::{Energy, FAMILY, Mechanism};
 #[cfg(feature = "bodies")]
-pub(crate) use bodies::{FAMILY, Lists, Mechanism, load, system};
+pub(crate) use bodies::{Energy, FAMILY, Mechanism};
 #[cfg(all(feature = "graph", not(feature = "rods")))]
 pub(crate) use graph::system;
 #[cfg(feature = "rods")]
@@ -22,9 +24,13 @@ pub(crate) use graph::{AnyGraph, constrained};
 #[cfg(feature = "graph")]
 pub(crate) use graph::{FAMILY, Lists, Mechanism, load};
 #[cfg(feature = "inertia-network")]
-pub(crate) use inertia_network::{FAMILY, Lists, Mechanism, load, system};
+pub(crate) use inertia_network::{Energy, FAMILY, Mechanism};
 #[cfg(feature = "modular")]
-pub(crate) use modular::{FAMILY, Lists, Mechanism, load, system};
+pub(crate) use modular::{Energy, FAMILY, Mechanism, load};
+#[cfg(not(any(feature = "graph", feature = "modular")))]
+pub(crate) use no_lists::load;
+#[cfg(not(feature = "graph"))]
+pub(crate) use no_lists::{Lists, system};
 
 #[cfg(not(feature = "graph"))]
 use crate::config::LEASTACTION_COORDINATES as N;

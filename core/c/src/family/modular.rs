@@ -1,3 +1,4 @@
+use super::no_lists::Lists;
 use super::{Laws, Weight};
 use crate::config::{
     LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L, LEASTACTION_TYPES as E,
@@ -5,24 +6,15 @@ use crate::config::{
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
 use leastaction_core::energy::modular::Modular;
-use leastaction_core::forces::System;
 use leastaction_core::model::ModularModel;
 
 pub(crate) const FAMILY: &CStr = c"modular";
 
-/// No lists beside the file.
-pub(crate) struct Lists;
-
-impl Lists {
-    pub fn empty() -> Self {
-        Self
-    }
-}
-
 /// A tree of elements.
 pub(crate) type Mechanism = ModularModel<'static, N, E, H, L, Weight, Laws>;
 
-type Parts<'a> = System<&'a Modular<'static, Weight, N, E, H, L>, &'a Laws>;
+/// Kinetic and potential energy of the mechanism.
+pub(crate) type Energy = Modular<'static, Weight, N, E, H, L>;
 
 /// # Safety
 /// `name` is NULL, or bytes up to a zero.
@@ -34,8 +26,4 @@ pub(crate) unsafe fn load(
     // SAFETY: this function's promise.
     let name = unsafe { super::text(name) }?;
     Ok(Mechanism::load(bytes, name)?)
-}
-
-pub(crate) fn system(mechanism: &Mechanism) -> Parts<'_> {
-    System { lagrangian: &mechanism.system.lagrangian, forces: &mechanism.system.forces }
 }

@@ -1,76 +1,10 @@
 //! Products with panels of a matrix: weights are loaded sixteen at a time.
 
-/// Widens both halves of a register; the upper first, for the lower may take the register's place.
-macro_rules! widen {
-    ($from:ident, $lower:ident, $upper:ident) => {
-        concat!(
-            concat!("vcvtt.f32.f16 ", stringify!($upper), ", ", stringify!($from), "\n"),
-            concat!("vcvtb.f32.f16 ", stringify!($lower), ", ", stringify!($from), "\n"),
-        )
-    };
-}
-
-/// Loads the next weights, as single precision, to s8 and up.
-macro_rules! load {
-    (single, 4) => {
-        "vldmia r0!, {{s8-s11}}"
-    };
-    (single, 8) => {
-        "vldmia r0!, {{s8-s15}}"
-    };
-    (single, 16) => {
-        "vldmia r0!, {{s8-s23}}"
-    };
-    (half, 4) => {
-        concat!("vldmia r0!, {{s8-s9}}\n", widen!(s9, s10, s11), widen!(s8, s8, s9))
-    };
-    (half, 8) => {
-        concat!(
-            "vldmia r0!, {{s8-s11}}\n",
-            widen!(s11, s14, s15),
-            widen!(s10, s12, s13),
-            widen!(s9, s10, s11),
-            widen!(s8, s8, s9),
-        )
-    };
-    (half, 16) => {
-        concat!(
-            load!(half, 8),
-            "vldmia r0!, {{s16-s19}}\n",
-            widen!(s19, s22, s23),
-            widen!(s18, s20, s21),
-            widen!(s17, s18, s19),
-            widen!(s16, s16, s17),
-        )
-    };
-}
-
-/// Calls `pass(first, rows)` with all rows if they begin at a multiple of four bytes, as loads of many registers require; else with copies
-/// of a few rows at a time, the first being row `first`.
-#[inline(always)]
-fn aligned<W: Copy, const P: usize>(rows: &[[W; P]], mut pass: impl FnMut(usize, &[[W; P]])) {
-    #[repr(align(4))]
-    struct Workspace<R>([R; COPIED]);
-    if rows.as_ptr().cast::<u32>().is_aligned() {
-        return pass(0, rows);
-    }
-    for (rows, first) in rows.chunks(COPIED).zip((0..).step_by(COPIED)) {
-        let Some(row) = rows.first() else { continue };
-        let mut workspace = Workspace([*row; COPIED]);
-        workspace.0.iter_mut().zip(rows).for_each(|(copy, row)| *copy = *row);
-        debug_assert!(rows.len() <= COPIED, "a chunk");
-        pass(first, workspace.0.get(..rows.len()).unwrap_or(&workspace.0));
-    }
-}
-
-/// Number of rows copied at a time.
-const COPIED: usize = 8;
-
 /// The loops, for weights of one precision.
 macro_rules! loops {
     ($precision:ident, $weight:ty) => {
         pub mod $precision {
-            use super::aligned;
+            use super::super::aligned::aligned;
             use core::arch::naked_asm;
 
             /// Takes rows, x, the sums and the number of inputs in r0 … r3.

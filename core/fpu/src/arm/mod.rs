@@ -3,6 +3,9 @@
 //! Separate functions, not inline assembly: the compiler does not know these registers by name on every target. They preserve the registers
 //! that the procedure call standard requires (s16 and up).
 
+mod aligned;
+#[macro_use]
+mod load;
 mod loops;
 mod sine;
 

@@ -1,6 +1,6 @@
 //! Parser of `sensor_msgs/JointState` in CDR, as ROS 2 sends it: XCDR version 1, either byte order.
 
-use crate::error::Problem;
+use crate::problem::Problem;
 
 /// Bytes before the first field, which hold the kind of encoding and options.
 const HEADER: usize = 4;

@@ -4,8 +4,9 @@
 //! file, and chunks unpack to at most the size that they state.
 
 use super::record::{self, CHANNEL, CHUNK, Channel, Chunk, Damage, FOOTER, MAGIC, MESSAGE, SCHEMA, Schema};
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::place::Place;
+use crate::problem::Problem;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use std::borrow::Cow;
 use std::collections::HashMap;

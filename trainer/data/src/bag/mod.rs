@@ -10,10 +10,11 @@ mod record;
 
 use crate::Rows;
 use crate::columns::Columns;
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::join::{Part, Wanted};
 use crate::note::Note;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::table::Origin;
 use cdr::JointState;
 use container::Message;

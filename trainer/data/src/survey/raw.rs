@@ -3,8 +3,9 @@
 use crate::archive::Archive;
 use crate::bag::{Bag, Clock, Stream};
 use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use crate::place::Place;
+use crate::problem::Problem;
 use crate::source::{Source, format_of};
 use crate::{DataError, Rows, located};
 use std::path::Path;

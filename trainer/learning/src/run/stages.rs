@@ -2,22 +2,20 @@
 
 mod torques;
 mod windowed;
+mod windows;
 
 pub(super) use windowed::Windowed;
+pub(super) use windows::of_windows;
 
 use super::TorqueError;
-use super::lengths;
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
-use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
+use crate::config::{Config, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
 use crate::torques::filtered;
 use crate::training::{LossKind, Objective, Samples, free_states_objective, objective};
-use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
 use leastaction_models::config::Source;
 use leastaction_models::{Architecture, GraphArchitecture};
-use std::ops::Range;
-use std::sync::Arc;
 
 /// Purpose of a plan, which its stages depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,120 +104,10 @@ fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
     is_forced(architecture, data) || architecture.family.shows_scale()
 }
 
-/// Fraction of a window that the warm-up takes: whatever the initial weights, motion over it is hardly chaotic.
-const SHORT: f64 = 0.2;
-/// Least number of steps in this part.
-const FEWEST_STEPS: usize = 5;
-/// Largest integration step of a model with dry friction, s: friction changes quickly where a velocity changes its sign.
-const STIFF_STEP: f64 = 0.005;
-/// Range of the longest integration step of other models, s; within it the step of the samples is taken. A step covers as many closer
-/// samples as fit; samples further apart are subdivided.
-const SMOOTH_STEP: [f64; 2] = [0.01, 0.025];
-
-/// Number of windows above which they need not overlap: they hold all the information of a log, and overlap would double the time.
-const MANY_WINDOWS: usize = 2000;
-/// Overlap of consecutive windows if there are fewer windows.
-const OVERLAP: f64 = 0.5;
-
-/// The default overlap of windows of `steps` steps.
-fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
-    let windows: usize = data.trajectories.iter().map(|trajectory| trajectory.samples() / steps).sum();
-    if windows < MANY_WINDOWS { OVERLAP } else { 0.0 }
-}
-
 /// Name of the stage that learns correcting networks together with the model, after the model alone.
 pub(super) const NETWORKS: &str = "networks";
 /// Name of the last stage of a loss over windows, which adds the logs held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
-
-/// The stages of a loss over windows of the first `training` trajectories; the rest is held back.
-///
-/// # Errors
-/// [`PlanError`] if no trajectory is as long as a window, or if the optimiser does not support windows.
-pub(super) fn of_windows(
-    (config, scope): (&Config, Scope),
-    architecture: &Architecture,
-    (data, training): (&Dataset, usize),
-    notices: &mut Vec<Notice>,
-) -> Result<(Vec<Stage>, Windowed), PlanError> {
-    let TrainingConfig { overlap, integrator, order, warm_up, iterations, optimiser, .. } = config.training;
-    let window = config.training.window.unwrap_or_else(|| lengths::usual(data));
-    let [warm_up, learned] = [warm_up, iterations].map(|iterations| scope.iterations(iterations));
-    let integrator = integrator.unwrap_or_default();
-    if optimiser != OptimiserKind::LevenbergMarquardt {
-        return Err(PlanError::WindowOptimiser);
-    }
-    if !shows_scale(architecture, data) {
-        notices.push(Notice::UnknownScale);
-    }
-    let logs = Arc::new(WindowLogs::new(data));
-    let all = lengths::steps(window, data.h);
-    let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
-    // Numbers learned from torques are fitted beforehand.
-    let of_torques = config.training.loss == Some(TrainingLoss::Torque);
-    let iterations = if of_torques { 0 } else { learned };
-    let mut spans = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
-    let corrections = Some(&architecture.corrections)
-        .filter(|own| !own.is_none() && config.model.source() != Source::Weights);
-    if corrections.is_some() {
-        spans.push((NETWORKS, all, iterations));
-    }
-    let warms_up = |steps: usize, iterations: u64| {
-        steps < all && iterations > 0 && config.model.source() == Source::Nothing
-    };
-    spans
-        .retain(|(name, steps, iterations)| *name != WARM_UP || !of_torques && warms_up(*steps, *iterations));
-    let [least, most] = SMOOTH_STEP;
-    let longest_step =
-        if architecture.friction.dry.is_empty() { data.h.clamp(least, most) } else { STIFF_STEP };
-    let calibration = config.calibration.calibration();
-    let settings = |steps: usize| {
-        let stride =
-            ((1.0 - overlap.unwrap_or_else(|| usual_overlap(data, steps))) * steps as f64).round() as usize;
-        WindowSettings { steps, stride, integrator, longest_step, order, calibration }
-    };
-    let loss = |steps: usize, part: Range<usize>, with_networks: bool| -> Result<WindowLoss, PlanError> {
-        let model = WindowModel::new(architecture)?;
-        let model = if with_networks { model } else { model.with_known_corrections(architecture) };
-        Ok(WindowLoss::new(model, &logs, part, settings(steps))?)
-    };
-    let layout = CalibrationLayout::new(architecture.parameters()?, &logs, calibration);
-    let count = logs.count();
-    let held_back = match scope {
-        Scope::Whole => training..count,
-        Scope::Fold { .. } => count..count,
-    };
-    let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
-        // Networks join only after the simple physics is learned.
-        let with_networks = corrections.is_none() || name == NETWORKS || name == ALL_LOGS;
-        let validation = (!judges.is_empty()).then(|| loss(all, judges, with_networks)).transpose()?;
-        let first = corrections.filter(|_| name == NETWORKS);
-        let first =
-            first.map(|own| (architecture.corrections_start(), own.initial_weights(config.training.seed)));
-        Ok::<_, PlanError>(Stage {
-            name,
-            begins_with: first,
-            optimiser,
-            iterations,
-            objective: Box::new(loss(steps, of, with_networks)?),
-            validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
-            judge: None,
-        })
-    };
-    let mut stages = Vec::new();
-    for span in spans {
-        stages.push(if of_torques && span.0 == NETWORKS {
-            torques::networks((config, learned), architecture, (data, training), &layout)?
-        } else {
-            stage(span, 0..training, held_back.clone())?
-        });
-    }
-    if !held_back.is_empty() && !of_torques {
-        // The held-back logs have served to judge; now they are learned from, too.
-        stages.push(stage((ALL_LOGS, all, iterations), 0..count, 0..0)?);
-    }
-    Ok((stages, Windowed { logs: logs.clone(), settings: settings(all), layout }))
-}
 
 /// Residual components per weight in a warm-up on the next position.
 const WARM_UP_ROWS: usize = 4;

@@ -9,26 +9,14 @@
 //! Source: Swevers et al., "Optimal robot excitation and identification", 1997; Gautier and Khalil, "Exciting trajectories for the
 //! identification of base inertial parameters of robots", 1992.
 
-use crate::torque::Samples;
+use super::series::Series;
 use crate::torque::linear::{BaseParameters, Design, Terms};
-use leastaction_data::Rows;
 use leastaction_models::tree::{INERTIAL, Limits, Tree};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use thiserror::Error;
-
-/// A periodic motion of all coordinates.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Series {
-    /// Frequency f of the first harmonic (Hz).
-    pub frequency: f64,
-    /// Centre of every coordinate (rad, m).
-    pub centre: Vec<f64>,
-    /// Coefficients a and b of every harmonic, \[coordinates\]\[harmonics\] (rad, m).
-    pub waves: Vec<Vec<[f64; 2]>>,
-}
 
 /// Settings of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,39 +120,6 @@ const PENALTY: f64 = 20.0;
 const PLACE: usize = 2;
 /// Initial size of a random step.
 const STEP: f64 = 0.3;
-
-impl Series {
-    /// Positions, velocities and accelerations at time t (s).
-    #[must_use]
-    pub fn at(&self, t: f64) -> [Vec<f64>; 3] {
-        let n = self.centre.len();
-        let mut state = [self.centre.clone(), vec![0.0; n], vec![0.0; n]];
-        for (i, waves) in self.waves.iter().enumerate() {
-            for (k, [a, b]) in waves.iter().enumerate() {
-                let omega = TAU * self.frequency * (k + 1) as f64;
-                let (sine, cosine) = (omega * t).sin_cos();
-                let wave = a * cosine + b * sine;
-                let terms = [wave, omega * (b * cosine - a * sine), -omega * omega * wave];
-                state.iter_mut().zip(terms).for_each(|(state, term)| state[i] += term);
-            }
-        }
-        state
-    }
-
-    /// States at `count` times from t = 0 on, `step` seconds apart, without torques.
-    #[must_use]
-    pub fn samples(&self, count: usize, step: f64) -> Samples {
-        let t: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
-        let states: Vec<[Vec<f64>; 3]> = t.iter().map(|t| self.at(*t)).collect();
-        let n = self.centre.len();
-        let rows = |part: usize| {
-            let values = states.iter().flat_map(|state| state[part].iter().copied()).collect();
-            Rows::from_flat(n, values).expect("n numbers a row")
-        };
-        let still = Rows::from_flat(n, vec![0.0; n * count]).expect("n numbers a row");
-        Samples { q: rows(0), v: rows(1), a: rows(2), tau: still, t }
-    }
-}
 
 /// Finds a motion of a tree within the limits of its coordinates. It depends on the seed alone, not on the number of threads.
 ///

@@ -8,6 +8,7 @@ pub mod excitation;
 pub mod fit;
 pub mod linear;
 mod samples;
+pub mod series;
 mod signal;
 
 pub use samples::{Preparation, SampleError, Samples};

@@ -1,8 +1,9 @@
 //! A simulated Franka Panda: frames and limits of the real arm, bodies and friction of its size, noisy sensors.
 
 use leastaction_data::Rows;
-use leastaction_learning::torque::excitation::{Search, Series, excite};
+use leastaction_learning::torque::excitation::{Search, excite};
 use leastaction_learning::torque::fit::{Arm, JointNumbers};
+use leastaction_learning::torque::series::Series;
 use leastaction_learning::torque::{Preparation, Samples};
 use leastaction_models::tree::{Body, Inertia, Joint, Limits, Pose, Tree};
 use leastaction_tests::panda::{BODIES, LIMITS};

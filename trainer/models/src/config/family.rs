@@ -1,7 +1,7 @@
 //! The interface of a family's configuration.
 
 use super::origin::{Open, Origin};
-use super::problem::ShapeError;
+use super::place::ShapeError;
 use crate::architecture::Architecture;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use std::path::PathBuf;

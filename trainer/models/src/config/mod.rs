@@ -1,9 +1,11 @@
 //! `[model]` of a configuration, for any family: its contents, and the model that it makes.
 
+pub mod checks;
 pub mod family;
 pub mod fields;
 pub mod origin;
 pub mod parts;
+pub mod place;
 pub mod problem;
 pub mod registry;
 
@@ -22,5 +24,6 @@ pub use crate::modular::config::{
 pub use family::{FamilyConfig, NetworksBeside, Source};
 pub use origin::{Open, Origin};
 pub use parts::NumberConfig;
-pub use problem::{Problem, ShapeError, Step};
+pub use place::{ShapeError, Step};
+pub use problem::Problem;
 pub use registry::ModelConfig;

@@ -1,6 +1,7 @@
 //! A trained model of another shape, at whose energies the training of a new one begins.
 
-use super::problem::{Problem, ShapeError};
+use super::place::ShapeError;
+use super::problem::Problem;
 use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
 use crate::model::Model;
 use crate::number::Number;

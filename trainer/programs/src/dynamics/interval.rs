@@ -1,8 +1,9 @@
 //! Path of one step, and the sums over it ([`leastaction_core::discrete`] has the equations).
 
+use crate::derivative_outputs::DerivativeOutputs;
 use crate::program::{Program, Workspace};
 use crate::row::Row;
-use crate::system::{DerivativeOutputs, System};
+use crate::system::System;
 
 /// Order of a step: 2, the midpoint rule, or 4, a quadratic path with two Gauss points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,9 @@
 //! Trees of rigid bodies on joints in space, of any size ([`leastaction_core::energy::arm`]).
 
 use super::{Energies, check_tree};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::arm::{
     ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, Joint, Rotation, TreeBody, TreeError, Vector,
 };

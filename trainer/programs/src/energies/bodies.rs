@@ -1,8 +1,9 @@
 //! Trees of rigid bodies on joints of any size ([`leastaction_core::energy::bodies`]).
 
 use super::{Energies, check_tree};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::bodies::{
     BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, Joint, TreeBody, TreeError,
 };

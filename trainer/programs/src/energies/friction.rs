@@ -1,8 +1,9 @@
 //! Friction in addition to the forces of a family: damping, and dry friction that grows with the load.
 
 use super::Energies;
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::model::FrictionNumber;
 use leastaction_core::network::Activation;
 

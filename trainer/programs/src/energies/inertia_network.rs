@@ -1,6 +1,7 @@
 use super::{Energies, Network, features};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::network::Activation;
 

@@ -1,8 +1,9 @@
 //! Laws with networks beside a model: dissipation, and a potential that corrects the model's own.
 
 use super::{Energies, Network, features};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::inertia_network::{Coordinate, feature_count};
 use leastaction_core::network::Activation;
 

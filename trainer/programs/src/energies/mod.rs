@@ -20,8 +20,9 @@ pub use modular::ModularEnergies;
 pub use network::Network;
 pub use offsets::WithOffsets;
 
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::bodies::{TreeBody, TreeError};
 use leastaction_core::energy::inertia_network::Coordinate;
 

@@ -1,5 +1,6 @@
-use crate::builder::{Builder, Layer, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::{Layer, Node};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::network::Activation;
 

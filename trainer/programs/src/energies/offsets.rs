@@ -1,7 +1,8 @@
 //! Drives whose torque has a constant offset.
 
 use super::Energies;
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
+use crate::operation::Node;
 
 /// A model whose drives add a constant to the logged torque, τ = u + o. Its weight block is that of the model, then the offset o of every
 /// coordinate, N or N m, with other numbers around the offsets if there are any.

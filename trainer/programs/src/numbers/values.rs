@@ -1,9 +1,10 @@
 //! Values of a program's numbers, each stored once.
 
-use crate::builder::Layer;
 use crate::function::{Function, ORDERS};
-use crate::program::{Program, Step};
+use crate::operation::Layer;
+use crate::program::Program;
 use crate::row::Row;
+use crate::step::Step;
 use std::collections::HashMap;
 
 /// Number of a value.

@@ -1,10 +1,10 @@
 //! Vectors of a single sample, in the forms that the steps reading them want.
 
 use super::Scheduler;
-use crate::builder::Node;
 use crate::layout::Form;
-use crate::program::{Slot, Step};
+use crate::operation::Node;
 use crate::row::WIDTH;
+use crate::step::{Slot, Step};
 
 impl Scheduler<'_> {
     /// Form of a node; with several samples side by side all nodes have the same form.

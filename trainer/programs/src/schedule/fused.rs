@@ -1,8 +1,8 @@
 //! Operations that are computed together: sums with the gathering of their summands, products with a function.
 
 use super::{Scheduler, reads_of};
-use crate::builder::{Node, Operation};
 use crate::function::Function;
+use crate::operation::{Node, Operation};
 use crate::reverse::WeightTerm;
 
 impl<'b> Scheduler<'b> {

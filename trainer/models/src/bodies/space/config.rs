@@ -3,10 +3,12 @@
 use crate::architecture::Architecture;
 use crate::bodies::letters_of_joints;
 use crate::bodies::space::ArmArchitecture;
+use crate::config::checks::list;
 use crate::config::family::{FamilyConfig, NetworksBeside};
 use crate::config::origin::Open;
 use crate::config::origin::Origin;
-use crate::config::problem::{Problem, ShapeError, list};
+use crate::config::place::ShapeError;
+use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
 use crate::laws::friction::config::FrictionConfig;

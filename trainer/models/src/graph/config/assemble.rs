@@ -1,8 +1,10 @@
 //! Conversion of a configuration into the shape of a model.
 
 use super::{EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig};
+use crate::config::checks::{check_count, check_name, list};
 use crate::config::parts::{Networks, NumberConfig, Range};
-use crate::config::problem::{Problem, ShapeError, check_count, check_name, list};
+use crate::config::place::ShapeError;
+use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::graph::{GraphArchitecture, GraphType, NamedGraph};
 use crate::limits::MAX_GRAPH_COORDINATES;

@@ -10,7 +10,7 @@ use crate::config::family::{FamilyConfig, NetworksBeside};
 use crate::config::fields;
 use crate::config::origin::Open;
 use crate::config::parts::NumberConfig;
-use crate::config::problem::ShapeError;
+use crate::config::place::ShapeError;
 use crate::laws::corrections::config::NoCorrections;
 use crate::laws::friction::config::NoFriction;
 use leastaction_core::network::Activation;

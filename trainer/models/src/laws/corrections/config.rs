@@ -2,7 +2,8 @@
 
 use crate::config::fields;
 use crate::config::parts::Range;
-use crate::config::problem::{Problem, ShapeError, Step};
+use crate::config::place::{ShapeError, Step};
+use crate::config::problem::Problem;
 use crate::laws::corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 use crate::limits::MAX_COORDINATES;
 use leastaction_core::network::Activation;

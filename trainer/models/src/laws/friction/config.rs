@@ -1,7 +1,8 @@
 //! `[model.friction]` of any family whose coordinates allow it.
 
 use crate::config::parts::Range;
-use crate::config::problem::{Problem, ShapeError, Step};
+use crate::config::place::{ShapeError, Step};
+use crate::config::problem::Problem;
 use crate::laws::friction::{FrictionArchitecture, MOST_LOAD, WIDTHS};
 use crate::number::Number;
 use serde::de::value::MapAccessDeserializer;

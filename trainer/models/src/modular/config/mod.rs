@@ -1,16 +1,19 @@
 //! `[model]` of the modular family: element types, and trees of them.
 
 mod assemble;
+mod assembled;
+mod assembly;
 mod numbers;
 mod source;
 mod values;
 
-pub use assemble::Assembled;
+pub use assembled::Assembled;
 pub use values::{ElementConfig, PairKind, TransformKind};
 
 use crate::config::fields;
 use crate::config::parts::NumberConfig;
-use crate::config::problem::{Problem, ShapeError};
+use crate::config::place::ShapeError;
+use crate::config::problem::Problem;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
 use leastaction_core::network::Activation;

@@ -2,8 +2,9 @@
 
 use super::GraphEnergies;
 use super::nodes::squares;
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::graph::{Edge, EdgeShape, GraphShape, Separation};
 
 /// Edges of one type.

@@ -2,8 +2,9 @@
 //! have potentials.
 
 use super::GraphEnergies;
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::energies::network::{Kinds, entries};
+use crate::operation::Node;
 use leastaction_core::energy::graph::{Edge, GraphShape, MessageShape};
 
 /// Messages of a graph.

@@ -10,7 +10,8 @@ mod nodes;
 
 use super::network::{Kinds, entries};
 use super::{Energies, Network};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
+use crate::operation::Node;
 use edges::EdgeGroup;
 use leastaction_core::energy::graph::{EDGE_NUMBERS, Edge, GraphShape};
 use leastaction_core::model::ModelError;

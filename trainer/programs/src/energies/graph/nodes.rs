@@ -1,8 +1,9 @@
 //! Terms of one node: kinetic energy, potential, drag.
 
 use super::{GraphEnergies, embedded, owners};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::graph::{Drag, GraphShape, Kinetic, NodeShape, Potential};
 
 /// Nodes of one type.

@@ -1,9 +1,10 @@
 //! Element types: the motion that an element's coordinates give it, its numbers, and its potential.
 
 use super::on_axes;
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::energies::Network;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::modular::{Input, SPACE, TransformShape, TypeShape};
 
 /// Map from an element's coordinates to the displacement they add ([`leastaction_core::energy::modular::Transform`]).

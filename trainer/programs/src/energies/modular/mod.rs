@@ -4,7 +4,8 @@ mod element;
 mod pair;
 
 use super::{Energies, Network};
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
+use crate::operation::Node;
 use element::ElementType;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{

@@ -1,8 +1,9 @@
 //! Potentials between pairs of elements.
 
-use crate::builder::{Builder, Node};
+use crate::builder::Builder;
 use crate::energies::Network;
 use crate::function::Function;
+use crate::operation::Node;
 use leastaction_core::energy::modular::{PairInput, PairShape};
 
 /// The pair potential over the weight block.

@@ -8,7 +8,7 @@ pub use values::{BodyNumber, JointKind};
 use crate::architecture::Architecture;
 use crate::config::family::{FamilyConfig, NetworksBeside};
 use crate::config::origin::Open;
-use crate::config::problem::ShapeError;
+use crate::config::place::ShapeError;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
 use serde::{Deserialize, Serialize};

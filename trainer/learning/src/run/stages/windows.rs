@@ -1,0 +1,180 @@
+//! The stages of a loss over windows.
+
+use super::windowed::Windowed;
+use super::{ALL_LOGS, NETWORKS, PlanError, Scope, Stage, WARM_UP, shows_scale, torques};
+use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
+use crate::data::Dataset;
+use crate::run::lengths;
+use crate::run::notice::Notice;
+use crate::training::Objective;
+use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
+use leastaction_models::Architecture;
+use leastaction_models::config::Source;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Fraction of a window that the warm-up takes: whatever the initial weights, motion over it is hardly chaotic.
+const SHORT: f64 = 0.2;
+/// Least number of steps in this part.
+const FEWEST_STEPS: usize = 5;
+/// Largest integration step of a model with dry friction, s: friction changes quickly where a velocity changes its sign.
+const STIFF_STEP: f64 = 0.005;
+/// Range of the longest integration step of other models, s; within it the step of the samples is taken. A step covers as many closer
+/// samples as fit; samples further apart are subdivided.
+const SMOOTH_STEP: [f64; 2] = [0.01, 0.025];
+
+/// Number of windows above which they need not overlap: they hold all the information of a log, and overlap would double the time.
+const MANY_WINDOWS: usize = 2000;
+/// Overlap of consecutive windows if there are fewer windows.
+const OVERLAP: f64 = 0.5;
+
+/// The default overlap of windows of `steps` steps.
+fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
+    let windows: usize = data.trajectories.iter().map(|trajectory| trajectory.samples() / steps).sum();
+    if windows < MANY_WINDOWS { OVERLAP } else { 0.0 }
+}
+
+/// The stages of a loss over windows of the first `training` trajectories; the rest is held back.
+///
+/// # Errors
+/// [`PlanError`] if no trajectory is as long as a window, or if the optimiser does not support windows.
+pub(in crate::run) fn of_windows(
+    (config, scope): (&Config, Scope),
+    architecture: &Architecture,
+    (data, training): (&Dataset, usize),
+    notices: &mut Vec<Notice>,
+) -> Result<(Vec<Stage>, Windowed), PlanError> {
+    if config.training.optimiser != OptimiserKind::LevenbergMarquardt {
+        return Err(PlanError::WindowOptimiser);
+    }
+    if !shows_scale(architecture, data) {
+        notices.push(Notice::UnknownScale);
+    }
+    let windows = Windows::new(config, architecture, data);
+    let count = windows.logs.count();
+    let held_back = match scope {
+        Scope::Whole => training..count,
+        Scope::Fold { .. } => count..count,
+    };
+    let mut stages = Vec::new();
+    for span in windows.spans(scope) {
+        stages.push(if windows.of_torques && span.name == NETWORKS {
+            let iterations = scope.iterations(config.training.iterations);
+            torques::networks((config, iterations), architecture, (data, training), &windows.layout()?)?
+        } else {
+            windows.stage(span, 0..training, held_back.clone())?
+        });
+    }
+    if !held_back.is_empty() && !windows.of_torques {
+        // The held-back logs have served to judge; now they are learned from, too.
+        let iterations = scope.iterations(config.training.iterations);
+        stages.push(windows.stage(windows.whole(ALL_LOGS, iterations), 0..count, 0..0)?);
+    }
+    let layout = windows.layout()?;
+    Ok((stages, Windowed { settings: windows.settings(windows.steps), logs: windows.logs, layout }))
+}
+
+/// Name of a stage, number of steps in its windows, and its iteration limit.
+#[derive(Clone, Copy)]
+struct Span {
+    name: &'static str,
+    steps: usize,
+    iterations: u64,
+}
+
+/// Logs cut into windows, and the model that is learned from them.
+struct Windows<'a> {
+    config: &'a Config,
+    architecture: &'a Architecture,
+    data: &'a Dataset,
+    logs: Arc<WindowLogs>,
+    /// Steps in a whole window.
+    steps: usize,
+    /// Whether correcting networks are learned after the model alone.
+    adds_networks: bool,
+    /// Whether numbers learned from torques are fitted beforehand, so that windows only add networks.
+    of_torques: bool,
+}
+
+impl<'a> Windows<'a> {
+    fn new(config: &'a Config, architecture: &'a Architecture, data: &'a Dataset) -> Self {
+        let window = config.training.window.unwrap_or_else(|| lengths::usual(data));
+        Self {
+            logs: Arc::new(WindowLogs::new(data)),
+            steps: lengths::steps(window, data.h),
+            adds_networks: !architecture.corrections.is_none() && config.model.source() != Source::Weights,
+            of_torques: config.training.loss == Some(TrainingLoss::Torque),
+            config,
+            architecture,
+            data,
+        }
+    }
+
+    fn whole(&self, name: &'static str, iterations: u64) -> Span {
+        Span { name, steps: self.steps, iterations }
+    }
+
+    /// A warm-up over short windows where nothing is known of the weights, the training, and the networks beside the model.
+    fn spans(&self, scope: Scope) -> Vec<Span> {
+        let TrainingConfig { warm_up, iterations, .. } = self.config.training;
+        let [warm_up, iterations] = [warm_up, iterations].map(|iterations| scope.iterations(iterations));
+        let iterations = if self.of_torques { 0 } else { iterations };
+        let short = ((SHORT * self.steps as f64).round() as usize).max(FEWEST_STEPS).min(self.steps);
+        let warms_up = !self.of_torques
+            && short < self.steps
+            && warm_up > 0
+            && self.config.model.source() == Source::Nothing;
+        let warm_up = warms_up.then_some(Span { name: WARM_UP, steps: short, iterations: warm_up });
+        let networks = self.adds_networks.then(|| self.whole(NETWORKS, iterations));
+        warm_up.into_iter().chain([self.whole("training", iterations)]).chain(networks).collect()
+    }
+
+    fn settings(&self, steps: usize) -> WindowSettings {
+        let TrainingConfig { overlap, integrator, order, .. } = self.config.training;
+        let overlap = overlap.unwrap_or_else(|| usual_overlap(self.data, steps));
+        let [least, most] = SMOOTH_STEP;
+        let is_smooth = self.architecture.friction.dry.is_empty();
+        WindowSettings {
+            steps,
+            stride: ((1.0 - overlap) * steps as f64).round() as usize,
+            integrator: integrator.unwrap_or_default(),
+            longest_step: if is_smooth { self.data.h.clamp(least, most) } else { STIFF_STEP },
+            order,
+            calibration: self.config.calibration.calibration(),
+        }
+    }
+
+    /// Positions of the learned sensor and actuator numbers.
+    fn layout(&self) -> Result<CalibrationLayout, PlanError> {
+        let calibration = self.config.calibration.calibration();
+        Ok(CalibrationLayout::new(self.architecture.parameters()?, &self.logs, calibration))
+    }
+
+    /// The loss over windows of some of the logs; without networks, these stay as they begin.
+    fn loss(&self, steps: usize, of: Range<usize>, with_networks: bool) -> Result<WindowLoss, PlanError> {
+        let model = WindowModel::new(self.architecture)?;
+        let model = if with_networks { model } else { model.with_known_corrections(self.architecture) };
+        Ok(WindowLoss::new(model, &self.logs, of, self.settings(steps))?)
+    }
+
+    /// A stage that learns from the logs `of`, and is judged by whole windows of others.
+    fn stage(&self, span: Span, of: Range<usize>, judges: Range<usize>) -> Result<Stage, PlanError> {
+        // Networks join only after the simple physics is learned.
+        let with_networks = !self.adds_networks || [NETWORKS, ALL_LOGS].contains(&span.name);
+        let validation =
+            (!judges.is_empty()).then(|| self.loss(self.steps, judges, with_networks)).transpose()?;
+        let begins_with = (self.adds_networks && span.name == NETWORKS).then(|| {
+            let first = self.architecture.corrections.initial_weights(self.config.training.seed);
+            (self.architecture.corrections_start(), first)
+        });
+        Ok(Stage {
+            name: span.name,
+            begins_with,
+            optimiser: self.config.training.optimiser,
+            iterations: span.iterations,
+            objective: Box::new(self.loss(span.steps, of, with_networks)?),
+            validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
+            judge: None,
+        })
+    }
+}
