@@ -12,13 +12,14 @@ use crate::npy_text;
 use crate::place::Place;
 use crate::problem::Problem;
 
-/// Largest count of numbers unpacked from one archive: 8 GiB.
+/// Largest count of numbers unpacked from one archive; together they take 8 GiB.
 const MOST: u64 = 1 << 30;
 
-/// Count of numbers that may be unpacked from any archive: 64 MiB.
+/// Count of numbers that may be unpacked from any archive, however small; together they take 64 MiB.
 const MOST_ANYWAY: u64 = 1 << 23;
 
-/// Further numbers per byte of the archive: motion does not compress to a hundredth.
+/// Further count of numbers that may be unpacked per byte of the archive: logged motion does not compress to a
+/// hundredth.
 const MOST_PER_BYTE: u64 = 12;
 
 /// An archive whose arrays are unpacked on demand.
@@ -116,7 +117,7 @@ pub(crate) struct Array<'a> {
 
 impl<'a> Array<'a> {
     fn new(zip: &Zip<'a>, index: usize, key: &str) -> Result<Self, Fault> {
-        // A reader of its own; the archive's directory is shared.
+        // Each array needs a reader of its own; the archive's directory is shared.
         let mut zip = zip.clone();
         let (kind, header) =
             header(&mut zip, index).map_err(|problem| (Place::Key(key.to_owned()), problem))?;

@@ -12,8 +12,9 @@ use std::f64::consts::TAU;
 /// A column of a log, with its conversion to SI units: value = scale × number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Name in the header line of a `.csv` file, or of the array in an `.npz` file, with `name[i]` for column i of a two-dimensional array;
-    /// without an index the array gives all its columns. In an `.mcap` file `topic/joint/position`, `velocity` or `effort`; time is `t`.
+    /// Name in the header line of a `.csv` file, or of the array in an `.npz` file. `name[i]` is column i of a
+    /// two-dimensional array; without an index the array gives all its columns. In an `.mcap` file,
+    /// `topic/joint/position`, `velocity` or `effort`; the time is `t`.
     pub name: String,
     /// Scale factor, finite and not 0; negative to reverse the sign.
     pub scale: f64,
@@ -37,7 +38,8 @@ pub struct Columns {
     pub v: Vec<Column>,
     /// Drive forces, scaled to N or N m; may be empty.
     pub u: Vec<Column>,
-    /// Actuation matrix B of the generalised force B u: a row per coordinate, an entry per drive. Without B drive i acts on coordinate i.
+    /// Actuation matrix B of the generalised force B u, with a row per coordinate and an entry per drive. Without B,
+    /// drive i acts on coordinate i.
     pub actuation: Option<Vec<Vec<f64>>>,
 }
 

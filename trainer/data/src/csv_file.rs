@@ -19,7 +19,7 @@ const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
 /// Names of the fields, in the order of [`Header::fields`].
 const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
 
-/// Reads the table of a file, with columns named as in this layout, or as `named` says.
+/// Reads the table of a file; its columns are named as in this layout, or as `named` says.
 pub(crate) fn read(bytes: &[u8], named: Option<&Columns>) -> Result<Table, Fault> {
     let content = decoded(bytes)?;
     let known = |name: &[u8]| named.map_or_else(|| is_known(name), |named| is_named(name, named));

@@ -8,7 +8,7 @@ use crate::error::Fault;
 use crate::place::Place;
 use crate::problem::Problem;
 
-/// Possible separators; of equally good ones the last is taken.
+/// Possible separators; if several fit equally well, the last of these is taken.
 const SEPARATORS: [u8; 3] = [b'\t', b';', b','];
 
 /// Decodes a file to UTF-8 without a byte order mark. UTF-16, which some spreadsheets write, is recognised by its mark.
@@ -62,7 +62,7 @@ pub(crate) struct Numbers {
     points: bool,
     /// The first number with a comma, and its place.
     comma: Option<(Place, String)>,
-    /// Whether a comma occurred that cannot separate thousands.
+    /// Whether a number had a comma that cannot separate thousands.
     decimal: bool,
 }
 

@@ -35,7 +35,7 @@ impl Trajectory {
         self.q.len()
     }
 
-    /// Consecutive samples of a trajectory with step h (s); samples beyond the last are left out.
+    /// Consecutive samples of a trajectory whose step is h (s); sample indices beyond the last are ignored.
     #[must_use]
     pub fn part(&self, samples: Range<usize>, h: f64) -> Self {
         let rows: Vec<usize> = samples.clone().collect();
@@ -115,7 +115,8 @@ impl Dataset {
         self.control.unwrap_or_default()
     }
 
-    /// The sample whose u acts at the end of the step from sample `k`; u is linear in between.
+    /// The sample whose u acts at the end of the step from sample `k`: `k` itself if u is held, the next one if u is
+    /// linear.
     #[must_use]
     pub fn control_end(&self, k: usize) -> usize {
         match self.control_kind() {

@@ -1,7 +1,8 @@
 //! Joining of columns with different clocks into one table with the stamps of the first coordinate's clock.
 //!
-//! From another clock, positions, velocities and linear controls are interpolated linearly, and held controls are averaged from one stamp
-//! of the table to the next. Samples of the table within a gap of the other clock, or outside its time span, are left out.
+//! Positions, velocities and linear controls of another clock are interpolated linearly; held controls are averaged
+//! from one stamp of the table to the next. Samples of the table that lie in a gap of the other clock, or outside its
+//! time span, are left out.
 
 use crate::columns::Column;
 use crate::error::Fault;
@@ -61,7 +62,8 @@ pub(crate) fn joined(
     whole.table()
 }
 
-/// The table under construction: all samples of the first clock, and which of them all clocks cover.
+/// The table under construction: all samples of the first clock, each with a flag that says whether all clocks cover
+/// it.
 struct Whole {
     widths: Widths,
     t: Vec<f64>,
@@ -164,7 +166,7 @@ impl Whole {
 }
 
 impl Part {
-    /// Stamps, and the rows they belong to; of equal stamps the first.
+    /// Stamps, with the rows that they belong to; of equal stamps the first is kept.
     fn rising(&self) -> Result<(Vec<f64>, Vec<usize>), Fault> {
         let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
         let too_few = || (Place::File, Problem::NoOverlap { samples: t.len(), shared: 0 });
@@ -177,7 +179,8 @@ fn median(t: &[f64]) -> f64 {
     Intervals::of(intervals).map_or(0.0, |intervals| intervals.median)
 }
 
-/// Whether a clock has data at a time: within an interval that is no gap or, for held values, soon after its last stamp.
+/// Whether a clock has data at a time: the time is in an interval that is not a gap or, for held values, soon after the
+/// last stamp.
 fn covers(t: &[f64], now: f64, longest: f64, held: bool) -> bool {
     let after = t.partition_point(|stamp| *stamp <= now);
     let Some(before) = after.checked_sub(1).and_then(|before| t.get(before)) else { return false };

@@ -8,8 +8,8 @@ use crate::table::Table;
 use crate::{MIN_SAMPLES, Rows};
 
 impl Table {
-    /// Removes the samples whose stamps are in closed intervals (s). Samples after such an interval form another trajectory; pieces of
-    /// fewer than 3 samples are removed as well.
+    /// Removes the samples whose stamps are in closed intervals (s). The samples after such an interval form a new
+    /// trajectory. Pieces of fewer than 3 samples are removed as well.
     pub(crate) fn without(self, intervals: &[(f64, f64)]) -> Result<(Self, Vec<Note>), Fault> {
         self.check_finite()?;
         let (mut rows, mut ids, mut notes) = (Vec::new(), Vec::new(), Vec::new());

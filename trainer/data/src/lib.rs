@@ -11,37 +11,39 @@
 //! | `trajectory` | \[samples\], integer | `trajectory` | |
 //! | `control` | `"held"` or `"linear"`, optional | comment line `# control = held` above the header | |
 //!
-//! One of `t` and `h` is needed; both are written. Without `trajectory` the file is a single trajectory. For n = 1 arrays may be
-//! one-dimensional, and columns may be named `q`, `v`, `a`, `u`. Arrays may have any real element type, byte order and memory order,
-//! compressed or not; an archive may unpack to 2²³ numbers plus 12 for each of its bytes, but to no more than 2³⁰. CSV files have one
-//! header line; lines beginning with `#` are comments. Cells are separated by commas, semicolons or tabs, whichever makes names of the
-//! header line; decimal commas are read unless something in the file suggests that they separate thousands. The text is UTF-8, or UTF-16
-//! with a byte order mark. A name that begins with `_` is ignored; any other unknown name is an error, so that a misspelt one is not
-//! silently lost.
+//! One of `t` and `h` is needed; both are written. Without `trajectory` the file is a single trajectory. For n = 1
+//! arrays may be one-dimensional, and columns may be named `q`, `v`, `a`, `u`. Arrays may have any real element type,
+//! byte order and memory order, compressed or not; an archive may unpack to 2²³ numbers plus 12 per byte of its size,
+//! at most 2³⁰. CSV files have one header line; lines beginning with `#` are comments. Cells are separated by commas,
+//! semicolons or tabs: the separator is the one with which the header line has the most known names. Decimal commas are
+//! read unless the file suggests that they separate thousands. The text is UTF-8, or UTF-16 with a byte order mark. A
+//! name that begins with `_` is ignored; any other unknown name is an error, so that a misspelt name is noticed.
 //!
-//! **Bags of ROS 2** (`.mcap`, `sensor_msgs/JointState`) are read only by names of columns: `topic/joint/position`, `velocity` or `effort`,
-//! at the stamps of their messages, in s from the first message. Columns of several topics, or of several files of one recording
-//! ([`Join`]), are joined: the samples are those of the first coordinate; from other clocks positions, velocities and linear controls are
-//! interpolated linearly, and held controls are averaged from sample to sample; samples are left out if another clock has a gap there, or
-//! does not run.
+//! **Bags of ROS 2** (`.mcap`, `sensor_msgs/JointState`) are read only with named columns: `topic/joint/position`,
+//! `velocity` or `effort`, at the stamps of their messages, in s from the first message. Columns of several topics, or
+//! of several files of one recording ([`Join`]), are joined at the samples of the first coordinate. Positions,
+//! velocities and linear controls of other clocks are interpolated linearly; held controls are averaged from sample to
+//! sample. Samples are left out if another clock has a gap there, or does not run.
 //!
 //! **Columns with other names and units** are read through a [`Reading`] that names them ([`Columns`]); all other columns are then ignored.
-//! [`read_logs`] makes one log of several files. Both resample uneven stamps, and all stamps if a step is given: the new samples of a
-//! stretch without gaps lie at t₀, t₀ + h, …; positions, velocities and accelerations are interpolated linearly, a held control is averaged
-//! over the step in which it acts, a linear one is interpolated. An interval of more than 2.5 steps and 2.5 median intervals is a gap; of
-//! samples with the same stamp the first is kept. The default step is the shortest decimal number within half a percent of the mean step.
+//! [`read_logs`] makes one log of several files. Both resample uneven stamps, and all stamps if a step is given. The
+//! new samples of a stretch without gaps lie at t₀, t₀ + h, …; positions, velocities and accelerations are interpolated
+//! linearly, a held control is averaged over the step in which it acts, and a linear control is interpolated. An
+//! interval of more than 2.5 steps and 2.5 median intervals is a gap. Of samples with the same stamp the first is kept.
+//! The default step is the shortest decimal number within half a percent of the mean step.
 //!
-//! **Control.** `control` states the behaviour of u between samples. `held`: u_k acts from t_k to t_{k+1}, as a controller's output does;
-//! the last u of a trajectory is then unused. `linear`: u is linear from u_k to u_{k+1}, as a force sensor sees it. A file need not state
-//! it; the reader then decides, and takes it as held by default.
+//! **Control.** `control` states the behaviour of u between samples. `held`: u_k acts from t_k to t_{k+1}, as a
+//! controller's output does; the last u of a trajectory is then unused. `linear`: u is linear from u_k to u_{k+1}, as a
+//! force sensor sees it. If a file does not state it, the caller decides; the default is held.
 //!
-//! **Time.** Samples are uniform. A stated `h` is exact. Otherwise the step is the mean of the intervals that agree with the median one,
-//! taken as the shortest decimal number that the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of
-//! the stamps, which is 4 ε max|t|, at most h/4, with ε = 2⁻²⁴ if all stamps are single-precision numbers (or printed ones), else 2⁻⁵³.
+//! **Time.** Samples are uniform. A stated `h` is exact. Otherwise the step is the mean of the intervals that agree
+//! with the median interval, taken as the shortest decimal number that the stamps cannot distinguish from this mean.
+//! Every interval must be h, within 10⁻⁶ h plus the rounding of the stamps. This rounding is 4 ε max|t|, at most h/4,
+//! with ε = 2⁻²⁴ if all stamps are single-precision numbers (or printed ones), else 2⁻⁵³.
 //!
-//! **Gaps.** An interval of several times h is a gap: the trajectory is split there, its continuation gets a fresh id above all others, a
-//! piece of fewer than 3 samples is left out, and a [`Note`] reports both. Three equal such intervals in a row are not gaps but another
-//! step, which is an error.
+//! **Gaps.** An interval of several times h is a gap: the trajectory is split there, and its continuation gets a fresh
+//! id above all others. A piece of fewer than 3 samples is left out. A [`Note`] reports both. Three equal intervals of
+//! this kind in a row are not gaps but indicate another step, which is an error.
 //!
 //! **Angles** may be given within one turn, as encoders give them, in [−π, π], [0, 2π] or any other range. A file does not say which
 //! coordinates are angles, so [`read`] leaves them as they are; [`Dataset::unwrap_angles`] removes the seams.

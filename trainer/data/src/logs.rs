@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 pub struct Reading {
     /// Names and units of the columns, if they differ from this layout.
     pub columns: Option<Columns>,
-    /// Step (s) onto which all samples are resampled; by default that of the files or, for uneven stamps, one near their mean interval.
+    /// Step (s) onto which all samples are resampled. By default it is the step of the files or, if their stamps are
+    /// uneven, a step near their mean interval.
     pub step: Option<f64>,
     /// Control kind for files that do not state it.
     pub control: Option<ControlKind>,
@@ -87,14 +88,14 @@ impl Join {
         Ok(PathBuf::from(partner))
     }
 
-    /// The column's name within this file, if the column belongs to it.
+    /// The column's name within this file; `None` if the column belongs to another file.
     fn strip<'n>(&self, name: &'n str) -> Option<&'n str> {
         name.strip_prefix(&self.name)?.strip_prefix(':')
     }
 }
 
-/// The files that match the patterns, in the order of the patterns and then of their names: `*` and `?` stand for any characters, `**` for
-/// folders.
+/// The files that match the patterns, in the order of the patterns and, for one pattern, of the file names: `*` and `?`
+/// stand for any characters, `**` for folders.
 ///
 /// # Errors
 /// [`DataError`] if a pattern is invalid or matches no file.
@@ -199,7 +200,7 @@ fn finished(
         Some(columns) => table.driven(columns.actuation.as_deref())?,
         None => table,
     };
-    // A file's own statement has precedence; the caller, who knows both, reports a contradiction to the configuration.
+    // The file's own statement takes precedence. The caller, which knows both statements, reports a contradiction.
     table.control = table.control.or(reading.control);
     let left_out = reading.left_out(path);
     if !left_out.is_empty() {

@@ -1,8 +1,9 @@
 //! The layout of the ModLaNet authors' data sets (Lu et al., ICML 2022).
 //!
-//! One `.npz` file of two parts, without trajectory numbers: `x`, `v`, `ac`: \[rows, n\], positions, velocities and accelerations; `t`,
-//! `E`: \[rows, 1\] or \[rows\], time since the start of the trajectory (s) and total energy (J), both optional; and the same under
-//! `test_x` … . Any real element type is read, float64 is written. Other arrays are ignored and not written.
+//! One `.npz` file with two parts and no trajectory numbers. `x`, `v`, `ac`: \[rows, n\], positions, velocities and
+//! accelerations. `t`, `E`: \[rows, 1\] or \[rows\], time since the start of the trajectory (s) and total energy (J),
+//! both optional. The test part has the same arrays under `test_x` … . Any real element type is read, float64 is
+//! written. Other arrays are ignored and not written.
 
 use std::fs;
 use std::ops::Range;
@@ -157,8 +158,8 @@ impl ModlanetRows {
         Some(Self { q, v, a, t: Some(t), energy: Some(energy) })
     }
 
-    /// The rows at which trajectories begin: the first, and every row whose time is not after that of the row before. Without times, only
-    /// the first.
+    /// The rows at which trajectories begin: the first row, and every row whose time is not after that of the previous
+    /// row. Without times there is only the first.
     #[must_use]
     pub fn starts(&self) -> Vec<usize> {
         let pairs = self.t.iter().flat_map(|t| t.windows(2)).zip(1..);
@@ -166,7 +167,7 @@ impl ModlanetRows {
         std::iter::once(0).chain(starts).collect()
     }
 
-    /// Some of the rows.
+    /// The rows in a range.
     #[must_use]
     pub fn slice(&self, range: Range<usize>) -> Self {
         let part = |values: &Option<Vec<f64>>| {

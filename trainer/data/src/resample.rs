@@ -16,10 +16,11 @@ use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory};
 use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 
-/// Tolerance of the default step, relative to the mean interval: the decimal number with the fewest digits within it is taken.
+/// Tolerance of the default step, relative to the mean interval: within it the decimal number with the fewest digits is
+/// taken.
 const ROUNDING: f64 = 5e-3;
 
-/// Ratio to the median interval below which a step would invent most of its samples.
+/// Ratio of a step to the median interval below which most samples would be invented by interpolation.
 const FINEST: f64 = 0.1;
 
 /// The distinct stamps of a trajectory, with their rows.
@@ -135,7 +136,7 @@ impl Even<'_> {
     fn keep(&mut self, run: &Stamped, part: Range<usize>, id: i64) {
         let (t, rows) = (&run.t[part.clone()], &run.rows[part.clone()]);
         let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
-        // The tolerance keeps rounding from dropping the last sample.
+        // The tolerance keeps the last sample in spite of rounding.
         let samples = (span / self.h + 1e-6).floor() as usize + 1;
         if samples < MIN_SAMPLES {
             let place = self.table.place("t", rows.first().copied().unwrap_or_default());

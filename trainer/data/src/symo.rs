@@ -1,9 +1,10 @@
 //! The layout of the SyMo authors' data sets (Santos et al., L4DC 2022).
 //!
-//! One `.npz` file: `train_x`, `test_x`, `int_x`: \[trajectories, samples, 2n\], positions then velocities; `train_u`, `test_u`, `int_u`:
-//! \[trajectories, samples\], the generalised force at the one actuated coordinate. The step is not in the file. The authors take the
-//! control as linear between samples, (h/4)(u₋ + 2u + u₊) in their equation; in their sets it is constant within a trajectory. Any real
-//! element type is read, float64 is written. Other arrays (the authors add the start states `x0`, `int_x0`) are ignored and not written.
+//! One `.npz` file. `train_x`, `test_x`, `int_x`: \[trajectories, samples, 2n\], positions then velocities. `train_u`,
+//! `test_u`, `int_u`: \[trajectories, samples\], the generalised force at the one actuated coordinate. The step is not
+//! in the file. The authors take the control as linear between samples, (h/4)(u₋ + 2u + u₊) in their equation; in their
+//! sets it is constant within a trajectory. Any real element type is read, float64 is written. Other arrays (the
+//! authors add the start states `x0`, `int_x0`) are ignored and not written.
 
 use std::fs;
 use std::path::Path;

@@ -29,11 +29,11 @@ pub(crate) struct Table {
 
 /// Places of samples in a file.
 pub(crate) enum Origin {
-    /// Rows of arrays, at these indices or consecutive.
+    /// Rows of arrays: those with these indices, or all rows in order.
     Rows(Option<Vec<usize>>),
-    /// Lines.
+    /// Line numbers of a CSV file.
     Lines(Vec<u64>),
-    /// Messages.
+    /// Numbers of the messages of a bag.
     Messages(Vec<u64>),
 }
 
@@ -70,7 +70,7 @@ impl Origin {
     }
 }
 
-/// Division of a table with a uniform step.
+/// Division of a table with a uniform step into trajectories.
 pub(crate) struct Uniform {
     pub(crate) h: f64,
     pieces: Vec<Run>,
@@ -90,7 +90,7 @@ impl Table {
         Ok(self.dataset(even))
     }
 
-    /// The step of the stamps, and the pieces between gaps.
+    /// The step between stamps, and the pieces between gaps.
     pub(crate) fn uniform(&self) -> Result<Uniform, Fault> {
         let runs = self.runs()?;
         let h = self.step(&runs)?;

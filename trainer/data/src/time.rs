@@ -7,13 +7,13 @@ use crate::problem::Problem;
 /// Tolerance of an interval, relative to itself.
 const TOLERANCE: f64 = 1e-6;
 
-/// Number of equal intervals of several steps in a row that indicate another step, not gaps.
+/// Number of equal intervals in a row, each of several steps, that indicate another step rather than gaps.
 const STEP_RUN: usize = 3;
 
 /// A row and its problem.
 type RowFault = (usize, Problem);
 
-/// Time stamps (s), and the largest rounding error of the difference of two.
+/// Time stamps (s), and the largest rounding error of the difference of two stamps.
 pub(crate) struct Stamps<'a> {
     t: &'a [f64],
     rounding: f64,
@@ -30,7 +30,8 @@ impl<'a> Stamps<'a> {
     pub(crate) fn new(t: &'a [f64]) -> Self {
         let epsilon = if t.iter().all(|&t| is_single(t)) { f64::from(f32::EPSILON) } else { f64::EPSILON };
         let largest = t.iter().fold(0.0, |max: f64, t| max.max(t.abs()));
-        // EPSILON is twice the relative error of one rounding; each stamp is a rounded product, and rounded again.
+        // EPSILON is twice the relative error of one rounding. Each stamp is a rounded product that was rounded again
+        // when it was stored.
         Self { t, rounding: 2.0 * epsilon * largest }
     }
 
@@ -59,7 +60,7 @@ impl<'a> Stamps<'a> {
     /// The step: the mean of the intervals that agree with the median, as the shortest decimal number within rounding.
     pub(crate) fn step(&self, runs: &[Range<usize>]) -> Result<f64, RowFault> {
         let median = self.median(runs)?;
-        // Rounding cancels between neighbouring intervals, so it counts once per unbroken stretch.
+        // Rounding errors cancel between neighbouring intervals, so they count once per unbroken stretch.
         let (mut span, mut steps, mut stretches) = (0.0, 0.0, runs.len() as f64);
         for (_, before, after) in runs.iter().flat_map(|run| self.intervals(run)) {
             if matches!(self.steps(after - before, median), Ok(1)) {
@@ -115,7 +116,7 @@ impl<'a> Stamps<'a> {
     }
 }
 
-/// Checks that the stamps of a trajectory without gaps will be read as such.
+/// Checks that the reader will find no gaps and no other step in the stamps of a trajectory without gaps.
 pub(crate) fn check(t: &[f64], h: f64) -> Result<(), Problem> {
     let stamps = Stamps::new(t);
     let uniform = stamps.gaps(&(0..t.len()), h).is_ok_and(|gaps| gaps.is_empty());

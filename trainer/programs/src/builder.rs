@@ -4,11 +4,13 @@ use crate::single::Variables;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// A list of operations on vectors. Each is stored once: a repeated request finds the first one. Values known when the list is written
-/// (sums and products of constants, factors of 0 and 1) are not computed by the program.
+/// A list of operations on vectors. Each operation is stored once: a repeated request finds the stored one. Values that
+/// are known when the list is written (sums and products of constants, factors of 0 and 1) are not computed by the
+/// program.
 ///
 /// # Panics
-/// All methods panic if lengths do not fit: the family that writes such a list is wrong, whatever the data.
+/// All methods panic if lengths do not fit. This means that the family that writes such a list is wrong, whatever the
+/// data.
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     pub(crate) operations: Vec<Operation>,
@@ -20,7 +22,7 @@ pub struct Builder {
     pub(crate) slopes: HashMap<Node, Option<Node>>,
     known: HashMap<(Operation, usize), Node>,
     inputs: usize,
-    /// Whether most vectors have two or three numbers, so that layers too are best applied entry by entry.
+    /// Whether most vectors have two or three numbers, so that small layers are best applied entry by entry, too.
     pub(crate) is_of_short_vectors: bool,
 }
 
@@ -59,7 +61,7 @@ impl Builder {
 
     /// Adds a vector that is equal in every sample.
     pub fn constant(&mut self, x: &[f64]) -> Node {
-        // Here −0 becomes 0: products with it vanish.
+        // Adding 0 turns −0 into 0, so that products with it vanish.
         let bits = x.iter().map(|x| (x + 0.0).to_bits()).collect();
         self.push(Operation::Constant(bits), x.len())
     }

@@ -4,7 +4,7 @@ use crate::builder::Builder;
 use crate::operation::{Node, Operation};
 
 impl Builder {
-    /// Derivatives of `of` as the vectors of `along` move; each of these pairs is a vector and its direction.
+    /// Derivatives of the nodes `of` when other vectors move; each pair in `along` is a vector and its direction.
     pub fn tangents(&mut self, of: &[Node], along: &[(Node, Node)]) -> Vec<Node> {
         let last = of.iter().max().map_or(0, |last| last.index() + 1);
         let mut slopes = vec![None; last];
@@ -30,7 +30,7 @@ impl Builder {
         of.iter().map(|node| slopes[node.index()].unwrap_or_else(|| self.zeros(self.length(*node)))).collect()
     }
 
-    /// Whether each of the first `count` nodes is used to compute these nodes, which count as used themselves.
+    /// Whether each of the first `count` nodes is needed to compute these nodes, which count as needed themselves.
     pub(crate) fn read_by(&self, nodes: &[Node], count: usize) -> Vec<bool> {
         let mut read = vec![false; count];
         nodes.iter().for_each(|node| read[node.index()] = true);
@@ -42,7 +42,7 @@ impl Builder {
         read
     }
 
-    /// Derivative of one node from those of the nodes that it is computed from; `None` if it is zero.
+    /// Derivative of one node, from those of its operands; `None` if it is zero.
     pub(crate) fn slope(&mut self, at: usize, of: impl Fn(Node) -> Option<Node>) -> Option<Node> {
         let node = Node::new(at);
         let slope = match self.operations[at].clone() {

@@ -1,6 +1,7 @@
-//! Products with the weights of a layer, in panels of eight outputs, then four, then one ([`Dense`](leastaction_core::network::Dense)), and
-//! sums in the same order as there. A layer is applied to columns, vectors one after the other; a panel's weights serve all columns before
-//! those of the next panel are read.
+//! Products with the weights of a layer, in panels of eight outputs, then four, then one
+//! ([`Dense`](leastaction_core::network::Dense)), with sums in the same order as there. A layer is applied to columns,
+//! which are vectors one after the other; a panel's weights are used for all columns before those of the next panel are
+//! read.
 
 use crate::operation::Layer;
 use crate::row::{GROUPS, Row};
@@ -84,7 +85,7 @@ fn transposed_panel<const P: usize>(rows: &[f64], y: &[Row], x: &mut [Row]) {
 /// A term of a layer's gradient: the sum of ȳxᵀ over its columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair<T> {
-    /// Number of vectors in both.
+    /// Number of columns in both vectors.
     pub columns: usize,
     /// Adjoint of the outputs.
     pub y_bar: T,
@@ -108,7 +109,8 @@ impl<'r> Pair<&'r [Row]> {
     }
 }
 
-/// Adds Σ ȳxᵀ to the derivatives in a layer's weights, and Σ ȳ to those in its biases for the pairs with a bias.
+/// Adds Σ ȳxᵀ to the derivatives with respect to a layer's weights and, for the pairs with a bias, Σ ȳ to those with
+/// respect to its biases.
 pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row]) {
     let columns: Vec<_> = pairs.iter().flat_map(|pair| pair.each_column(layer)).collect();
     for panel in panels(layer) {
@@ -130,7 +132,8 @@ pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row])
 /// Vectors ȳ and x of a layer that is applied to a single column.
 type Column<'r> = (&'r [Row], &'r [Row]);
 
-/// Treats I inputs at a time, one group of lanes after the other, so that their sums over all columns stay in registers.
+/// Processes I inputs at a time, one group of lanes after the other, so that their sums over all columns stay in
+/// registers.
 fn outer_panel<const P: usize, const I: usize>(first: usize, columns: &[Column], gradient: &mut [Row]) {
     let (tiles, rest) = gradient.as_chunks_mut::<P>().0.as_chunks_mut::<I>();
     let done = I * tiles.len();
@@ -168,7 +171,7 @@ fn outer_tile<const P: usize, const I: usize>(
     }
 }
 
-/// Neighbouring outputs of a layer whose weights lie together.
+/// Neighbouring outputs of a layer whose weights are stored together.
 #[derive(Clone, Copy)]
 struct Panel<'l> {
     layer: &'l Layer,

@@ -1,9 +1,10 @@
 //! Arrangement of the numbers of vectors in rows.
 //!
-//! With several samples, every number is a row. With a single sample, the columns of a vector lie side by side: nodes and edges of a graph.
-//! The number of units of a column is that of the layer that it goes through, or the number of entries that are added up in it. Every
-//! [`WIDTH`] columns take as many rows as a column has units; a vector without such columns has columns of one unit, so its numbers follow
-//! one another. If all columns are equal, only one is kept.
+//! With several samples, every number is a row. With a single sample, the columns of a vector (for nodes and edges of a
+//! graph) lie side by side. The number of units of a column is that of the layer to which it is passed, or the number
+//! of entries of it that are added up. Every [`WIDTH`] columns take as many rows as a column has units. A vector
+//! without such columns has columns of one unit, so its numbers follow one another. If all columns are equal, only one
+//! is stored.
 
 use crate::builder::Builder;
 use crate::operation::{Node, Operation};
@@ -15,7 +16,7 @@ use crate::row::{Row, WIDTH};
 pub(crate) struct Form {
     /// Number of units in a column.
     pub units: usize,
-    /// Whether all columns are equal, so that the rows are those of one of them.
+    /// Whether all columns are equal, in which case only the rows of one column are stored.
     pub alike: bool,
 }
 
@@ -25,7 +26,7 @@ impl Form {
         Self { units, alike: false }
     }
 
-    /// Form of the vector in columns of another number of units; they are equal if the repetition still fits.
+    /// Form of the vector in columns of another number of units; the columns stay equal if their repetition still fits.
     pub const fn in_units(self, units: usize) -> Self {
         Self { units, alike: self.alike && units.is_multiple_of(self.units) }
     }
@@ -59,7 +60,7 @@ impl Form {
         places.as_chunks().0.iter().map(|row| Row(*row)).collect()
     }
 
-    /// Returns how to read `length` numbers, where number i is at `from(i)` in a vector of the given form.
+    /// Returns how to read `length` numbers, where number i is at position `from(i)` in a vector of the given form.
     pub fn picks(self, length: usize, (form, from): (Self, impl Fn(usize) -> usize)) -> Picks {
         Picks::new(&self.arranged(length, |i| form.place(from(i)) as u32, NOWHERE))
     }
@@ -69,7 +70,7 @@ impl Form {
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     forms: Vec<Form>,
-    /// Marks of gathered vectors that are only added up: the sums read the source of the gathering instead.
+    /// Flags of gathered vectors that are only added up: the sums read the source of the gathering instead.
     fused: Vec<bool>,
 }
 
@@ -99,8 +100,8 @@ impl Layout {
         self.form(node).picks(index.len(), (self.form(x), |i| index[i] as usize))
     }
 
-    /// Reads of the summands of a scattered vector of this length: summand i, which belongs to entry `index[i]` of the sum, is number
-    /// `from(i)` of x.
+    /// Reads of the summands of a scattered vector of this length. Summand i, which belongs to entry `index[i]` of the
+    /// sum, is number `from(i)` of x.
     pub fn summed(
         &self,
         [node, x]: [Node; 2],
@@ -168,7 +169,7 @@ fn repeat<T: PartialEq>(length: usize, units: usize, number: impl Fn(usize) -> T
     length > units && (units..length).all(|i| number(i) == number(i % units))
 }
 
-/// Number of repetitions of each number before the next one follows, if all are repeated equally often.
+/// Number of times that each number is repeated before the next one follows, if all are repeated equally often.
 fn repeated_units(index: &[u32]) -> Option<usize> {
     let units = index.iter().take_while(|i| **i == 0).count();
     let several = (1..index.len()).contains(&units) && index.len().is_multiple_of(units);
@@ -183,7 +184,7 @@ fn is_of_columns(index: &[u32], units: usize) -> bool {
     index.len().is_multiple_of(units) && index.chunks(units).all(is_column)
 }
 
-/// Number of units that each node's readers want: layers, and sums of neighbours.
+/// Number of units per column that the readers of each node want: layers, and sums of neighbours.
 fn wanted(builder: &Builder, needed: &[bool]) -> Vec<Option<usize>> {
     let mut wanted = vec![None; needed.len()];
     for at in (0..needed.len()).rev().filter(|at| needed[*at]) {
@@ -222,7 +223,7 @@ mod tests {
     use crate::program::Program;
     use crate::step::Step;
 
-    /// A layer that is applied to many equal columns is computed for one of them.
+    /// A layer that is applied to many equal columns is computed for only one of them.
     #[test]
     fn columns_that_are_alike_are_kept_once() {
         let mut builder = Builder::new();
@@ -243,7 +244,8 @@ mod tests {
         }
     }
 
-    /// Coordinates that are squared and added up per node lie in columns of one node each, so that whole rows are added.
+    /// Coordinates that are squared and added up per node are arranged in columns of one node each, so that whole rows
+    /// are added.
     #[test]
     fn sums_of_neighbours_want_them_in_columns() {
         let mut builder = Builder::new();

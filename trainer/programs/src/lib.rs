@@ -1,12 +1,14 @@
 //! Energies as straight-line programs over samples side by side, and their derivatives as programs of the same kind.
 //!
-//! A family of models writes down its Lagrangian L(q, v) once, with a [`Builder`]: a list of operations on vectors. Derivatives are further
-//! operations on the same list: [`Builder::tangents`] differentiates forwards, along directions, and [`Builder::pull_back`] backwards, to
-//! inputs and weights. Each can be applied to the results of the other, so that Hessians, equations of motion and their gradients in the
-//! weights need no code of the family. A [`Program`] is the list without the operations that no result needs, and runs on [`WIDTH`] samples
-//! at a time.
+//! A family of models writes down its Lagrangian L(q, v) once, with a [`Builder`], as a list of operations on vectors.
+//! Derivatives are further operations in the same list: [`Builder::tangents`] differentiates forwards, along
+//! directions, and [`Builder::pull_back`] differentiates backwards, with respect to inputs and weights. Each can be
+//! applied to the results of the other, so that Hessians, equations of motion and their gradients with respect to the
+//! weights need no additional code for a family. A [`Program`] is the list without the operations that no result needs,
+//! and runs on [`WIDTH`] samples at a time.
 //!
-//! Sizes are run-time values: of coordinates, layers, units, directions. Nothing is compiled for any of them.
+//! The numbers of coordinates, layers, units and directions are run-time values. Nothing is compiled for a particular
+//! size.
 //!
 //! Data flows one way: [`Builder`] (list, and its derivatives) → [`Program`] (schedule) → [`Workspace`] (numbers).
 

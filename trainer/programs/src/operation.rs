@@ -23,7 +23,7 @@ pub struct Layer {
     start: usize,
     pub(crate) inputs: usize,
     pub(crate) outputs: usize,
-    /// Number of inputs of the whole layer that precede these, and number of all its inputs.
+    /// Number of inputs of the whole layer before these, and number of all its inputs.
     skipped: usize,
     all: usize,
 }
@@ -40,7 +40,7 @@ impl Layer {
         Self { inputs: count, skipped, ..*self }
     }
 
-    /// Range of the weights of a panel of `width` outputs from `first` on.
+    /// Range of the weights of a panel with `width` outputs, from output `first` on.
     pub(crate) const fn panel(&self, first: usize, width: usize) -> Range<usize> {
         let start = self.start + first * self.all + self.skipped * width;
         start..start + self.inputs * width

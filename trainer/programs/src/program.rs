@@ -1,4 +1,4 @@
-//! A list of the operations that results need, in an executable order.
+//! The operations of a list that the results need, in an executable order.
 
 use crate::builder::Builder;
 use crate::layout::Form;
@@ -9,11 +9,11 @@ use crate::row::Row;
 use crate::schedule::Scheduler;
 use crate::step::{Slot, Step};
 
-/// A program for vectors, and for gradients with respect to the weights, each of which is a row of a Jacobian.
+/// A program for vectors, and for gradients with respect to the weights; each gradient is a row of a Jacobian.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) steps: Vec<Step>,
-    /// Number of steps that the vectors need; the gradients also need the rest.
+    /// Number of steps that the vectors need; the gradients also need the remaining steps.
     pub(crate) first: usize,
     /// Length of every slot, and the constants that some slots hold from the start.
     pub(crate) slots: Vec<usize>,
@@ -49,11 +49,11 @@ impl Program {
         program
     }
 
-    /// Creates the program for these vectors of a single sample: inputs and outputs are numbers one after the other in rows, and the
-    /// columns that layers are applied to lie side by side. Many nodes or edges of one graph take as long as the same number of samples of
-    /// a small system.
+    /// Creates the program for these vectors of a single sample. Inputs and outputs are numbers one after the other in
+    /// rows, and the columns to which layers are applied lie side by side. Many nodes or edges of one graph take as
+    /// long as the same number of samples of a small system.
     ///
-    /// The outputs of a group, vectors of one length, all have the arrangement given by [`Program::form`].
+    /// All outputs of a group, which are vectors of one length, have the arrangement given by [`Program::form`].
     pub(crate) fn of_one_sample(builder: &Builder, groups: &[Vec<Node>]) -> Self {
         let outputs = groups.concat();
         Scheduler::new(builder, &outputs, &[]).for_one_sample(groups).schedule(&outputs, &[])
@@ -96,8 +96,8 @@ impl Program {
         (self, workspace)
     }
 
-    /// Evaluates the vectors at these weights and inputs, and adds the gradients with respect to the weights to `rows`, each of the length
-    /// of the weight block.
+    /// Evaluates the vectors at these weights and inputs, and adds the gradients with respect to the weights to `rows`;
+    /// each row is as long as the weight block.
     ///
     /// # Panics
     /// If inputs, rows or workspace do not belong to the program.
@@ -122,8 +122,8 @@ impl Program {
         }
     }
 
-    /// Adds the gradients after [`Program::run_outputs`], with the same weights, workspace and inputs, and with the inputs that were
-    /// missing there.
+    /// Adds the gradients after [`Program::run_outputs`], with the same weights, workspace and inputs, and with any
+    /// inputs that were missing there.
     ///
     /// # Panics
     /// See [`Program::run`].
@@ -150,7 +150,7 @@ mod tests {
     use crate::function::Function;
     use leastaction_core::network::Activation;
 
-    /// A function that only a product reads takes no separate pass, and other readers still get it.
+    /// A function that only a product reads takes no separate pass, while other readers of a function still get it.
     #[test]
     fn functions_are_multiplied_where_they_are_computed() {
         let mut builder = Builder::new();

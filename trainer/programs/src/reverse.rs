@@ -7,7 +7,7 @@ use crate::operation::{Layer, Node, Operation};
 /// A part of the gradient with respect to the weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WeightTerm {
-    /// Sum Σ ȳxᵀ over the columns for a layer's weights, and Σ ȳ for its biases if it added them.
+    /// Sum Σ ȳxᵀ over the columns for a layer's weights, and Σ ȳ for its biases if they were added.
     Layer {
         /// The layer.
         layer: Layer,
@@ -33,14 +33,14 @@ pub enum WeightTerm {
 #[derive(Clone, Debug, Default)]
 pub struct Adjoints {
     bars: Vec<Option<Node>>,
-    /// Number on which the node that passes on its adjoint depends.
+    /// The single number on which the node depends that is passing on its adjoint.
     of_reader: Option<Node>,
     /// Terms whose sum is the gradient with respect to the weights.
     pub weights: Vec<WeightTerm>,
 }
 
 impl Adjoints {
-    /// Gradient with respect to a vector when only its entries change.
+    /// Gradient with respect to a vector if only this vector's entries change.
     pub fn of(&self, builder: &mut Builder, x: Node) -> Node {
         let bar = self.bars.get(x.index()).copied().flatten();
         bar.unwrap_or_else(|| builder.zeros(builder.length(x)))
@@ -111,8 +111,8 @@ impl Builder {
         }
     }
 
-    /// Adds to the adjoint of a node, on behalf of a node that reads it. Functions of a single number pass their adjoint directly to that
-    /// number if other nodes read them, and not through each other.
+    /// Adds to the adjoint of a node, on behalf of a node that reads it. Functions of a single number that other nodes
+    /// read pass their adjoint directly to that number, not through each other.
     fn add_to(&mut self, x: Node, own: Node, adjoints: &mut Adjoints) {
         if self.is_all(own, 0.0) || adjoints.of_reader == Some(x) {
             return;

@@ -1,5 +1,5 @@
-//! From a list of operations to the steps of a program: operations that no result needs are left out, and slots that are not read any more
-//! are reused.
+//! Conversion of a list of operations into the steps of a program. Operations that no result needs are left out, and
+//! slots that are no longer read are reused.
 
 mod forms;
 mod fused;
@@ -21,29 +21,31 @@ type Pairs = Vec<Pair<Node>>;
 /// Choice of steps and slots.
 pub(crate) struct Scheduler<'b> {
     builder: &'b Builder,
-    /// Nodes to compute, starting with those that outputs need, and the rank of each in that order.
+    /// Nodes to compute, starting with those that outputs need.
     order: Vec<Node>,
+    /// Rank of each node in that order.
     ranks: Vec<usize>,
     /// Number of nodes that outputs need.
     first: usize,
-    /// Rank in the order at which each node is read last.
+    /// Rank in the order of the last node that reads each node.
     last_read: Vec<usize>,
     places: Vec<Option<Slot>>,
     program: Program,
     /// Free slots, by length.
     free: HashMap<usize, Vec<Slot>>,
-    /// Terms of the gradient of the same layer or numbers, by the rank after which their operands are available.
+    /// Terms of the gradients, each for one layer or one range of numbers, by the rank after which their operands are
+    /// available.
     gradients: HashMap<usize, Vec<Gradient>>,
-    /// Nodes that are read last at a rank.
+    /// Nodes that are last read at a rank.
     ends: HashMap<usize, Vec<Node>>,
     /// Derivatives of one function at one vector, which are computed together.
     maps: HashMap<(u32, Node), [Option<Node>; ORDERS]>,
     /// Arrangement of the numbers of a single sample; `None` if samples lie side by side.
     layout: Option<Layout>,
-    /// Functions that only one product reads, by that product; both are computed together.
+    /// Functions that only one product reads, keyed by that product; both are computed together.
     factors: HashMap<Node, Node>,
     is_factor: HashSet<Node>,
-    /// Nodes in other forms than their own.
+    /// Copies of nodes in other forms than their own.
     rearranged: HashMap<Node, Vec<(Form, Slot)>>,
 }
 
@@ -143,7 +145,8 @@ impl<'b> Scheduler<'b> {
         self.program
     }
 
-    /// Adds the terms of one row and one layer in one pass over its weights, as soon as all are available.
+    /// Combines the terms of one row and one layer into one pass over the layer's weights, as soon as all are
+    /// available.
     fn group(&mut self, rows: &[Vec<WeightTerm>]) {
         for (row, terms) in rows.iter().enumerate() {
             let mut layers: Vec<(Layer, Pairs)> = Vec::new();
@@ -213,7 +216,7 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// Returns a slot for a constant, to which nothing else is written.
+    /// Returns a slot for a constant; nothing else is ever written to it.
     fn constant(&mut self, rows: Vec<Row>) -> Slot {
         self.program.slots.push(rows.len());
         let slot = self.program.slots.len() - 1;
@@ -221,7 +224,7 @@ impl<'b> Scheduler<'b> {
         slot
     }
 
-    /// Computes a node, unless another step does so.
+    /// Schedules the computation of a node, unless another step computes it.
     fn step(&mut self, at: usize) {
         let node = Node::new(at);
         if self.places[at].is_some() {

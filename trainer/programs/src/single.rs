@@ -1,8 +1,8 @@
-//! Functions of a single number. They are differentiated once, forwards: the derivative in that number of any result computed from them is
-//! theirs multiplied by a factor.
+//! Functions of a single number. They are differentiated once, forwards. The derivative of any result computed from
+//! them, with respect to that number, is their derivative times a factor.
 //!
-//! The displacement by an element of a tree is a network of its own angle. Its derivatives x′, x″ serve all coordinates, in place of a
-//! backward pass through the network for every use.
+//! For example, the displacement by an element of a tree is a network of the element's own angle. Its derivatives x′,
+//! x″ are used for all coordinates, in place of a backward pass through the network for every use.
 
 use crate::builder::Builder;
 use crate::operation::{Node, Operation};
@@ -29,7 +29,7 @@ impl Variables {
 }
 
 impl Builder {
-    /// Variables of an operation that becomes the node `own`.
+    /// Variables on which an operation depends that becomes the node `own`.
     pub(crate) fn variables_of(&self, operation: &Operation, length: usize, own: Node) -> Variables {
         let of_input = match operation {
             Operation::Input(_) => true,
@@ -44,7 +44,7 @@ impl Builder {
         variables
     }
 
-    /// Number that a node is a function of, if that number is another node.
+    /// Number of which a node is a function, if that number is another node.
     pub(crate) fn variable(&self, node: Node) -> Option<Node> {
         match self.variables[node.index()] {
             Variables::One(variable) if variable != node => Some(variable),
@@ -52,7 +52,7 @@ impl Builder {
         }
     }
 
-    /// Derivative of a function of a single number in that number; `None` if it is 0.
+    /// Derivative of a function of a single number with respect to that number; `None` if it is 0.
     pub(crate) fn own_slope(&mut self, node: Node) -> Option<Node> {
         if let Some(slope) = self.slopes.get(&node) {
             return *slope;
@@ -90,7 +90,7 @@ mod tests {
     use crate::row::Row;
     use crate::step::Step;
 
-    /// |y|² for a network y of one of two inputs: its derivative goes forwards through the network.
+    /// For |y|², where y is a network of one of two inputs, the derivative goes forwards through the network.
     #[test]
     fn a_function_of_one_number_is_not_differentiated_backwards() {
         let mut builder = Builder::new();

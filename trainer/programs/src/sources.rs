@@ -1,4 +1,4 @@
-//! Entries of gathered and added vectors, traced back to the vectors that they come from.
+//! Entries of gathered and added vectors, traced back to the vectors from which they come.
 
 use crate::builder::Builder;
 use crate::operation::{Node, Operation};
@@ -42,7 +42,7 @@ impl Builder {
     }
 }
 
-/// The summand of each of `sums` sums if it has exactly one; otherwise `None`.
+/// The single summand of each of `sums` sums that has exactly one; otherwise `None`.
 fn only_summands(index: &[u32], sums: usize) -> Vec<Option<usize>> {
     let mut counts = vec![0; sums];
     let mut last = vec![None; sums];

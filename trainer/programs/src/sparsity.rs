@@ -1,10 +1,10 @@
-//! Dependence of the entries of one vector on those of another, and sparse Jacobians from few directions.
+//! Dependence of the entries of one vector on those of another, and sparse Jacobians computed along few directions.
 
 use crate::builder::Builder;
 use crate::operation::{Node, Operation};
 use std::collections::HashMap;
 
-/// Sets of numbers, each stored once: an entry of a vector is described by the position of its set.
+/// Sets of numbers, each stored once: an entry of a vector refers to its set by the set's position.
 #[derive(Debug)]
 struct Sets {
     sets: Vec<Vec<usize>>,
@@ -52,7 +52,7 @@ impl Sets {
 }
 
 impl Builder {
-    /// Entries of `on`, in ascending order, that each entry of a vector depends on.
+    /// Entries of `on`, in ascending order, on which each entry of a vector depends.
     pub(crate) fn dependence(&self, of: Node, on: Node) -> Vec<Vec<usize>> {
         let (mut sets, count) = (Sets::new(), of.index() + 1);
         let mut entries: Vec<Vec<usize>> = vec![Vec::new(); count];
@@ -93,7 +93,8 @@ impl Builder {
     }
 }
 
-/// A sparse square Jacobian computed from few directions: columns without a common row share a direction (Curtis, Powell, Reid 1974).
+/// A sparse square Jacobian that is computed along few directions: columns without a common row share a direction
+/// (Curtis, Powell, Reid 1974).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern {
     /// Columns of each row, in ascending order.
@@ -127,7 +128,8 @@ impl Pattern {
         own.map(|(column, _)| column)
     }
 
-    /// Direction along which entry i of the result is the Jacobian's entry (i, j); `None` if that entry is 0.
+    /// Direction along which entry i of the directional derivative is the Jacobian's entry (i, j); `None` if that entry
+    /// is 0.
     pub fn direction(&self, i: usize, j: usize) -> Option<usize> {
         self.rows[i].binary_search(&j).ok().map(|_| self.directions[j])
     }
@@ -145,7 +147,7 @@ impl Pattern {
     }
 }
 
-/// Direction of every column: the first that no column sharing a row with it has.
+/// Direction of every column: the first one that is not taken by a column with a common row.
 fn directions(rows: &[Vec<usize>]) -> Vec<usize> {
     let mut columns = vec![Vec::new(); rows.len()];
     for (i, row) in rows.iter().enumerate() {

@@ -172,7 +172,7 @@ fn write(slots: &mut [Vec<Row>], to: Slot, compute: impl FnOnce(&[Vec<Row>], &mu
     slots[to] = place;
 }
 
-/// Applies `f` to two vectors entry by entry; a shorter one is repeated.
+/// Applies `f` to two vectors entry by entry; the shorter one is repeated.
 fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64x8) -> f64x8) {
     write(slots, to, |slots, to| {
         let (x, y) = (&slots[x], &slots[y]);
@@ -191,7 +191,7 @@ fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64
     });
 }
 
-/// Number of rows of a function that are multiplied while they are in the cache.
+/// Number of rows of a function that are computed and then multiplied while they are in the cache.
 const MAPPED: usize = 32;
 
 /// Computes f⁽ᵒʳᵈᵉʳ⁾(x)y; a shorter y is repeated.

@@ -1,4 +1,4 @@
-//! Programs of a model for the solvers and the losses.
+//! Programs of a model, for the solvers and the losses.
 
 use crate::builder::Builder;
 use crate::derivative_outputs::DerivativeOutputs;
@@ -8,7 +8,7 @@ use crate::program::Program;
 use crate::reverse::WeightTerm;
 use crate::sparsity::Pattern;
 
-/// Terms L = T − V and Q(q, v, τ) of a model, written down so that they can be differentiated.
+/// Terms L = T − V and Q(q, v, τ) of a model, in a form that can be differentiated.
 #[derive(Clone, Debug)]
 pub struct System {
     builder: Builder,
@@ -64,7 +64,7 @@ impl System {
         self.parameters
     }
 
-    /// Program with inputs q, v; output [`Energies::bends`], n rows, if a force bends.
+    /// Program with inputs q, v and the output [`Energies::bends`], n rows; `None` if no force bends.
     pub(crate) fn bends(&self) -> Option<Program> {
         self.bends.map(|bends| Program::new(&self.builder, &[bends], &[]))
     }
@@ -74,7 +74,7 @@ impl System {
         Program::new(&self.builder, &self.energies, &[])
     }
 
-    /// Program with inputs q, v, τ; output Q, n rows: the forces beside the control.
+    /// Program with inputs q, v, τ; output Q, n rows: the forces besides the control.
     pub fn force(&self) -> Program {
         Program::new(&self.builder, &[self.force], &[])
     }
@@ -101,8 +101,9 @@ impl System {
         (Program::new(&builder, &outputs, &[]), pattern)
     }
 
-    /// Equation of motion for a single sample ([`Program::of_one_sample`]). For every size of the blocks of M, with all blocks of that size
-    /// side by side, its outputs are the numbers of the right-hand side, and then the entries of M row by row.
+    /// Equation of motion for a single sample ([`Program::of_one_sample`]). For every size of the blocks of M, all
+    /// blocks of that size lie side by side; the outputs are the numbers of the right-hand side, and then the entries
+    /// of M row by row.
     pub(crate) fn equation_of_motion_in_blocks(&self) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
         let (motion, pattern) = self.motion(&mut builder);
@@ -178,8 +179,9 @@ impl System {
         Some(Program::new(&builder, &outputs, &[]))
     }
 
-    /// Programs of L = T(v) − V(q) with drag Q(v), each with inputs q, v, τ: outputs L_q and the columns of L_qq; L_v and the columns of M;
-    /// Q and the columns of ∂Q/∂v, n rows each. `None` if the system has another form; there is no drag program if Q = 0.
+    /// Programs of L = T(v) − V(q) with drag Q(v), each with inputs q, v, τ. They output L_q and the columns of L_qq;
+    /// L_v and the columns of M; Q and the columns of ∂Q/∂v, n rows each. `None` if the system has another form; there
+    /// is no drag program if Q = 0.
     pub fn separable(&self) -> Option<Separable> {
         let mut builder = self.builder.clone();
         let [l_q, l_v] = self.first(&mut builder);
@@ -206,8 +208,9 @@ impl System {
         Program::new(&builder, &outputs, &[])
     }
 
-    /// Program with inputs q, v, τ, a; outputs the derivatives of F − L_vq v − M a at constant a: its n columns ∂/∂q_j, then its n columns
-    /// ∂/∂v_j, n rows each. M⁻¹ times them gives the derivatives of the acceleration.
+    /// Program with inputs q, v, τ, a. It outputs the derivatives of F − L_vq v − M a at constant a: its n columns
+    /// ∂/∂q_j, then its n columns ∂/∂v_j, n rows each. M⁻¹ times these columns gives the derivatives of the
+    /// acceleration.
     pub fn residual_derivatives(&self) -> Program {
         self.residual_columns(&[self.q, self.v])
     }
@@ -234,7 +237,8 @@ impl System {
         Program::new(&builder, &outputs, &[])
     }
 
-    /// Program with inputs q, v, τ, then δq and δv of every direction; rows ∂/∂θ \[F·δq + L_v·δv\] with F = L_q + Q, one per direction.
+    /// Program with inputs q, v, τ, then δq and δv of every direction. Its rows are ∂/∂θ \[F·δq + L_v·δv\] with
+    /// F = L_q + Q, one per direction.
     ///
     /// All discrete losses are sums of such rows: the implicit function theorem only determines δq and δv.
     pub fn along(&self, directions: usize) -> Program {
@@ -250,7 +254,7 @@ impl System {
         Program::new(&builder, &[], &rows)
     }
 
-    /// Program with inputs q, v, τ, then δv of every direction; rows ∂/∂θ \[L_v·δv\], one per direction.
+    /// Program with inputs q, v, τ, then δv of every direction. Its rows are ∂/∂θ \[L_v·δv\], one per direction.
     pub fn momentum_along(&self, directions: usize) -> Program {
         let mut builder = self.builder.clone();
         let mut rows = Vec::new();
@@ -262,8 +266,8 @@ impl System {
         Program::new(&builder, &[], &rows)
     }
 
-    /// Program with inputs q, v, τ, a, then y of every direction; rows ∂/∂θ \[y·(F − L_vq v − M a)\], one per direction: the gradient of
-    /// the Euler–Lagrange residual, and therefore of the acceleration.
+    /// Program with inputs q, v, τ, a, then y of every direction. Its rows are ∂/∂θ \[y·(F − L_vq v − M a)\], one per
+    /// direction: the gradient of the Euler–Lagrange residual, and therefore of the acceleration.
     pub fn residual(&self, directions: usize) -> Program {
         let mut builder = self.builder.clone();
         let rows = self.residual_rows(&mut builder, directions);

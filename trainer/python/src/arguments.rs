@@ -7,12 +7,12 @@ use leastaction_core::discrete::Order;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-/// The exception for a state without a value.
+/// The exception for a state at which a quantity cannot be computed.
 pub fn unsolved(Unsolved { index, error }: Unsolved) -> PyErr {
     Kind::Solve.says(format!("state {index}: {error}"))
 }
 
-/// The order of a step; 2 or 4.
+/// The order of a step, from its number 2 or 4.
 pub fn order(number: u8) -> PyResult<Order> {
     Order::from_number(number).ok_or_else(|| input(format!("order {number}: it must be 2 or 4")))
 }
@@ -21,7 +21,7 @@ pub fn quantity(name: &str) -> PyResult<Quantity> {
     Quantity::named(name).ok_or_else(|| input(format!("{name:?} is no quantity")))
 }
 
-/// The inputs of a quantity, and the number of rows, which all inputs with more than one row share.
+/// The inputs of a quantity, and the number of rows. All inputs have this number of rows or a single row.
 pub fn inputs<T: numpy::Element + Copy>(
     quantity: Quantity,
     arrays: &[PyReadonlyArrayDyn<T>],
@@ -40,7 +40,7 @@ pub fn inputs<T: numpy::Element + Copy>(
     Ok((tables, count))
 }
 
-/// The common number of rows; arrays with a single row fit any number.
+/// The common number of rows; an array with a single row fits any number.
 pub fn common(counts: impl Iterator<Item = usize> + Clone) -> PyResult<usize> {
     let count = counts.clone().find(|count| *count != 1).unwrap_or(1);
     match counts.into_iter().find(|own| *own != 1 && *own != count) {

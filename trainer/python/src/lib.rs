@@ -7,8 +7,9 @@
 //! files ─► training, tools (what the command does, by its library)
 //! ```
 //!
-//! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size: neither Python threads nor
-//! the module's own change a bit. The Python code beside this module (`python/leastaction`) documents shapes, units and defaults.
+//! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size, so
+//! neither Python threads nor the module's own threads change a bit. The Python code beside this module
+//! (`python/leastaction`) documents shapes, units and defaults.
 
 mod arguments;
 mod arrays;

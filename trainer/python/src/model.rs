@@ -1,4 +1,4 @@
-//! A model file in memory, and evaluation of its states.
+//! A model file in memory, and evaluation of the model at given states.
 
 use crate::arguments::{common, inputs, order, quantity, second, unsolved};
 use crate::arrays::{rows, table, tables};
@@ -36,12 +36,12 @@ self_cell::self_cell!(
 pub struct Model {
     host: models::Model,
     bytes: Vec<u8>,
-    /// The model in the chip's arithmetic, or the reason why there is none (core is not compiled for its size).
+    /// The model in the chip's arithmetic, or the reason why it is not available (core is not compiled for its size).
     chip: Result<Arc<OnChip>, String>,
 }
 
 impl Model {
-    /// The model of a file that was read.
+    /// Creates a model from a file that was read.
     pub fn new(Read { model: host, bytes }: Read) -> Self {
         let current = host.version == FORMAT_VERSION;
         let bytes = if current { bytes } else { host.to_bytes().unwrap_or(bytes) };
@@ -96,7 +96,8 @@ impl Model {
         PyBytes::new(py, &self.bytes)
     }
 
-    /// Returns the model as a file in the current format, with weights in half precision or in the model's own.
+    /// Returns the model as a file in the current format, with weights in half precision or in the model's own
+    /// precision.
     fn encoded<'py>(&self, py: Python<'py>, half: bool) -> PyResult<Bound<'py, PyBytes>> {
         let precision = if half { Precision::Half } else { self.host.precision };
         let model = models::Model { precision, ..self.host.clone() };
@@ -123,7 +124,7 @@ impl Model {
         dictionary.set_item("n", architecture.n())?;
         dictionary.set_item("coordinates", architecture.coordinates())?;
         dictionary.set_item("order", step.map(|step| step.order.number()))?;
-        // The shortest decimal notation of the single-precision number.
+        // This is the shortest decimal notation of the single-precision number.
         let h = step.and_then(|step| step.h.to_string().parse::<f64>().ok());
         dictionary.set_item("h", h)?;
         dictionary.set_item("control", step.map(|step| control_name(step.control)))?;
@@ -139,7 +140,7 @@ impl Model {
         Ok(dictionary)
     }
 
-    /// Returns the weight block as the file has it.
+    /// Returns the weight block as it is in the file.
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.host.weights)
     }
@@ -181,7 +182,7 @@ impl Model {
         Ok(rows(py, found, [count, width])?.into_any())
     }
 
-    /// Begins motions in single precision, from states or, if `positions`, from two positions.
+    /// Begins motions in single precision, from states or, if `positions` is set, from two positions.
     fn motions(
         &self,
         py: Python<'_>,
@@ -302,8 +303,8 @@ impl Model {
         Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
     }
 
-    /// Returns for every state the first quantity outside the training data: 3 i + 0, 1, 2 for q, v, u of coordinate i; −1 if there is
-    /// none.
+    /// Returns for every state the first quantity outside the range of the training data: 3 i + 0, 1, 2 for q, v, u of
+    /// coordinate i; −1 if there is none.
     fn outside<'py>(
         &self,
         py: Python<'py>,

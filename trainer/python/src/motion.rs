@@ -39,12 +39,12 @@ impl Flight {
         }
     }
 
-    /// Positions and velocities at every sample, \[motions\]\[steps + 1\]\[2n\], under controls \[motions\]\[steps\]\[n\]; if a motion
-    /// starts from two positions, the velocity at the first is NaN. A motion with a step that cannot be solved is NaN from there on, or an
-    /// error.
+    /// Positions and velocities at every sample, \[motions\]\[steps + 1\]\[2n\], under controls
+    /// \[motions\]\[steps\]\[n\]. If a motion starts from two positions, the velocity at the first is NaN. If a step
+    /// cannot be solved, the rest of the motion is NaN, or an error is returned.
     ///
     /// # Errors
-    /// [`Unsolved`] for the first motion that cannot be stepped, unless `nan`.
+    /// [`Unsolved`] for the first motion that cannot be stepped, unless `nan` is set.
     pub fn run(
         &self,
         chip: &Replica,
@@ -118,7 +118,7 @@ pub struct Motions {
 }
 
 impl Motions {
-    /// Begins the motions; `tau` acts between two positions.
+    /// Begins the motions; `tau` acts between the two positions of a start.
     ///
     /// # Errors
     /// [`Unsolved`] for the first motion that cannot begin.
@@ -175,8 +175,8 @@ impl Motions {
         self.rows(py, |motion, to| motion.velocity(to))
     }
 
-    /// Steps every motion under forces at the start and the end of the step; if one cannot be solved, only the motions before it are
-    /// stepped. Returns the Newton updates and the remaining residual of every motion.
+    /// Steps every motion under forces at the start and the end of the step. If one motion cannot be stepped, only the
+    /// motions before it are stepped. Returns the Newton updates and the remaining residual of every motion.
     fn step<'py>(
         &self,
         py: Python<'py>,

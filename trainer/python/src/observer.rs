@@ -37,8 +37,8 @@ impl Observer {
 
 #[pymethods]
 impl Observer {
-    /// Creates an observer for a model with the step `step` (h, order). `zeros` are the standard deviations of the encoder zeros and of an
-    /// innovation.
+    /// Creates an observer for a model with the step `step` (h, order). `zeros` are two standard deviations: of the
+    /// encoders' zeros, and of an innovation.
     #[new]
     #[pyo3(signature = (model, step, memory, patience, zeros))]
     fn new(
@@ -71,7 +71,7 @@ impl Observer {
         Ok(report.map_err(|error| Kind::Solve.says(error))?.map(|report| report.iterations))
     }
 
-    /// Takes samples; missing ones are NaN.
+    /// Takes the samples of a tick; missing samples are NaN.
     fn correct(&self, measured: PyReadonlyArray1<'_, f32>) -> PyResult<()> {
         let measured: Vec<Option<f32>> =
             measured.as_array().iter().map(|y| (!y.is_nan()).then_some(*y)).collect();
@@ -94,7 +94,7 @@ impl Observer {
         Ok(PyArray1::from_vec(py, zeros))
     }
 
-    /// Returns whether the estimate is fit to act on.
+    /// Returns whether the estimate can be relied on.
     fn trusted(&self) -> bool {
         self.watching().with_dependent(|_, watch| watch.trusted())
     }

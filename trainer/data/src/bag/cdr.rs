@@ -5,7 +5,7 @@ use crate::problem::Problem;
 /// Bytes before the first field, which hold the kind of encoding and options.
 const HEADER: usize = 4;
 
-/// Number of bytes after the last field that cannot be padding any more.
+/// Number of bytes after the last field that is too large for padding.
 const PADDING: usize = 8;
 
 /// A message; empty lists carry no data.
@@ -113,9 +113,9 @@ mod tests {
     const BIG_ENDIAN: [u8; 60] = [
         0, 0, 0, 0, // CDR, big endian
         0, 0, 0, 2, 0, 0, 0, 3, // stamp
-        0, 0, 0, 1, 0, 0, 0, 0, // frame, which is empty, and filling
-        0, 0, 0, 1, 0, 0, 0, 5, b'a', b'b', b'c', b'd', 0, 0, 0, 0, // names, and filling
-        0, 0, 0, 1, 0, 0, 0, 0, 0x3F, 0xF8, 0, 0, 0, 0, 0, 0, // positions, after filling
+        0, 0, 0, 1, 0, 0, 0, 0, // an empty frame, and padding
+        0, 0, 0, 1, 0, 0, 0, 5, b'a', b'b', b'c', b'd', 0, 0, 0, 0, // names, and padding
+        0, 0, 0, 1, 0, 0, 0, 0, 0x3F, 0xF8, 0, 0, 0, 0, 0, 0, // positions, after padding
         0, 0, 0, 0, 0, 0, 0, 0, // no velocities, no efforts
     ];
 

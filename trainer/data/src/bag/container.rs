@@ -15,10 +15,10 @@ use std::io::{self, Read};
 /// Largest size of an unpacked chunk, bytes. Recorders write chunks of some megabytes.
 const LARGEST_CHUNK: u64 = 1 << 28;
 
-/// Total size, in bytes, to which the chunks of any file may unpack.
+/// Total size, in bytes, to which the chunks of any file may unpack, however small the file.
 const MOST_ANYWAY: u64 = LARGEST_CHUNK;
 
-/// Further bytes per byte of the file: even blank images compress less.
+/// Further bytes that chunks may unpack to per byte of the file: even blank images compress less than this.
 const MOST_PER_BYTE: u64 = 1000;
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
@@ -91,7 +91,7 @@ impl<'v> Scan<'v> {
         Self { schemas, channels, messages: 0, read: 0, unpacked: 0, visit }
     }
 
-    /// Locates a problem of the file as a whole after the last message.
+    /// Gives a problem of the file as a whole a place: the message after the last one that was read.
     fn located(&self, (place, problem): Fault) -> Fault {
         if place == Place::File { (Place::Message(self.messages + 1), problem) } else { (place, problem) }
     }
@@ -166,7 +166,8 @@ impl<'v> Scan<'v> {
     }
 }
 
-/// Keeps a definition under its number. It may be repeated, as in the summary at the end of a file; a different one is an error.
+/// Stores a definition under its number. The same definition may be repeated, as in the summary at the end of a file; a
+/// different one is an error.
 fn keep<T: PartialEq>(all: &mut HashMap<u16, T>, id: u16, new: T, twice: Damage) -> Result<(), Fault> {
     match all.get(&id) {
         Some(known) if *known != new => Err(damaged(twice)),

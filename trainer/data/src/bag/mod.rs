@@ -24,10 +24,10 @@ use std::io::Read;
 /// Fields of a message, in its order.
 const FIELDS: [&str; 3] = ["position", "velocity", "effort"];
 
-/// Count of numbers that may be read from any file: 64 MiB.
+/// Count of numbers that may be read from any file, however small; together they take 64 MiB.
 const MOST_ANYWAY: u64 = 1 << 23;
 
-/// Further numbers per byte of the file: stamps and noise do not compress to a hundredth.
+/// Further count of numbers that may be read per byte of the file: stamps and noise do not compress to a hundredth.
 const MOST_PER_BYTE: u64 = 12;
 
 /// Joint data of a bag.
@@ -122,7 +122,8 @@ impl Bag {
         Ok((topics.into_iter().map(part).collect::<Result<_, _>>()?, notes))
     }
 
-    /// Columns of a topic. A message with none of them is skipped as another sender's; a message with only some is an error.
+    /// Columns of a topic. A message with none of these joints is taken as another sender's and skipped; a message with
+    /// only some of them is an error.
     fn part(&self, topic: &str, wanted: Wanted, clock: &Clock, scale: f64) -> Result<Part, Fault> {
         let mut samples: Vec<(Time, Vec<f64>)> = Vec::new();
         for stream in self.of_topic(topic) {

@@ -99,7 +99,7 @@ fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
             None => others.push(key.clone()),
         }
     }
-    // The most common length is taken as that of the log.
+    // The most common length is taken as the length of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
     let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others };
@@ -135,7 +135,7 @@ fn of_stream(stream: &Stream, clock: &Clock, others: &[String]) -> RawLog {
 }
 
 impl RawLog {
-    /// Moves columns that are mostly not numbers to `others`.
+    /// Moves the columns that are mostly text to `others`.
     fn of_numbers(self) -> Self {
         let (mut names, mut columns, mut others) = (Vec::new(), Vec::new(), self.others);
         for (name, column) in self.names.into_iter().zip(self.columns) {

@@ -17,10 +17,10 @@ use crate::training::{LossKind, Objective, Samples, free_states_objective, objec
 use leastaction_models::config::Source;
 use leastaction_models::{Architecture, GraphArchitecture};
 
-/// Purpose of a plan, which its stages depend on.
+/// Purpose of a plan; the stages depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
-    /// A run. Its held-back trajectories judge every iteration; in the end they are learned from, too.
+    /// A run. Its held-back trajectories judge every iteration; in the last stage it learns from them, too.
     Whole,
     /// A fold: a short training that suffices to compare configurations.
     Fold {
@@ -58,8 +58,9 @@ pub(super) struct Stage {
     pub objective: Box<dyn Objective>,
     /// Loss over the held-back trajectories.
     pub validation: Option<Box<dyn Objective>>,
-    /// Loss that decides between weights, if other than the minimised one: for the DEL residual, the error of the next position. Noise
-    /// favours Lagrangians that are too small: their residual is low, but they do not move as logged, or no step can be solved.
+    /// Loss that decides between weights, if it is not the minimised one: for the DEL residual, the error of the next
+    /// position. Noise favours Lagrangians that are too small. Their residual is low, but they do not move as logged,
+    /// or their step cannot be solved.
     pub judge: Option<Box<dyn Objective>>,
 }
 
@@ -86,7 +87,7 @@ pub(super) fn of_samples(
     let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
     let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
     if config.model.source() != Source::Nothing {
-        // A warm-up would replace trained weights by ones that are better for another loss.
+        // A warm-up would replace trained weights by weights that are better only for the loss of the warm-up.
         kinds.retain(|(name, _)| *name != WARM_UP);
     }
     let shape = |name| if name == WARM_UP { &first } else { architecture };
@@ -109,18 +110,19 @@ pub(super) const NETWORKS: &str = "networks";
 /// Name of the last stage of a loss over windows, which adds the logs held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
-/// Residual components per weight in a warm-up on the next position.
+/// Number of residual components per weight that a warm-up on the next position uses.
 const WARM_UP_ROWS: usize = 4;
 
-/// Number of triples that suffices for a warm-up, whose iterations are cheaper in proportion; `None` if there are hardly more.
+/// Number of triples that suffices for a warm-up, whose iterations then take proportionally less time; `None` if there
+/// are not many more.
 fn enough_triples(data: &Dataset, weights: usize) -> Option<usize> {
     let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples().saturating_sub(2)).sum();
     let count = (WARM_UP_ROWS * weights).div_ceil(data.n.max(1));
     (all > 2 * count).then_some(count)
 }
 
-/// The stages with their losses. `laws`: simple laws are learned before the networks beside them; `scale`: the scale of L is known, by a
-/// force or otherwise; `fewer`: a part of the samples suffices for a warm-up.
+/// The stages with their losses. `laws`: simple laws are learned before the networks beside them. `scale`: the scale of
+/// L is determined, by a force or otherwise. `fewer`: a part of the samples suffices for a warm-up.
 fn kinds(
     (training, loss): (&TrainingConfig, LossKind),
     laws: bool,

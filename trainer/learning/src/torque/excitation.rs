@@ -1,10 +1,10 @@
 //! Excitation motions for the identification of an arm: Fourier series within its limits that separate base parameters and friction well.
 //!
-//! q_i(t) = centre_i + Σ_k a_ik cos 2πkft + b_ik sin 2πkft with Σ k b_ik = 0 and Σ k² a_ik = 0: velocity and acceleration are 0 at t = 0,
-//! so every period starts and ends at rest. The objective is the condition number of the regressor of base parameters and friction
-//! (viscous, Coulomb, offset) over one period, its columns scaled to norm 1. Every coordinate is scaled to its limits of position and
-//! velocity, so all candidates keep these; torques of the tree itself beyond their limits are penalised. The search does not know of
-//! obstacles.
+//! q_i(t) = centre_i + Σ_k a_ik cos 2πkft + b_ik sin 2πkft with Σ k b_ik = 0 and Σ k² a_ik = 0. Velocity and
+//! acceleration are 0 at t = 0, so every period starts and ends at rest. The objective is the condition number of the
+//! regressor for base parameters and friction (viscous, Coulomb, offset) over one period, with its columns scaled to
+//! norm 1. Every coordinate is scaled to its limits of position and velocity, so all candidates respect these. Torques
+//! of the tree itself beyond their limits are penalised. The search does not know of obstacles.
 //!
 //! Source: Swevers et al., "Optimal robot excitation and identification", 1997; Gautier and Khalil, "Exciting trajectories for the
 //! identification of base inertial parameters of robots", 1992.
@@ -116,7 +116,8 @@ const CHECKS: usize = 2000;
 const WIDTH: f64 = 0.05;
 /// Penalty weight: a torque at twice its usable limit costs as much as e^PENALTY times the condition number.
 const PENALTY: f64 = 20.0;
-/// Search variables of a coordinate besides its waves: the used part of the room, and the place of the centre.
+/// Number of search variables of a coordinate besides its Fourier coefficients: the fraction of the room that it uses,
+/// and the place of its centre.
 const PLACE: usize = 2;
 /// Initial size of a random step.
 const STEP: f64 = 0.3;
@@ -143,7 +144,7 @@ pub fn excite(tree: &Tree, limits: &[Limits], search: &Search) -> Result<Excitat
     Ok(Excitation { series, condition, uses })
 }
 
-/// The use that a motion makes of the limits of every coordinate.
+/// The extent to which a motion uses the limits of every coordinate.
 #[must_use]
 pub fn uses(tree: &Tree, series: &Series) -> Vec<Use> {
     let samples = series.samples(CHECKS, (series.frequency * CHECKS as f64).recip());
@@ -210,7 +211,7 @@ impl<'a> Space<'a> {
         let mut random = Pcg64::new(u128::from(search.seed), start as u128);
         let mut coordinate = || -> Vec<f64> {
             let waves = (0..2 * self.harmonics).map(|_| normal(&mut random)).collect::<Vec<_>>();
-            // The first motion uses nearly all of the room.
+            // The first motion uses nearly all of the available range.
             let place = [3.0, normal(&mut random)];
             waves.into_iter().chain(place).collect()
         };
@@ -218,7 +219,8 @@ impl<'a> Space<'a> {
         (random, numbers)
     }
 
-    /// The best motion from a start, with its cost: steps in random directions, with a size that adapts to success.
+    /// The best motion found from a start, with its cost: steps in random directions, whose size adapts to their
+    /// success.
     ///
     /// Source: Rechenberg's (1 + 1) evolution strategy with the rule of one fifth.
     fn search(&self, start: usize, search: &Search) -> (Vec<f64>, f64) {
@@ -226,7 +228,7 @@ impl<'a> Space<'a> {
         let mut cost = self.cost(&numbers);
         let mut size = STEP;
         for _ in 1..search.trials {
-            // Only some coordinates move: a few numbers are improved more easily than all.
+            // A step changes only some coordinates: it is easier to improve a few numbers than all at once.
             let width = self.width();
             let moved: Vec<bool> = self.limits.iter().map(|_| random.random_range(0.0..1.0) < 0.4).collect();
             let step =

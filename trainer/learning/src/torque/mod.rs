@@ -1,8 +1,8 @@
 //! Identification of an arm from logged torques.
 //!
-//! [`Samples`] are a log, resampled, filtered and differentiated. [`linear`] fits the numbers in which torques are linear. [`fit`] finds
-//! physically consistent bodies, rotors and friction near a prior, and estimates what samples show alone. [`excitation`] finds motions that
-//! are informative.
+//! [`Samples`] are a log after resampling, filtering and differentiation. [`linear`] fits the numbers in which torques
+//! are linear. [`fit`] finds physically consistent bodies, rotors and friction near a prior, and estimates which
+//! numbers the samples determine by themselves. [`excitation`] finds informative motions.
 
 pub mod excitation;
 pub mod fit;

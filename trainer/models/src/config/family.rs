@@ -9,10 +9,10 @@ use std::path::PathBuf;
 /// Networks beside a family: one that dissipates energy and one that is added to the potential.
 pub type NetworksBeside<'c> = (&'c mut Option<DissipationConfig>, &'c mut Option<PotentialConfig>);
 
-/// Parts that training takes from a trained model named by the configuration.
+/// Data that training takes from a trained model named by the configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// Nothing: no model is named, or its numbers are in the shape already.
+    /// Nothing: no model is named, or its numbers are already in the shape.
     Nothing,
     /// The energies of the model.
     Energies,
@@ -35,12 +35,12 @@ pub trait FamilyConfig {
     /// Networks beside the family; `None` if its coordinates can have none.
     fn networks(&mut self) -> Option<NetworksBeside<'_>>;
 
-    /// Parts that training takes from a model named by the configuration.
+    /// Data that training takes from a model named by the configuration.
     fn source(&self) -> Source {
         Source::Nothing
     }
 
-    /// Opens the model whose energies training begins at, if there is one.
+    /// Opens the model at whose energies training begins, if there is one.
     ///
     /// # Errors
     /// [`ShapeError`] if it cannot be read or has other coordinates.

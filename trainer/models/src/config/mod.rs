@@ -1,4 +1,4 @@
-//! `[model]` of a configuration, for any family: its contents, and the model that it makes.
+//! `[model]` of a configuration, for any family: its contents, and how a model is made from it.
 
 pub mod checks;
 pub mod family;

@@ -53,7 +53,8 @@ impl Origin {
         (0..self.0.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
     }
 
-    /// Friction of the coordinates as a start for learning; zeros and the smoothing loads τ_s stay known.
+    /// Friction of the coordinates as a starting point for learning. Numbers that are 0, and the smoothing loads τ_s,
+    /// stay known.
     pub fn friction_to_learn(&self) -> FrictionArchitecture {
         let friction = self.friction();
         let number = |value: f64| Number { value, learned: value > 0.0 };

@@ -54,7 +54,7 @@ pub struct InertiaNetworkConfig {
     /// Whether viscous damping is learned.
     #[serde(default)]
     pub damping: bool,
-    /// Run or model file, of any family, whose inertia, potential and friction training begins at.
+    /// Run or model file, of any family, at whose inertia, potential and friction training begins.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_from: Option<PathBuf>,
     /// Friction of the coordinates, damping included.
@@ -125,8 +125,8 @@ impl InertiaNetworkConfig {
         Ok(Architecture { family: family.into(), friction, corrections })
     }
 
-    /// Returns the shape with the friction numbers of the model to start from; without a `friction` or `damping` key, the friction itself
-    /// is taken from it.
+    /// Returns the shape with the friction numbers of the model to start from. If the configuration has neither a
+    /// `friction` nor a `damping` key, the kind of friction is taken from that model, too.
     fn begun(&self, mut architecture: Architecture, origin: Option<&Origin>) -> Architecture {
         match origin {
             Some(origin) if self.friction.is_none() && !self.damping => {

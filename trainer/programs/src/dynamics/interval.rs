@@ -21,7 +21,7 @@ pub(crate) struct GaussPoint {
     pub weight: f64,
 }
 
-/// Weights of F and L_v in a first variation at a Gauss point.
+/// Weights of F and L_v in the first variation of the action at a Gauss point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Variation {
     pub force: f64,
@@ -34,12 +34,14 @@ impl GaussPoint {
         Variation { force: h * (1.0 - self.c), momentum: -1.0 }
     }
 
-    /// D₂, the variation of the end position; also the derivatives of the point's position and velocity in w.
+    /// D₂, the variation of the end position; its weights are also the derivatives of the point's position and velocity
+    /// with respect to w.
     pub fn end(&self, h: f64) -> Variation {
         Variation { force: h * self.c, momentum: 1.0 }
     }
 
-    /// D_m, the variation of the bubble; also the derivatives of the point's position and velocity in s.
+    /// D_m, the variation of the bubble; its weights are also the derivatives of the point's position and velocity with
+    /// respect to s.
     pub fn bubble(&self, h: f64) -> Variation {
         Variation { force: h * 4.0 * self.c * (1.0 - self.c), momentum: 4.0 * (1.0 - 2.0 * self.c) }
     }
@@ -66,8 +68,8 @@ impl Order {
     }
 }
 
-/// Path of a step: its start, its increment w = (q₁ − q₀)/h, its bubble s (0 at order 2), and the control at both ends, linear between
-/// them; n rows each.
+/// Path of a step: its start, its increment w = (q₁ − q₀)/h, its bubble s (0 at order 2), and the control at both ends,
+/// between which it is linear; n rows each.
 #[derive(Clone, Debug, Default)]
 pub struct Interval {
     /// Start position q₀.
@@ -87,8 +89,9 @@ impl Interval {
         Self { q0: q0.to_vec(), w: w.to_vec(), s, tau: tau.map(<[Row]>::to_vec) }
     }
 
-    /// Fraction of a sample's Newton update of w and s that is applied before the equations are evaluated again. If the update reverses a
-    /// velocity at one of these Gauss points from beyond the range in which forces bend, it stops where that velocity is 0.
+    /// Fraction of a sample's Newton update of w and s that is applied before the equations are evaluated again. If the
+    /// update would reverse a velocity at one of these Gauss points, starting from beyond the range in which forces
+    /// bend, it stops where that velocity is 0.
     pub(crate) fn trusted_part<'p>(
         &self,
         points: impl Iterator<Item = &'p GaussPoint>,
@@ -173,11 +176,11 @@ pub struct Linearised {
     pub bubble_w: Vec<Row>,
     /// ∂ dm_ld/∂s.
     pub bubble_s: Vec<Row>,
-    /// Part of ∂ dm_ld/∂s from the velocity dependence of the forces at the early Gauss point.
+    /// Part of ∂ dm_ld/∂s that comes from the velocity dependence of the forces at the early Gauss point.
     pub early_force_s: Vec<Row>,
     /// ∂(D₂L_d + f⁺)/∂s.
     pub end_momentum_s: Vec<Row>,
-    /// Magnitude of the terms that rounding acts on, even if they cancel; n rows.
+    /// Magnitude of the terms whose rounding errors count, even if the terms cancel; n rows.
     pub scale: Vec<Row>,
 }
 
@@ -255,7 +258,7 @@ impl Integrals {
         sum
     }
 
-    /// Evaluates F and L_v with their derivatives at one point, for the functions that read them next.
+    /// Evaluates F and L_v with their derivatives at one point; the functions below read the result.
     pub fn differentiate(&mut self, weights: &[f64], at: [&[Row]; 3]) {
         let (program, workspace) = &mut self.second;
         program.run(weights, &at, workspace, &mut []);
@@ -281,8 +284,8 @@ impl Integrals {
         }
     }
 
-    /// Adds the derivative of b (row.force F + row.momentum L_v) when the point moves along `column`: its position by the force part, its
-    /// velocity by the momentum part. n × n rows.
+    /// Adds the derivative of b (row.force F + row.momentum L_v) when the point moves along `column`: its position by
+    /// the force weight, its velocity by the momentum weight. n × n rows.
     pub fn add_block(&self, (b, row, column): (f64, Variation, Variation), to: &mut [Row]) {
         let (n, at, workspace) = (self.n, self.at, &self.second.1);
         for j in 0..n {

@@ -21,7 +21,8 @@ pub struct ArmJoint {
     pub axis: Vector<f64>,
 }
 
-/// A tree of rigid bodies in space: with the angular velocity ω of a body and the velocity u of its frame's origin, both in its frame,
+/// A tree of rigid bodies in space. With the angular velocity ω of a body and the velocity u of its frame's origin,
+/// both in its frame,
 ///
 /// L = Σ ½m|u|² + u·(ω × mc) + ½ω·Iω + ½Jq̇² + γ·(mr + mc).
 ///
@@ -56,7 +57,7 @@ impl ArmEnergies {
         Ok(Self { joints })
     }
 
-    /// Numbers of a body in the weight block, `count` of them from its number `first` on.
+    /// Numbers of a body in the weight block: `count` of them, from its number `first` on.
     fn numbers(builder: &mut Builder, body: usize, first: usize, count: usize) -> Node {
         builder.parameters(ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * body + first, count)
     }
@@ -70,7 +71,7 @@ impl ArmJoint {
         applied(builder, &transposed, x)
     }
 
-    /// Returns a vector of the joint's frame turned by the angle ±q: cos q (1 − aaᵀ)x ± sin q a × x + aaᵀx.
+    /// Returns a vector of the joint's frame rotated by the angle ±q: cos q (1 − aaᵀ)x ± sin q a × x + aaᵀx.
     fn turned(self, builder: &mut Builder, [cosine, sine]: [Node; 2], x: Node) -> Node {
         let a = self.axis;
         let along: Rotation<f64> = std::array::from_fn(|i| std::array::from_fn(|j| a[i] * a[j]));
@@ -112,8 +113,8 @@ impl ArmJoint {
         }
     }
 
-    /// First moment of the bodies carried, about the origin of the parent's frame, from their mass and their first moment about this
-    /// body's.
+    /// First moment of the carried bodies about the origin of the parent's frame, from their mass and their first
+    /// moment about the origin of this body's frame.
     fn moment_below(self, builder: &mut Builder, joint: [Node; 2], [mass, moment]: [Node; 2]) -> Node {
         let moment = match self.body.joint {
             Joint::Revolute => self.turned(builder, joint, moment),

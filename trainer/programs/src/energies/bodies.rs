@@ -8,8 +8,8 @@ use leastaction_core::energy::bodies::{
     BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, Joint, TreeBody, TreeError,
 };
 
-/// A tree of rigid bodies on joints in the plane: with the centre of mass x of a body, its angle φ, and the rotor of its drive on the
-/// parent,
+/// A tree of rigid bodies on joints in the plane. With the centre of mass x of a body, its angle φ, and the rotor of
+/// its drive, which sits on the parent,
 ///
 /// L = Σ ½m|ẋ|² + ½I φ̇² + ½J(φ̇_parent + g q̇)² + m γ·x.
 ///
@@ -45,8 +45,8 @@ impl BodiesEnergies {
         Ok(Self { bodies, known })
     }
 
-    /// Fixes number i of all weight blocks to `known[i]` wherever that is given: programs are shorter, and have no derivatives in those
-    /// numbers. `None` if the length differs from that of the block.
+    /// Fixes number i of all weight blocks to `known[i]` where that is given, so that programs are shorter and have no
+    /// derivatives with respect to these numbers. `None` if the length differs from that of the block.
     #[must_use]
     pub fn with_known(self, known: Vec<Option<f64>>) -> Option<Self> {
         (known.len() == self.known.len()).then_some(Self { known, ..self })
@@ -104,7 +104,7 @@ impl Frame {
         }
     }
 
-    /// Position and velocity of a point that turns with the body, from its position relative to the origin.
+    /// Position and velocity of a point that is fixed to the body, from its position relative to the origin.
     fn point(&self, builder: &mut Builder, beside: Node) -> [Node; 2] {
         let across = across(builder, beside);
         let turning = times(builder, self.spin, across);
@@ -122,14 +122,14 @@ fn direction(builder: &mut Builder, angle: Node) -> Node {
     builder.joined(&components)
 }
 
-/// Returns the vector turned by +90°.
+/// Returns the vector rotated by +90°.
 fn across(builder: &mut Builder, x: Node) -> Node {
     let exchanged = builder.gather(x, &[1, 0]);
     let signs = builder.constant(&[-1.0, 1.0]);
     builder.product(signs, exchanged)
 }
 
-/// Returns the vector with these components along an axis and across it.
+/// Returns the vector with these components along an axis and perpendicular to it.
 fn turned(builder: &mut Builder, axis: Node, [along, aside]: [Node; 2]) -> Node {
     let along = times(builder, along, axis);
     let normal = across(builder, axis);

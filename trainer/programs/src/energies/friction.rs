@@ -13,7 +13,7 @@ const DRY_NUMBERS: usize = FrictionNumber::ALL.len();
 /// Dry friction, Q = −(c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε), see [`leastaction_core::forces::Coulomb`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DryLaw {
-    /// None, and no numbers for it.
+    /// No dry friction, and no numbers for it.
     #[default]
     None,
     /// Friction that does not grow with the load: every c_load is known to be 0.
@@ -22,7 +22,7 @@ pub enum DryLaw {
     Loaded,
 }
 
-/// Laws of friction that a weight block has numbers for.
+/// Laws of friction for which a weight block has numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrictionLaws {
     /// Q = −b v.
@@ -31,9 +31,10 @@ pub struct FrictionLaws {
     pub dry: DryLaw,
 }
 
-/// A model with friction of its coordinates, in addition to its own forces. Its weight block is that of a model file: the model's numbers;
-/// with damping, b ≥ 0 of each group (N s/m or N m s/rad); then, with dry friction, c ≥ 0, 0 ≤ c_load < 1, τ_s > 0 and ε > 0 of each group,
-/// group after group (N or N m; 1; N or N m; m/s or rad/s).
+/// A model with friction of its coordinates, in addition to its own forces. Its weight block is that of a model file.
+/// The model's numbers come first; then, with damping, b ≥ 0 of each group (N s/m or N m s/rad); then, with dry
+/// friction, c ≥ 0, 0 ≤ c_load < 1, τ_s > 0 and ε > 0 of each group, group after group (N or N m; 1; N or N m; m/s or
+/// rad/s).
 #[derive(Clone, Debug)]
 pub struct WithFriction<E> {
     model: E,
@@ -43,8 +44,8 @@ pub struct WithFriction<E> {
 }
 
 impl<E: Energies> WithFriction<E> {
-    /// Gives coordinate i the friction of group `of[i]` of `groups` groups; `None` if the number of coordinates differs or a group does not
-    /// exist.
+    /// Gives coordinate i the friction of group `of[i]`, out of `groups` groups; `None` if the number of coordinates
+    /// differs or a group does not exist.
     pub fn new(model: E, laws: FrictionLaws, groups: usize, of: Vec<usize>) -> Option<Self> {
         let fits = of.len() == model.n() && of.iter().all(|group| *group < groups);
         fits.then_some(Self { model, laws, groups, of })

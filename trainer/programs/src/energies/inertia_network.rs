@@ -5,8 +5,8 @@ use crate::operation::Node;
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::network::Activation;
 
-/// Inertia matrix and potential of a mechanism from a single network, with viscous damping of every coordinate if it is learned
-/// ([`leastaction_core::energy::inertia_network`]).
+/// Inertia matrix and potential of a mechanism from a single network, with viscous damping of every coordinate if
+/// damping is learned ([`leastaction_core::energy::inertia_network`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct InertiaNetworkEnergies {
     coordinates: Vec<Coordinate>,
@@ -29,7 +29,7 @@ impl InertiaNetworkEnergies {
         Self { coordinates, inertia, network, damped }
     }
 
-    /// Kinetic energy T = ½vᵀHv from the outputs that H is made of.
+    /// Kinetic energy T = ½vᵀHv, from the outputs that make up H.
     fn kinetic(&self, builder: &mut Builder, outputs: Node, v: Node) -> Node {
         let n = self.n();
         let diagonal = builder.part(outputs, 0..n);
@@ -58,7 +58,8 @@ impl InertiaNetworkEnergies {
     }
 }
 
-/// Returns |Bv|² + ε|v|², where B has `count` rows, the given entries at these rows and columns, and zeros elsewhere.
+/// Returns |Bv|² + ε|v|², where B has `count` rows with the given entries at the given rows and columns, and zeros
+/// elsewhere.
 fn square(
     builder: &mut Builder,
     entries: Node,

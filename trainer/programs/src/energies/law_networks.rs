@@ -7,10 +7,11 @@ use crate::operation::Node;
 use leastaction_core::energy::inertia_network::{Coordinate, feature_count};
 use leastaction_core::network::Activation;
 
-/// Inputs of a law's network, in a model's coordinates, and its hidden layers.
+/// Inputs of a law's network, among the coordinates of a model, and its hidden layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LawNetwork {
-    /// Kind of each coordinate as an input; `None`, or beyond the end, for one that is no input.
+    /// Kind of each coordinate as an input; `None` for a coordinate that is not an input, as is any beyond the end of
+    /// the list.
     pub coordinates: Vec<Option<Coordinate>>,
     /// Numbers of units in the hidden layers.
     pub widths: Vec<usize>,
@@ -51,9 +52,9 @@ struct Potential {
     network: Network,
 }
 
-/// A model with networks beside its energies and forces: Q = −L(q, v)Lᵀv and V + V_c(q). Its weight block is that of a model file: the
-/// model's numbers; with a dissipation, the scale of every input velocity (m/s or rad/s) and then its network; with a potential, its
-/// network.
+/// A model with networks beside its energies and forces: Q = −L(q, v)Lᵀv and V + V_c(q). Its weight block is that of a
+/// model file: the model's numbers; then, with a dissipation, the scale of every input velocity (m/s or rad/s) and the
+/// network; then, with a potential, its network.
 #[derive(Clone, Debug)]
 pub struct WithNetworks<E> {
     model: E,
@@ -88,7 +89,7 @@ impl Dissipation {
     }
 }
 
-/// Vector of `m` entries with Σ l x\[from\] at every place `to`.
+/// Vector of `m` entries with the sum of all l x\[from\] at every place `to`.
 fn transposed(
     builder: &mut Builder,
     l: Node,
@@ -101,7 +102,7 @@ fn transposed(
 }
 
 impl<E: Energies> WithNetworks<E> {
-    /// Adds these laws; `None` if one has inputs that the model does not have, or no inputs at all.
+    /// Adds these laws; `None` if one of them has inputs that the model does not have, or no inputs at all.
     pub fn new(model: E, dissipation: Option<&LawNetwork>, potential: Option<&LawNetwork>) -> Option<Self> {
         let fits = |law: &LawNetwork| law.coordinates.len() <= model.n() && !law.seen().is_empty();
         let sees = potential.is_none_or(|law| feature_count(&law.kinds()) > 0);

@@ -48,7 +48,7 @@ fn check_tree<'b>(bodies: impl ExactSizeIterator<Item = &'b TreeBody>) -> Result
     Ok(())
 }
 
-/// A family's model of a given shape: its energies over a weight block, and the forces beside them.
+/// Model of a given shape: its energies over a weight block, and its forces besides the control.
 pub trait Energies {
     /// Number of coordinates n.
     fn n(&self) -> usize;
@@ -56,13 +56,14 @@ pub trait Energies {
     fn parameters(&self) -> usize;
     /// Energies T(q, v) and V(q), J, as vectors of one number each; q in m or rad, v in m/s or rad/s.
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2];
-    /// Force Q(q, v, τ) beside the control force τ, N or N m; 0 by default.
+    /// Force Q(q, v, τ) in addition to the control force τ, N or N m; 0 by default.
     fn force(&self, builder: &mut Builder, _: Node, v: Node, _: Node) -> Node {
         let n = builder.length(v);
         builder.zeros(n)
     }
-    /// Speed of each coordinate up to which a force such as friction bends, m/s or rad/s: Newton's method evaluates again if an update
-    /// reverses a velocity from beyond it ([`leastaction_core::forces::Forces::trusted_part`]). `None` if no force bends.
+    /// Speed of each coordinate up to which a force such as friction bends, m/s or rad/s. If an update of Newton's
+    /// method reverses a velocity from beyond this speed, the method evaluates again
+    /// ([`leastaction_core::forces::Forces::trusted_part`]). `None` if no force bends.
     fn bends(&self, _: &mut Builder) -> Option<Node> {
         None
     }

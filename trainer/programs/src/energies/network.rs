@@ -4,7 +4,7 @@ use crate::operation::{Layer, Node};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::network::Activation;
 
-/// Numbers that all inputs of a kind share.
+/// Numbers that all inputs of one kind share.
 pub(crate) struct Kinds<'k> {
     /// Numbers of every kind, `width` each, kind after kind.
     pub table: Node,
@@ -71,8 +71,8 @@ impl Network {
         self.behind(builder, others, columns, y)
     }
 
-    /// Outputs y for inputs x that are each preceded by the numbers of their kind. The first layer's product with these numbers is computed
-    /// once per kind.
+    /// Outputs y for inputs x, where each input is preceded by the numbers of its kind. The first layer's product with
+    /// these numbers is computed once per kind.
     pub(crate) fn outputs_of_kinds(&self, builder: &mut Builder, kinds: &Kinds, x: Node) -> Node {
         let (columns, width) = (kinds.of.len(), kinds.width);
         let Some((first, others)) = self.layers.split_first().filter(|_| width > 0) else {

@@ -4,8 +4,8 @@ use super::Energies;
 use crate::builder::Builder;
 use crate::operation::Node;
 
-/// A model whose drives add a constant to the logged torque, τ = u + o. Its weight block is that of the model, then the offset o of every
-/// coordinate, N or N m, with other numbers around the offsets if there are any.
+/// A model whose drives add a constant to the logged torque, τ = u + o. Its weight block is that of the model, followed
+/// by the offset o of every coordinate, N or N m. There may be unused numbers before and after the offsets.
 #[derive(Clone, Debug)]
 pub struct WithOffsets<E> {
     energies: E,
@@ -19,7 +19,7 @@ impl<E: Energies> WithOffsets<E> {
         Self { energies, beside: [0; 2] }
     }
 
-    /// Adds unused numbers between those of the model and the offsets, and after the offsets.
+    /// Adds offsets with unused numbers between them and those of the model, and after the offsets.
     #[must_use]
     pub fn among(self, beside: [usize; 2]) -> Self {
         Self { beside, ..self }

@@ -40,7 +40,8 @@ pub(super) struct Values {
     functions: HashMap<u32, Function>,
 }
 
-/// Results of a program: the values of its outputs, and its additions to rows of the Jacobian, as row, position and value.
+/// Results of a program: the values of its outputs, and its additions to rows of the Jacobian, each as row, position
+/// and value.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Results {
     pub outputs: Vec<Vec<Id>>,
@@ -48,7 +49,7 @@ pub(super) struct Results {
 }
 
 impl Values {
-    /// Converts a program; `None` if it has steps that cannot be taken apart into single numbers.
+    /// Converts a program; `None` if it has steps that cannot be split into single numbers.
     pub fn of(program: &Program, with_layers: bool) -> Option<(Self, Results)> {
         let (mut values, mut results) = (Self { with_layers, ..Self::default() }, Results::default());
         let mut slots: Vec<Vec<Id>> = program.slots.iter().map(|length| vec![0; *length]).collect();
@@ -69,7 +70,7 @@ impl Values {
         Some((values, results))
     }
 
-    /// Merges a sum with a product that nothing else reads into one operation.
+    /// Merges each sum with a product that only this sum reads into one operation.
     fn fuse(&mut self, results: &Results) {
         let mut reads = vec![0; self.len()];
         let wanted = results.outputs.iter().flatten().chain(results.rows.iter().map(|(_, _, x)| x));
@@ -115,7 +116,7 @@ impl Values {
         of.into_iter().flatten()
     }
 
-    /// Returns a derivative of a function, if one is stored.
+    /// Returns a derivative of a function, if it is already stored.
     pub fn curve(&self, function: u32, order: u8, x: Id) -> Option<Id> {
         self.known.get(&Value::Curve { function, order, x }).copied()
     }
@@ -124,7 +125,7 @@ impl Values {
         self.functions[&number]
     }
 
-    /// Writes the values of a step; `None` for a step on layers (if they are not taken apart) or on a single sample.
+    /// Writes the values of a step; `None` for a step on layers (unless they may be split) or on a single sample.
     fn step(&mut self, step: &Step, slots: &mut [Vec<Id>], results: &mut Results) -> Option<()> {
         match step {
             Step::Input { number, to } => {
@@ -254,7 +255,7 @@ impl Values {
         }
     }
 
-    /// Applies `f` to two slots entry by entry; the shorter one is repeated.
+    /// Applies `f` to two slots entry by entry; the shorter slot is repeated.
     fn pairwise(
         &mut self,
         slots: &[Vec<Id>],
@@ -273,7 +274,7 @@ impl Values {
     }
 
     fn constant(&mut self, c: f64) -> Id {
-        // Here −0 becomes 0: sums and products with either are equal numbers.
+        // Adding 0 turns −0 into 0: sums and products with either are equal numbers.
         self.value(Value::Constant((c + 0.0).to_bits()))
     }
 
@@ -284,7 +285,7 @@ impl Values {
         }
     }
 
-    /// Returns the number whose negative this is, if it is stored as a negative.
+    /// Returns the number of which this number is the negative, if it is stored as a negative.
     fn negated(&self, id: Id) -> Option<Id> {
         match self.get(id) {
             Value::Product(x, y) if self.known(x) == Some(-1.0) => Some(y),

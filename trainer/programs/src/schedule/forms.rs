@@ -1,4 +1,4 @@
-//! Vectors of a single sample, in the forms that the steps reading them want.
+//! Vectors of a single sample, in the forms that the steps that read them want.
 
 use super::Scheduler;
 use crate::layout::Form;
@@ -46,7 +46,8 @@ impl Scheduler<'_> {
         (0..outputs.len()).map(|k| self.in_form(outputs[k], self.program.forms[k])).collect()
     }
 
-    /// Number of columns, or rows of columns, that a layer with this input is applied to: with a single sample, columns lie side by side.
+    /// Number of columns, or of rows of columns, to which a layer with this input is applied: with a single sample,
+    /// columns lie side by side.
     pub(super) fn columns(&self, columns: usize, x: Node, units: usize) -> usize {
         match &self.layout {
             None => columns,

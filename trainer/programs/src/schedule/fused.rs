@@ -1,4 +1,5 @@
-//! Operations that are computed together: sums with the gathering of their summands, products with a function.
+//! Operations that are computed together: a sum and the gathering of its summands, a product and a function that is its
+//! factor.
 
 use super::{Scheduler, reads_of};
 use crate::function::Function;
@@ -6,7 +7,7 @@ use crate::operation::{Node, Operation};
 use crate::reverse::WeightTerm;
 
 impl<'b> Scheduler<'b> {
-    /// Finds functions that only one product reads, and of which no other derivative is computed at the same vector.
+    /// Finds functions that only one product reads, and for which no other derivative is computed at the same vector.
     pub(super) fn find_factors(&mut self, order: &[Node], outputs: &[Node], rows: &[Vec<WeightTerm>]) {
         let mut readers = vec![0; self.ranks.len()];
         let mut count = |node: Node| readers[node.index()] += 1;
@@ -31,7 +32,8 @@ impl<'b> Scheduler<'b> {
         }
     }
 
-    /// Function among the factors of a product that is computed with it, its order and argument, and the other factor.
+    /// Function among the factors of a product that is computed together with it, with its order and argument, and the
+    /// other factor.
     pub(super) fn factor(&self, product: Node) -> Option<(Function, usize, Node, Node)> {
         let factor = self.factors.get(&product)?;
         match (&self.builder.operations[product.index()], &self.builder.operations[factor.index()]) {
@@ -57,8 +59,8 @@ impl<'b> Scheduler<'b> {
         read
     }
 
-    /// Vector from which summands are read, and their positions in it: the source of the gathering, if nothing else needs the gathered
-    /// vector.
+    /// Vector from which summands are read, and their positions in it. If nothing else needs the gathered vector, this
+    /// is the source of the gathering.
     pub(super) fn summands(&self, x: Node) -> (Node, Option<&'b [u32]>) {
         let fused = self.layout.as_ref().is_some_and(|layout| layout.is_fused(x));
         match &self.builder.operations[x.index()] {

@@ -13,17 +13,20 @@ use leastaction_models::config::Source;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Fraction of a window that the warm-up takes: whatever the initial weights, motion over it is hardly chaotic.
+/// Length of the warm-up windows, as a fraction of a window: over so short a time motion is hardly chaotic, whatever
+/// the initial weights.
 const SHORT: f64 = 0.2;
-/// Least number of steps in this part.
+/// Least number of steps in a warm-up window.
 const FEWEST_STEPS: usize = 5;
-/// Largest integration step of a model with dry friction, s: friction changes quickly where a velocity changes its sign.
+/// Largest integration step of a model with dry friction, s: this friction changes quickly where a velocity changes its
+/// sign.
 const STIFF_STEP: f64 = 0.005;
-/// Range of the longest integration step of other models, s; within it the step of the samples is taken. A step covers as many closer
-/// samples as fit; samples further apart are subdivided.
+/// Range of the longest integration step of other models, s; within this range the step of the samples is taken. If
+/// samples are closer, a step covers as many as fit; if they are further apart, their step is subdivided.
 const SMOOTH_STEP: [f64; 2] = [0.01, 0.025];
 
-/// Number of windows above which they need not overlap: they hold all the information of a log, and overlap would double the time.
+/// Number of windows above which they do not overlap: side by side they already use all samples, and overlap would
+/// double the time.
 const MANY_WINDOWS: usize = 2000;
 /// Overlap of consecutive windows if there are fewer windows.
 const OVERLAP: f64 = 0.5;
@@ -66,7 +69,7 @@ pub(in crate::run) fn of_windows(
         });
     }
     if !held_back.is_empty() && !windows.of_torques {
-        // The held-back logs have served to judge; now they are learned from, too.
+        // The held-back logs have served to choose the weights; now the model learns from them, too.
         let iterations = scope.iterations(config.training.iterations);
         stages.push(windows.stage(windows.whole(ALL_LOGS, iterations), 0..count, 0..0)?);
     }
@@ -159,7 +162,7 @@ impl<'a> Windows<'a> {
 
     /// A stage that learns from the logs `of`, and is judged by whole windows of others.
     fn stage(&self, span: Span, of: Range<usize>, judges: Range<usize>) -> Result<Stage, PlanError> {
-        // Networks join only after the simple physics is learned.
+        // Networks are added only after the simple physics has been learned.
         let with_networks = !self.adds_networks || [NETWORKS, ALL_LOGS].contains(&span.name);
         let validation =
             (!judges.is_empty()).then(|| self.loss(self.steps, judges, with_networks)).transpose()?;

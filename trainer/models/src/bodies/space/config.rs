@@ -62,16 +62,17 @@ pub struct ArmConfig {
     /// Total mass of all links that have none in the description, kg; their bodies are guessed from it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Width of the guessed bodies around the line that they are spread along, m.
+    /// Width of the guessed bodies around the line along which they are spread, m.
     #[serde(default = "radius")]
     pub radius: f64,
     /// Run or model file of the same arm whose bodies, rotors and friction replace the description's at the start of training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_from: Option<PathBuf>,
-    /// Choice of the learned bodies. Training begins at the description and stays there in whatever the log does not show.
+    /// Choice of the learned bodies. Training begins at the description, and whatever the log does not determine stays
+    /// there.
     #[serde(default)]
     pub bodies: LearnedBodies,
-    /// Whether the inertias of the rotors are learned; a known one is that of `start_from`, or else 0.
+    /// Whether the inertias of the rotors are learned; a known inertia is that of `start_from`, or else 0.
     #[serde(default)]
     pub rotors: Learning,
     /// Friction of the joints.
@@ -151,7 +152,7 @@ impl ArmConfig {
         problem.at(["urdf".into()])
     }
 
-    /// Returns the shape, with the choice of its learned numbers.
+    /// Returns the shape, with its learned and known numbers.
     fn family(&self, tree: &Tree) -> Result<ArmArchitecture, ShapeError> {
         let learned = self.learned_bodies(tree)?;
         let cannot_be =
@@ -183,7 +184,7 @@ impl ArmConfig {
         Ok(names().map(|name| joints.iter().any(|joint| joint == name)).collect())
     }
 
-    /// Returns the tree with the bodies and rotors of a model, which must have the same joints.
+    /// Returns the tree with the bodies and rotors of a model; the model must have the same joints.
     fn begun(&self, tree: &Tree, origin: &Origin) -> Result<Tree, ShapeError> {
         let other = || {
             let file = self.start_from.clone().unwrap_or_default();
@@ -234,7 +235,7 @@ fn kind(body: &Body) -> JointKind {
     }
 }
 
-/// Whether two joints differ only by the rounding of single precision.
+/// Whether two joints differ at most by the rounding of single precision.
 fn is_same_joint(a: &Body, b: &Body) -> bool {
     let (axis_a, axis_b) = (axis(a), axis(b));
     let rotation = (a.pose.rotation - b.pose.rotation).amax();

@@ -77,7 +77,7 @@ impl GraphConfig {
             return Err(at(Problem::EmptyGraph));
         }
         let count = layout.nodes.len();
-        // The largest number stands for the origin.
+        // The largest node number stands for the origin.
         if count > usize::from(ORIGIN) {
             let (what, most) = ("nodes in a graph", ORIGIN.into());
             return Err(at(Problem::TooMany { what, found: count, most }));
@@ -104,7 +104,7 @@ impl GraphConfig {
     }
 }
 
-/// A problem and the key it occurs at.
+/// A problem, and the key at which it occurs.
 type Misfit = (&'static str, Problem);
 
 /// Converts every entry of a list of a graph by `of`.
@@ -121,7 +121,7 @@ fn each<T, U>(
 fn position<T: Named>(what: &'static str, name: &str, kinds: &[T]) -> Result<u8, Problem> {
     let known = || list(kinds.iter().map(Named::name));
     let found = kinds.iter().position(|kind| kind.name() == name);
-    // A configuration with more types than the format holds is refused.
+    // The cast is safe: a configuration with more types than the format can hold is refused.
     let found = found.map(|kind| kind as u8);
     found.ok_or_else(|| Problem::UnknownType { what, name: name.to_owned(), known: known() })
 }
@@ -187,7 +187,7 @@ fn check_size(architecture: &GraphArchitecture) -> Result<(), ShapeError> {
     Err(Problem::Size { found, most }.at(["graphs".into(), name.into()]))
 }
 
-/// Returns the numbers at a key; without given ones, `default` as known numbers.
+/// Returns the numbers at a key; if none are given, `default` as known numbers.
 fn numbers(
     (key, range): (&'static str, Range),
     given: Option<(&[f64], bool)>,

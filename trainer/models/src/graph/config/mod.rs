@@ -36,7 +36,7 @@ pub struct GraphConfig {
     /// Graphs by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub graphs: BTreeMap<String, LayoutConfig>,
-    /// Not accepted for graphs, whose node types have drag.
+    /// Not accepted for graphs: their node types have drag instead.
     #[serde(default, skip_serializing)]
     friction: NoFriction,
     /// Not accepted for graphs.
@@ -77,7 +77,7 @@ pub struct NodeTypeConfig {
     pub activation: Option<Activation>,
 }
 
-/// An edge type: U = c₁z + c₂z² + network(z), with z a function of the distance of its ends.
+/// An edge type: U = c₁z + c₂z² + network(z), where z is a function of the distance between its ends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EdgeTypeConfig {

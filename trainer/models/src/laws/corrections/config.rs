@@ -14,10 +14,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DissipationConfig {
-    /// Coordinates that are inputs of the network and on which it acts, from 0. (Default: all.)
+    /// Coordinates that are inputs of the network and on which its force acts, counted from 0. (Default: all.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordinates: Option<Vec<u64>>,
-    /// Coordinates among them whose positions are inputs too. (Default: all of them.)
+    /// Those of these coordinates whose positions are inputs too. (Default: all of them.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions: Option<Vec<u64>>,
     /// Velocity scale > 0, m/s or rad/s, by which the network divides velocities: the speed over which friction changes; one number, or one
@@ -60,7 +60,8 @@ pub enum ScaleConfig {
 /// Default number of units in the hidden layer of a network.
 const WIDTH: u16 = 8;
 
-/// Kinds of the coordinates that may be inputs of networks, one letter each, and how many of them every tree of the model has.
+/// Kinds of the coordinates that may be inputs of networks, one letter each, and how many of these coordinates every
+/// tree of the model has.
 pub(crate) struct Known<'k> {
     pub letters: &'k str,
     pub common: usize,
@@ -141,7 +142,7 @@ impl Known<'_> {
         self.letters.chars().nth(i).unwrap_or('c')
     }
 
-    /// Returns the coordinates with these numbers in order, at least one.
+    /// Returns the coordinates with these numbers, in order; there must be at least one.
     fn chosen(&self, given: &[u64]) -> Result<Vec<usize>, Problem> {
         if given.is_empty() { Err(Problem::NothingSeen) } else { self.chosen_if_any(given) }
     }

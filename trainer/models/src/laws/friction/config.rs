@@ -24,10 +24,10 @@ pub struct FrictionConfig {
     /// Growth c_load of friction with the load. (Start if learned: 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<FrictionNumbers>,
-    /// Width ε of the change of sign, m/s or rad/s. (With dry friction by default learned, from 0.1.)
+    /// Width ε of the change of sign, m/s or rad/s. (Default with dry friction: learned, starting at 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<FrictionNumbers>,
-    /// Smoothing load τ_s, N or N m. (Start if learned: 0.1; with dry friction by default known to be 0.1.)
+    /// Smoothing load τ_s, N or N m. (Start if learned: 0.1. Default with dry friction: known, 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<FrictionNumbers>,
 }
@@ -35,7 +35,7 @@ pub struct FrictionConfig {
 /// One number for all coordinates, or one for each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrictionNumbers {
-    /// One number for all of them; if it is learned, the coordinates end with different values.
+    /// One number for all of them; if it is learned, the coordinates end up with different values.
     All(FrictionNumberConfig),
     /// One number per coordinate of an inertia network or of bodies, or per element type.
     Each(Vec<FrictionNumberConfig>),
@@ -54,7 +54,7 @@ pub enum FrictionNumberConfig {
 
 const LEARNED: &str = "learned";
 
-/// A key with its allowed numbers, both as known values and as starts of learning.
+/// A key with its allowed numbers, both for known values and for starting values.
 struct Rule {
     key: &'static str,
     known: Range,
@@ -149,7 +149,7 @@ impl FrictionConfig {
         Ok(friction)
     }
 
-    /// Refuses damping that is given by another key too.
+    /// Refuses damping that is also given by another key.
     pub(crate) fn check_damping(&self, key: &'static str, is_given: bool) -> Result<(), ShapeError> {
         if is_given && self.viscous.is_some() {
             return Err(at("viscous", None, Problem::DampingTwice { key }));

@@ -112,7 +112,7 @@ impl ModularConfig {
                 position(name).ok_or_else(|| Problem::UnknownTree { name: name.clone(), known: known() })
             }
             None if model.trees.is_empty() => Err(Problem::NoTree),
-            // The first tree of a trained model is the one that it was trained on.
+            // The first tree of a trained model is the one on which it was trained.
             None if self.trees.is_empty() => Ok(0),
             None => Err(Problem::WhichTree { known: known() }),
         }

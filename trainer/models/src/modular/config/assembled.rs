@@ -8,7 +8,7 @@ use crate::modular::ModularArchitecture;
 use leastaction_core::energy::modular::{NetworkShape, TransformShape, TypeShape};
 use std::ops::Range;
 
-/// Shape of a model, with those of its weights that are already trained.
+/// Shape of a model, with the weights that are already trained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembled {
     /// Shape of the trees; the first one is trained.
@@ -33,7 +33,8 @@ impl Assembled {
         (architecture, weights)
     }
 
-    /// Returns the trained weights, and random ones for the rest. Position networks of the same shape begin equal.
+    /// Returns the trained weights, and random ones for the rest. Position networks of the same shape start with equal
+    /// weights.
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = self.architecture.initial_weights(seed);
         weights.iter_mut().zip(&self.trained).for_each(|(weight, trained)| *weight = *trained);
@@ -45,8 +46,9 @@ impl Assembled {
         weights
     }
 
-    /// Pairs of ranges in the weight block: the position network of each type, preceded by that of the first type with a network of the
-    /// same shape. If one of the two began as a mirror image, no descent of the loss could turn it round.
+    /// Pairs of ranges in the weight block: the position network of each type, preceded by that of the first type with
+    /// a network of the same shape. If one of the two started as a mirror image of the other, no descent of the loss
+    /// could correct it.
     fn alike(&self) -> Vec<(Range<usize>, Range<usize>)> {
         let shape = &self.architecture.shape;
         let mut start = 0;

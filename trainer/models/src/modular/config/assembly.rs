@@ -71,7 +71,7 @@ impl Assembly {
         }
     }
 
-    /// Takes the given friction in place of the old; viscous damping given here no longer belongs to the types.
+    /// Replaces the old friction by the given one; if viscous damping is given here, it no longer belongs to the types.
     pub fn take(&mut self, friction: FrictionArchitecture) {
         self.damped &= friction.viscous.is_empty();
         self.friction.take(friction);
@@ -156,7 +156,7 @@ impl Assembly {
                 let (found, most) = (coordinates, MOST_COORDINATES);
                 return Err(here(Problem::TooMany { what: "coordinates in a tree", found, most }));
             }
-            // Both fit: more types than a byte holds are refused, and elements have a coordinate each.
+            // Both casts are safe: more types than a byte can hold are refused, and each element has a coordinate.
             bytes.extend([kind as u8, parent as u8]);
         }
         let tree = NamedTree { name: name.to_owned(), elements: bytes };
@@ -167,7 +167,8 @@ impl Assembly {
         Ok(())
     }
 
-    /// Returns the type of an element, and 0 for the ground or 1 + the number of the element that it hangs from.
+    /// Returns the type of an element, and its parent: 0 for the ground, or 1 + the number of the element from which it
+    /// hangs.
     fn element(&self, e: usize, element: &ElementConfig) -> Result<(usize, usize), Problem> {
         let kind = |name: &String| {
             let known = || list(self.types.iter().map(|(_, named)| named.name.as_str()));

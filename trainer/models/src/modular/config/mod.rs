@@ -25,8 +25,8 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "family", rename = "modular")]
 pub struct ModularConfig {
-    /// Run or model file whose types, numbers and trees are taken, and whose weights training begins with; relative to the configuration
-    /// file.
+    /// Run or model file whose types, numbers and trees are taken, and with whose weights training begins; relative to
+    /// the configuration file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<PathBuf>,
     /// Name of the tree that the data belongs to; it may be left out if there is only one.
@@ -52,7 +52,7 @@ pub struct ModularConfig {
     pub potential: Option<PotentialConfig>,
 }
 
-/// An element type. Keys left out have their defaults; for a trained type they leave it unchanged.
+/// An element type. Keys that are left out have their defaults; for a trained type they leave the type unchanged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TypeConfig {

@@ -1,4 +1,4 @@
-//! Energy of an edge: the separation of its ends, and a potential of it.
+//! Energy of an edge: the separation of its ends, and a potential that depends on it.
 
 use super::GraphEnergies;
 use super::nodes::squares;

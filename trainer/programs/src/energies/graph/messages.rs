@@ -1,5 +1,5 @@
-//! One round of messages (LGNN): every node sums the messages of its edges, every edge is updated by both of its nodes, and nodes and edges
-//! have potentials.
+//! One round of messages (LGNN). Every node sums the messages of its edges, every edge is updated by its two nodes, and
+//! updated nodes and edges have potentials.
 
 use super::GraphEnergies;
 use crate::builder::Builder;
@@ -9,8 +9,8 @@ use leastaction_core::energy::graph::{Edge, GraphShape, MessageShape};
 
 /// Messages of a graph.
 ///
-/// A message f_v(h ‖ e) depends on its sender only through the sender's type, so an edge whose ends have the same type sends one message to
-/// both.
+/// A message f_v(h ‖ e) depends on its sender only through the sender's type, so an edge whose ends have the same type
+/// sends one message to both ends.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Messages {
     shape: MessageShape,
@@ -20,7 +20,7 @@ pub(super) struct Messages {
     ends: Vec<[usize; 2]>,
     /// Edge of every message, and the type of its sender.
     sent: Vec<[usize; 2]>,
-    /// Every arriving message, with the node that it arrives at.
+    /// Every arriving message, with the node at which it arrives.
     received: Vec<[usize; 2]>,
 }
 

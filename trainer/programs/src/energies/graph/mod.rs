@@ -1,8 +1,8 @@
-//! Particles with energies of their own, of the edges between them and of messages along the edges ([`leastaction_core::energy::graph`]),
-//! for any number of nodes and edges.
+//! Particles with energies of their own, of the edges between them, and of messages along the edges
+//! ([`leastaction_core::energy::graph`]), for any number of nodes and edges.
 //!
-//! All nodes of a type, and all edges of a type, are columns of the same operations: the list has the same length for two nodes as for
-//! thousands, and evaluating it takes time in proportion to the number of nodes and edges.
+//! All nodes of a type, and all edges of a type, are columns of the same operations. The list is therefore as long for
+//! two nodes as for thousands, and evaluating it takes time in proportion to the number of nodes and edges.
 
 mod edges;
 mod messages;
@@ -24,8 +24,8 @@ use nodes::NodeGroup;
 ///
 /// with drag Q on every node, a function of its own velocity; [`GraphShape`] defines the terms.
 ///
-/// The size is limited only by the fields of the model file, 65,536 nodes, and by core's constants for the numbers of types, networks and
-/// hidden layers and for the length of an embedding.
+/// The size is limited only by the fields of the model file (65,536 nodes) and by core's constants for the numbers of
+/// types, networks and hidden layers and for the length of an embedding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraphEnergies {
     dimension: usize,
@@ -39,8 +39,8 @@ pub struct GraphEnergies {
 }
 
 impl GraphEnergies {
-    /// Creates the graph of these nodes, given by their types, and edges. `start` is the position of the model's first number in the weight
-    /// block; the numbers before it have other owners.
+    /// Creates the graph of these nodes, given by their types, and of these edges. `start` is the position of the
+    /// model's first number in the weight block; the numbers before it belong to other parts.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for an inconsistent shape, [`ModelError::Graph`] for a graph that does not fit the shape.
@@ -183,7 +183,7 @@ impl Numbers {
     }
 }
 
-/// Item of every entry, with `each` entries for each of `items` items.
+/// For every entry, the item that it belongs to; each of `items` items has `each` entries.
 fn owners(items: usize, each: usize) -> Vec<usize> {
     (0..items * each).map(|entry| entry / each).collect()
 }

@@ -26,7 +26,7 @@ impl NodeGroup {
 }
 
 impl GraphEnergies {
-    /// The group's part of a vector of all coordinates, node after node.
+    /// Part of a vector of all coordinates that belongs to the group, node after node.
     fn own(&self, builder: &mut Builder, group: &NodeGroup, x: Node) -> Node {
         let coordinates = self.coordinates(group.nodes.iter().copied());
         builder.gather(x, &coordinates)
@@ -78,7 +78,8 @@ impl GraphEnergies {
         builder.dot(field, sum)
     }
 
-    /// Force Q on all coordinates, N, 0 outside the group: 0, −cv, or −(c + |net(v_i)|)v_i component by component.
+    /// Force Q on all coordinates, N: 0, −cv, or −(c + |net(v_i)|)v_i component by component; it is 0 outside the
+    /// group.
     pub(super) fn drag(&self, builder: &mut Builder, group: &NodeGroup, v: Node) -> Node {
         let (n, coordinates) = (builder.length(v), self.coordinates(group.nodes.iter().copied()));
         let own = builder.gather(v, &coordinates);

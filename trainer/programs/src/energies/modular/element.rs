@@ -1,4 +1,4 @@
-//! Element types: the motion that an element's coordinates give it, its numbers, and its potential.
+//! Element types: the motion that an element's coordinates give it, its parameters, and its potential.
 
 use super::on_axes;
 use crate::builder::Builder;

@@ -46,13 +46,13 @@ struct Element {
 }
 
 impl ModularEnergies {
-    /// Creates the tree of these elements, parents first. Its weight block holds the networks in order, the
-    /// [`ElementParameters`](leastaction_core::energy::modular::ElementParameters) of each type, c₁ and c₂; and then, with damping, the
-    /// coefficient of each type for all its coordinates, N s/m or N m s/rad.
+    /// Creates the tree of these elements, parents first. Its weight block holds the networks in order, then the
+    /// [`ElementParameters`](leastaction_core::energy::modular::ElementParameters) of each type, then c₁ and c₂; and
+    /// finally, with damping, one coefficient per type for all its coordinates, N s/m or N m s/rad.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] for an inconsistent shape ([`ModularShape::invalid_part`]), [`ModelError::Tree`] for elements that are no
-    /// tree of its types.
+    /// [`ModelError::OutOfRange`] for an inconsistent shape ([`ModularShape::invalid_part`]), [`ModelError::Tree`] for
+    /// elements that do not form a tree of its types.
     pub fn new(shape: &ModularShape, nodes: &[TreeElement], damped: bool) -> Result<Self, ModelError> {
         if let Some(what) = shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
@@ -82,11 +82,12 @@ impl ModularEnergies {
         self.numbers + ELEMENT_PARAMETERS * self.types.len()
     }
 
-    /// Displacements of all elements' centres, from the displacements of the single elements (ModLaNet eq. 7): the sum along the path from
-    /// the ground, in which the element itself counts in proportion to the position of its centre.
+    /// Displacements of all elements' centres, from the displacements of the single elements (ModLaNet eq. 7): the sum
+    /// along the path from the ground, in which the displacement of the element itself is weighted by the position of
+    /// its centre.
     ///
-    /// Elements are separate vectors rather than parts of one, so that derivatives along a coordinate only involve the elements that it
-    /// carries.
+    /// Elements are separate vectors rather than parts of one vector, so that derivatives along a coordinate only
+    /// involve the elements that it carries.
     fn centres(&self, builder: &mut Builder, own: &[Node]) -> Vec<Node> {
         let mut tips: Vec<Node> = Vec::new();
         let mut centres = Vec::new();
@@ -212,7 +213,7 @@ fn elements(shape: &ModularShape, nodes: &[TreeElement]) -> Vec<Element> {
     nodes.iter().map(place).collect()
 }
 
-/// Sums of numbers by the element types that they belong to, so that each type's sum is multiplied by a mass only once.
+/// Sums of terms for each element type that they belong to, so that each type's sum is multiplied by a mass only once.
 struct Sums<K>(BTreeMap<K, Node>);
 
 impl<K> Default for Sums<K> {

@@ -29,8 +29,8 @@ const USUAL: BodyParameters<f64> = BodyParameters {
 const USUAL_GRAVITY: [f64; 2] = [9.81, 0.0];
 
 impl BodyNumber {
-    /// Returns the number at `key`: a known one within `known`; a learned one within `learned`, starting at `usual` unless a start is
-    /// given.
+    /// Returns the number at `key`. A known number must lie within `known`. A learned number must lie within `learned`,
+    /// and starts at `usual` unless a start is given.
     fn number(self, key: &'static str, usual: f64, [known, learned]: [&Range; 2]) -> Result<Number, Problem> {
         match self {
             Self::Known(value) => known.number(key, value, false),
@@ -124,7 +124,7 @@ impl BodiesConfig {
             };
             bodies.push((body.body(i).map_err(at)?, body.numbers().map_err(at)?));
         }
-        // A body that precedes another one has a number that fits into a byte.
+        // A body that precedes another one has a number that fits in a byte.
         BodiesArchitecture::new(gravity, bodies).ok_or_else(|| Problem::NoBodies.at([key.into()]))
     }
 
@@ -138,7 +138,7 @@ impl BodiesConfig {
             (Some(n), gear, true) => {
                 let gear = gear.unwrap_or(GEAR);
                 Range::ANY.number("gear", gear, false).map_err(|problem| problem.at(["gear".into()]))?;
-                // One link too many is enough for the error.
+                // One link too many suffices to cause the error.
                 let links = 0..n.min(MAX_TREE_COORDINATES + 1) as u64;
                 Ok(links.map(|i| BodyConfig::link(i.checked_sub(1), gear)).collect())
             }
