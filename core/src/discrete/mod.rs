@@ -14,13 +14,13 @@
 //! The unknown is w, not q₁: in f32 the residual then falls to about 1e-6 instead of 1e-4.
 //!
 //! # Newton's matrix
-//!
-//! The matrix of the two equations leaves out L_qq. The missing part has a relative size of (hω)²/4, with ω the fastest rate at which the
-//! system oscillates, and an update multiplies the error by about that. In return, one evaluation of [`Lagrangian::linearization`] gives
-//! both the residual after an update and the matrix of the next; the acceleration of up to two coordinates takes the same evaluation; and
-//! no family needs second derivatives of its potential on a controller. The table gives the number of updates
-//! down to rounding, mean and maximum, at order 2 and speeds up to 10 rad/s. It was measured on the exact
-//! systems of [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links
+//!  The matrix of the two equations leaves out L_qq. The missing part has a relative size of (hω)²/4, with ω the
+//! fastest rate at which the system oscillates, and an update multiplies the error by about that. In return, one
+//! evaluation of [`Lagrangian::linearization`] gives both the residual after an update and the matrix of the next,
+//! systems of one or two coordinates compute their acceleration by the same function, and no family needs second
+//! derivatives of its potential on a controller. The table gives the number of updates down to rounding, mean and
+//! maximum, at order 2 and speeds up to 10 rad/s. It was measured on the exact systems of
+//! [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links
 //! ([`modular`](crate::energy::modular)):
 //!
 //! | h | with L_qq, f32 | without, f32 | with L_qq, f64 | without, f64 |

@@ -78,7 +78,8 @@ pub fn check_lagrangian<const N: usize>(
     assert_vectors_close("l_vq v", &d.l_vq_v, &linear::multiply(&expected.l_vq, v), EXACT);
 }
 
-/// Compares L_q and L_v with central differences of the printed formulas, without num-dual; the formulas must then be exact.
+/// Compares L_q and L_v with central differences of the naive energies, without num-dual; only for models whose
+/// energies are exactly these formulas.
 pub fn check_first_differences<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
     let lagrangian = |q: &[f64; N], v: &[f64; N]| {
         let (kinetic, potential) = model.naive_energies(q, v);

@@ -1,4 +1,4 @@
-//! Laws of force with networks: the formulas, all derivatives, dissipation, potentials, their bits.
+//! Tests of laws of force with networks: formulas, all derivatives, dissipation, potentials, equal bits.
 
 use super::forces::{check_derivatives, check_inverse_under};
 use crate::common::dual::Dual;

@@ -228,6 +228,6 @@ fn a_new_type_joins_a_trained_one() {
         (Some(3.0), Some(0.5))
     );
     let weights = |bytes: &[u8]| leastaction_models::file::decode(bytes).unwrap().weights;
-    // Position and potential equal those of the run, bit for bit.
+    // The weights of the position and potential networks of "bob" equal those of the model in `run`, bit for bit.
     assert_eq!(weights(&old)[..9], weights(&new)[..9]);
 }

@@ -46,7 +46,8 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Arrives as close as rounding allows: the miss is known to twice the precision of R.
+    /// Iterates until the positions reach q₁ as closely as rounding allows. Positions carry their rounding errors, so
+    /// the miss is known to about ε².
     pub fn hit(&mut self) -> Result<Report<R>, ConstraintError<R>> {
         Newton { stop: R::EPSILON * R::EPSILON, ..Newton::new() }.solve(self)
     }

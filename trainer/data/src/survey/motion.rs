@@ -31,7 +31,7 @@ pub struct MotionSurvey {
     pub moving: f64,
     /// Number of reversals, rests left out.
     pub reversals: usize,
-    /// Number of jumps by 2π, as angles within one turn have.
+    /// Number of jumps by 2π, as in angles wrapped to one turn.
     pub turns: usize,
     /// Number of jumps by 360.
     pub turns_of_360: usize,

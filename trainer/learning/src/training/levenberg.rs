@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 /// Limit of the damping: beyond it no direction lowers the loss in double precision.
 const MU_LIMIT: f64 = 1e12;
-/// Lower bound of a diagonal entry, relative to the largest, for numbers of different units.
+/// Lower bound of a diagonal entry of JᵀJ that scales the damping, relative to the largest entry, if the parameters
+/// have different units.
 const TINY: f64 = 1e-12;
 /// Smallest damping, relative to the mean diagonal of JᵀJ.
 const MU_FLOOR: f64 = 1e-15;

@@ -1,18 +1,17 @@
 //! Standard errors of the numbers that were learned with a loss over windows.
-//!
-//! The covariance of the learned numbers is estimated by the jackknife, (L − 1)/L · Σ_l δ_l δ_lᵀ, where δ_l = (H −
-//! H_l)⁻¹ g_l is the change of the numbers if log l is left out: defects of the model correlate the residuals within a
-//! log, but not between logs. H is the matrix of the normal equations with the priors, and with ρ″/2 in place of ρ′/2x
-//! (their ratio, averaged over residuals, is a single number). H_l and g_l are the part of H and the gradient over the
-//! windows of log l. Start states are eliminated from all of them. With H⁻¹ in place of (H − H_l)⁻¹ the errors would be
-//! too small if a few logs carry most of the information. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut
-//! into parts that count as logs, more than [`MOST_LOGS`] are merged.
-//!
-//! A zero offset belongs to a single log and is not determined without that log. In place of that log's term, σ² times
-//! the inverse of the offset's block of H is added, where σ² is the mean square of the residuals. This treats residuals
-//! as independent, even those of one sample in several windows. That is justified because the part of a zero that free
-//! start states leave over has one sign in the middle of a window and the other sign at its ends, so such residuals do
-//! not add up.
+//!  The covariance of the learned numbers is estimated by a jackknife over logs, because defects of the model
+//! correlate residuals within a log but not between logs: (L − 1)/L · Σ_l δ_l δ_lᵀ, where δ_l = (H − H_l)⁻¹ g_l is
+//! the change of the numbers if log l is left out. H is the Hessian of the loss with its priors: the matrix of the
+//! normal equations, whose rows have the weights ρ′(x)/(2x), times one factor, Σ ρ″/2 over Σ ρ′/(2x), plus the
+//! priors. H_l and g_l are the part of H and the gradient over the windows of log l. Start states are eliminated from
+//! all of them. With H⁻¹ in place of (H − H_l)⁻¹ the errors would be too small if a few logs carry most of the
+//! information. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into parts that count as logs, more than
+//! [`MOST_LOGS`] are merged.
+//!  A zero offset belongs to a single log and is not determined without that log. In place of that log's term, σ²
+//! times the inverse of the offset's block of H is added, where σ² is the mean square of the residuals. This treats
+//! residuals as independent, even those of one sample in several windows. That is justified because the part of a
+//! zero offset that the free start states cannot absorb has one sign in the middle of a window and the other sign at
+//! its ends, so such residuals do not add up.
 //!
 //! Correlations are taken from H⁻¹, which is robust even with few logs.
 

@@ -223,7 +223,7 @@ fn a_model_of_another_number_of_bodies_is_refused() {
     let words = plan("chain = 3", &data).unwrap();
     assert!(words.contains("3 bodies") && words.contains("set chain = 2"), "{words}");
     assert_eq!(plan("chain = 2", &data), None);
-    // Without a force, a mass or an inertia must be known.
+    // If no force is logged, at least one mass or inertia must be known.
     data.trajectories.iter_mut().for_each(|trajectory| trajectory.u = None);
     assert!(
         plan("chain = 2", &data).unwrap().contains("[[model.bodies]]: every mass of the tree is learned")

@@ -45,7 +45,8 @@ fn settled(objective: &dyn Objective, weights: &[f64]) -> f64 {
     objective.loss(&all)
 }
 
-/// The gradient of the remaining loss at the most likely states treats the states as constant.
+/// The gradient computed with the states held at their most likely values equals the derivative of the loss with the
+/// states estimated anew for every change of the weights.
 #[test]
 fn the_gradient_is_that_of_what_is_left_at_likely_states() {
     let architecture = shape();

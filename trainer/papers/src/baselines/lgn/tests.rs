@@ -12,7 +12,8 @@ use leastaction_learning::training::AdamSettings;
 use leastaction_programs::{Row, System, WIDTH};
 use std::array::from_fn;
 
-/// Nodes and sizes are pairwise distinct. A node embedding with fewer numbers than velocities would make L_vv singular.
+/// The number of nodes and all sizes differ from one another, so that a swap of two shows. The node embedding is at
+/// least as long as the velocity; otherwise L_vv would be singular.
 const SIZES: GraphSizes = GraphSizes { dimension: 2, node: 4, edge: 1, hidden: 5 };
 const NODES: usize = 3;
 const N: usize = 2 * NODES;
