@@ -3,7 +3,7 @@
 #[cfg(feature = "learning")]
 use leastaction_learning::config::Config;
 #[cfg(feature = "arms")]
-use leastaction_models::urdf::{self, Inertias};
+use leastaction_models::urdf::{self, Described, Followers, Inertias, Options};
 #[cfg(feature = "learning")]
 use std::path::Path;
 
@@ -22,14 +22,18 @@ pub fn toml(bytes: &[u8]) {
     }
 }
 
-/// Reads a robot description: a valid one must give torques.
+/// Reads a robot description: a valid one must give torques, and words for every note.
 #[cfg(feature = "arms")]
 pub fn urdf(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     for inertias in [Inertias::Required, Inertias::Optional] {
-        let Ok(tree) = urdf::parse(text, inertias) else { continue };
-        let n = tree.coordinates();
-        let torques = tree.inverse_dynamics(&vec![0.1; n], &vec![0.2; n], &vec![0.3; n]);
-        assert_eq!(torques.len(), n);
+        for followers in [Followers::Move, Followers::Held] {
+            let options = Options { inertias, followers, ..Options::default() };
+            let Ok(Described { tree, notes }) = urdf::parse_with(text, &options) else { continue };
+            assert!(notes.iter().all(|note| !note.to_string().is_empty()));
+            let n = tree.coordinates();
+            let torques = tree.inverse_dynamics(&vec![0.1; n], &vec![0.2; n], &vec![0.3; n]);
+            assert_eq!(torques.len(), n);
+        }
     }
 }

@@ -8,7 +8,7 @@ use leastaction_learning::atomic;
 use leastaction_learning::data::{self, Dataset, Trajectory};
 use leastaction_learning::torque::excitation::{Excitation, ExcitationError, Search, Use, excite};
 use leastaction_models::tree::{Limits, Tree};
-use leastaction_models::urdf::{self, Inertias};
+use leastaction_models::urdf::{self, Described, Inertias, Options};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -163,8 +163,10 @@ impl Excite {
     }
 
     fn tree(&self, output: Output) -> Result<Tree, Failure> {
-        let tree =
-            urdf::read(&self.urdf, Inertias::Optional).map_err(|error| Failure::input(&self.urdf, error))?;
+        let options = Options { inertias: Inertias::Optional, ..Options::default() };
+        let Described { tree, notes } =
+            urdf::read_with(&self.urdf, &options).map_err(|error| Failure::input(&self.urdf, error))?;
+        output.notes(&notes.iter().map(ToString::to_string).collect::<Vec<_>>());
         let tree = self.mass.map_or_else(|| tree.clone(), |mass| tree.with_guessed_inertias(mass, RADIUS));
         let massless = tree.bodies().iter().filter(|body| body.inertia.mass() == 0.0).count();
         if massless > 0 {

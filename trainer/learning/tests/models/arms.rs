@@ -259,12 +259,14 @@ fn what_cannot_be_is_said() {
     assert!(error(path, "friction = [1]").contains("friction"));
     write(path, &description(0.0));
     let text = error(path, "");
-    assert!(text.contains("link1"), "{text}");
+    assert!(text.contains("link1") && text.contains("[model] mass = "), "{text}");
     write(path, &description(2.0).replace("</robot>", "<link name=\"f\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" \
         ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><joint name=\"j\" type=\"revolute\"><parent link=\"link1\"/><child \
         link=\"f\"/><mimic joint=\"joint1\"/></joint></robot>"));
-    let text = error(path, "");
-    assert!(text.contains("<mimic>"), "{text}");
+    let text = error(path, "joints = [\"joint2\", \"j\"]");
+    assert!(text.contains("<mimic>") && text.contains("joints"), "{text}");
+    let text = error(path, "lock = { joint4 = 0.5 }");
+    assert!(text.contains("joint4") && text.contains("joint1, joint2, joint3, j"), "{text}");
     write(path, &description(2.0));
     let plan = |rest: &str, data: &Dataset| {
         Plan::new(config_of(path, rest).unwrap(), data).err().unwrap().to_string()

@@ -4,6 +4,7 @@ use super::origin::{Open, Origin};
 use super::place::ShapeError;
 use crate::architecture::Architecture;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
+use crate::urdf::DescriptionNote;
 use std::path::PathBuf;
 
 /// Networks beside a family: one that dissipates energy and one that is added to the potential.
@@ -53,6 +54,14 @@ pub trait FamilyConfig {
     /// # Errors
     /// [`ShapeError`]: what is wrong, and where.
     fn architecture(&self, open: Open) -> Result<Architecture, ShapeError>;
+
+    /// Returns notes on the description of a robot that the model is made from.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: what is wrong, and where.
+    fn notes(&self, _open: Open) -> Result<Vec<DescriptionNote>, ShapeError> {
+        Ok(Vec::new())
+    }
 
     /// Refuses an invalid model.
     ///

@@ -256,20 +256,9 @@ pub enum Problem {
         /// Reason why it cannot be read.
         message: String,
     },
-    /// A joint that follows another one.
+    /// Inertial numbers at which training cannot begin.
     #[error(
-        "{}: a joint follows another one (<mimic>), and each joint of a model must have a coordinate of its own; give it a fixed joint, or \
-         one of its own",
-        file.display()
-    )]
-    Follows {
-        /// The file.
-        file: PathBuf,
-    },
-    /// Physically inconsistent inertial numbers.
-    #[error(
-        "link {link}: its inertia is of no body that can be (a moment of inertia is larger than the sum of the other two, or the mass is 0), \
-         so it cannot be where training begins; correct it, or set bodies = \"known\""
+        "link {link}: mass and inertia are too large or too small for training to begin there; correct them, or set bodies = \"known\""
     )]
     NoBodyThatCanBe {
         /// Name of the link.

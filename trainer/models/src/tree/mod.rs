@@ -6,6 +6,7 @@
 
 mod dynamics;
 mod inertia;
+mod nearest;
 
 pub use inertia::{INERTIAL, Inertia, LogCholesky};
 
@@ -62,6 +63,20 @@ pub enum Joint {
     Revolute(Unit<Vector3<f64>>),
     /// Slides along the axis; q in m.
     Prismatic(Unit<Vector3<f64>>),
+}
+
+impl Joint {
+    /// Returns the pose that the joint gives to what it moves at the position q, rad or m.
+    #[must_use]
+    pub fn pose(&self, q: f64) -> Pose {
+        let Pose { rotation, translation } = Pose::identity();
+        match self {
+            Self::Revolute(axis) => {
+                Pose { rotation: Rotation3::from_axis_angle(axis, q).into_inner(), translation }
+            }
+            Self::Prismatic(axis) => Pose { rotation, translation: axis.scale(q) },
+        }
+    }
 }
 
 /// Limits of a joint, in rad or m; infinite if not given.

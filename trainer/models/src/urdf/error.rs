@@ -27,6 +27,19 @@ pub enum UrdfError {
     /// The outermost element is not `<robot>`.
     #[error("the outermost element is <{0}>, not <robot>; a xacro file must be expanded first")]
     NotRobot(String),
+    /// A file that xacro has not expanded.
+    #[error(
+        "line {line}: {what} belongs to xacro, which has not expanded this file; expand it first: `xacro in.urdf.xacro > out.urdf` (ROS 2)"
+    )]
+    Xacro {
+        /// Line in the file, from 1.
+        line: u32,
+        /// Element or expression as written.
+        what: String,
+    },
+    /// More than one fault.
+    #[error("{} faults: {}", .0.len(), several(.0))]
+    Several(Vec<UrdfError>),
     /// A missing attribute or element.
     #[error("{at}: {what} is missing")]
     Missing {
@@ -68,6 +81,9 @@ pub enum UrdfError {
         /// Second of the joints.
         second: String,
     },
+    /// A description without links.
+    #[error("there is no <link> in it; if xacro made the file, it called no macro that makes a robot")]
+    NoLinks,
     /// No link is without a parent.
     #[error("every link is the child of a joint: the joints go round in a circle, and there is no base")]
     NoRoot,
@@ -82,50 +98,62 @@ pub enum UrdfError {
     /// A cycle of joints that is not connected to the base.
     #[error("link {0} hangs on no base: its joints go round in a circle")]
     Cycle(String),
-    /// A joint of a kind that has no single coordinate.
-    #[error("joint {joint}: type {kind}; revolute, continuous, prismatic and fixed joints are known")]
+    /// A joint of an unknown kind.
+    #[error(
+        "joint {joint}: type {kind}; revolute, continuous, prismatic and fixed joints are known, and floating and planar ones are held still"
+    )]
     Kind {
         /// Name of the joint.
         joint: String,
         /// Kind as written.
         kind: String,
     },
+    /// A choice of a joint that the description does not have.
+    #[error("no joint is called {name:?}; there are: {known}")]
+    NoJoint {
+        /// Key of the choice: joints or lock.
+        key: &'static str,
+        /// Name as given.
+        name: String,
+        /// Names of the joints that move.
+        known: String,
+    },
+    /// A choice of a joint that cannot be made.
+    #[error("joint {joint} {why}")]
+    Choice {
+        /// Key of the choice: joints or lock.
+        key: &'static str,
+        /// Name of the joint.
+        joint: String,
+        /// Reason, in words.
+        why: String,
+    },
     /// An axis without direction.
     #[error("joint {0}: its axis is zero")]
     Axis(String),
-    /// A mass below 0.
-    #[error("link {link}: its mass is {mass} kg")]
+    /// A moving body with a mass below 0.
+    #[error("link {link}, moved by joint {joint}, has a mass of {mass} kg together with what is fixed to it")]
     NegativeMass {
         /// Name of the link.
         link: String,
-        /// Mass as written, kg.
+        /// Name of its joint.
+        joint: String,
+        /// Mass of the body, kg.
         mass: f64,
     },
-    /// A physically impossible inertia.
-    #[error(
-        "link {0}: no body has this inertia (a principal moment is negative or larger than the sum of the others)"
-    )]
-    NotABody(String),
     /// A moving link without mass.
-    #[error(
-        "link {link}, moved by joint {joint}, has no mass, and nothing fixed to it has: <inertial> is missing"
-    )]
+    #[error("link {link}, moved by joint {joint}, has no mass ({found}), and nothing fixed to it has")]
     NoInertia {
         /// Name of the link.
         link: String,
         /// Name of its joint.
         joint: String,
+        /// Reason, in words: no `<inertial>`, or a mass of 0.
+        found: &'static str,
     },
-    /// A joint that follows one that does not exist, does not move, or follows another one.
-    #[error("joint {joint} follows {leader}, which {why}")]
-    Mimic {
-        /// Name of the joint.
-        joint: String,
-        /// Name of the joint that it follows.
-        leader: String,
-        /// Reason, in words.
-        why: &'static str,
-    },
+    /// A joint that follows itself, if by way of others.
+    #[error("joint {0} follows itself: the joints that follow each other (<mimic>) go round in a circle")]
+    Mimic(String),
     /// The remaining bodies form no tree.
     #[error(transparent)]
     Tree(#[from] TreeError),
@@ -135,3 +163,35 @@ pub enum UrdfError {
 pub const MOST_BYTES: usize = 1 << 24;
 /// Maximum number of links.
 pub const MOST_LINKS: usize = 4096;
+
+/// Number of faults that one error writes out.
+const MOST_WRITTEN: usize = 20;
+
+impl UrdfError {
+    /// Whether bodies without mass are among the faults.
+    #[must_use]
+    pub fn lacks_mass(&self) -> bool {
+        match self {
+            Self::NoInertia { .. } => true,
+            Self::Several(faults) => faults.iter().any(|fault| matches!(fault, Self::NoInertia { .. })),
+            _ => false,
+        }
+    }
+
+    /// Key of the choice that is wrong; `None` if the file is.
+    #[must_use]
+    pub fn key(&self) -> Option<&'static str> {
+        match self {
+            Self::NoJoint { key, .. } | Self::Choice { key, .. } => Some(key),
+            _ => None,
+        }
+    }
+}
+
+/// Faults one after the other, as many as fit.
+fn several(faults: &[UrdfError]) -> String {
+    let written: Vec<String> = faults.iter().take(MOST_WRITTEN).map(ToString::to_string).collect();
+    let more = faults.len().saturating_sub(MOST_WRITTEN);
+    let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
+    written.join("; ") + &rest
+}

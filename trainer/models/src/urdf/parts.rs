@@ -8,7 +8,9 @@ use roxmltree::Node;
 /// A link.
 pub(super) struct Link {
     pub name: String,
+    /// Inertial numbers; zeros without an `<inertial>`.
     pub inertia: Inertia,
+    pub has_inertial: bool,
 }
 
 /// A joint.
@@ -93,36 +95,22 @@ impl<'a, 'i> Element<'a, 'i> {
 impl Link {
     pub fn read(node: Node) -> Result<Self, UrdfError> {
         let (element, name) = Element::named(node)?;
-        let inertia = element.child("inertial").map(|inertial| Self::inertia(&name, &inertial));
-        Ok(Self { inertia: inertia.transpose()?.unwrap_or_default(), name })
+        let inertial = element.child("inertial");
+        let inertia = inertial.as_ref().map(Self::inertia).transpose()?;
+        Ok(Self { has_inertial: inertial.is_some(), inertia: inertia.unwrap_or_default(), name })
     }
 
-    fn inertia(name: &str, inertial: &Element) -> Result<Inertia, UrdfError> {
+    fn inertia(inertial: &Element) -> Result<Inertia, UrdfError> {
         let mass = inertial.needed("mass")?.needed_number("value")?;
-        if mass < 0.0 {
-            return Err(UrdfError::NegativeMass { link: name.to_owned(), mass });
-        }
         let entries = inertial.needed("inertia")?;
         let of = |what| entries.needed_number(what);
         let (xx, xy, xz) = (of("ixx")?, of("ixy")?, of("ixz")?);
         let (yy, yz, zz) = (of("iyy")?, of("iyz")?, of("izz")?);
         let about_centre = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        if !is_of_a_body(&about_centre) || mass == 0.0 && about_centre.norm() > 0.0 {
-            return Err(UrdfError::NotABody(name.to_owned()));
-        }
         let pose = inertial.pose()?;
         let own = Inertia::of_centre(mass, Vector3::zeros(), about_centre);
         Ok(own.placed(&pose.rotation, &pose.translation))
     }
-}
-
-/// Tolerance for rounding in the file, relative to the largest moment.
-const ROUNDING: f64 = 1e-3;
-
-/// Whether the second moments ½ tr(I) 1 − I are nonnegative up to rounding.
-fn is_of_a_body(inertia: &Matrix3<f64>) -> bool {
-    let second = Matrix3::identity() * (inertia.trace() / 2.0) - inertia;
-    second.symmetric_eigenvalues().min() >= -ROUNDING * inertia.norm()
 }
 
 impl JointElement {

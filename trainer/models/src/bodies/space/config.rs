@@ -15,9 +15,10 @@ use crate::laws::friction::config::FrictionConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use crate::tree::{Body, Joint, LogCholesky, Tree};
-use crate::urdf::{self, Inertias};
+use crate::urdf::{Described, DescriptionNote};
 use leastaction_core::energy::arm::Joint as JointKind;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Whether a group of numbers is learned.
@@ -59,6 +60,12 @@ pub struct ArmConfig {
     /// Gravity γ in the frame of the base, m/s².
     #[serde(default = "gravity")]
     pub gravity: [f64; 3],
+    /// Names of the joints that are coordinates; all others are held still. By default all joints that are not locked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<String>>,
+    /// Joints that are held still, with their positions, rad or m.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub lock: BTreeMap<String, f64>,
     /// Total mass of all links that have none in the description, kg; their bodies are guessed from it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
@@ -95,7 +102,7 @@ fn radius() -> f64 {
 }
 
 /// Initial inertia of a learned rotor, kg m².
-const FIRST_ROTOR: f64 = 1e-3;
+pub(super) const FIRST_ROTOR: f64 = 1e-3;
 /// Tolerance within which two frames or axes belong to the same joint, m or 1.
 const SAME: f64 = 1e-4;
 
@@ -105,6 +112,8 @@ impl ArmConfig {
         Self {
             urdf: urdf.into(),
             gravity: gravity(),
+            joints: None,
+            lock: BTreeMap::new(),
             mass: None,
             radius: radius(),
             start_from: None,
@@ -117,7 +126,7 @@ impl ArmConfig {
     }
 
     /// Refuses numbers outside their range.
-    fn check(&self) -> Result<(), ShapeError> {
+    pub(super) fn check_numbers(&self) -> Result<(), ShapeError> {
         let range = "finite and above 0";
         for (key, value) in [("mass", self.mass), ("radius", Some(self.radius))] {
             if let Some(value) = value.filter(|x| !(x.is_finite() && *x > 0.0)) {
@@ -130,42 +139,24 @@ impl ArmConfig {
         Ok(())
     }
 
-    /// Returns the tree of the description, with guessed bodies if a mass is given.
-    fn described(&self) -> Result<Tree, ShapeError> {
-        self.check()?;
-        let inertias = if self.mass.is_some() { Inertias::Optional } else { Inertias::Required };
-        let mut tree = urdf::read(&self.urdf, inertias).map_err(|error| {
-            self.at_urdf(Problem::Description { file: self.urdf.clone(), message: error.to_string() })
-        })?;
-        if let Some(mass) = self.mass {
-            tree = tree.with_guessed_inertias(mass, self.radius);
-        }
-        tree.gravity = self.gravity.into();
-        let found = tree.coordinates();
-        if found > MAX_TREE_COORDINATES {
-            return Err(self.at_urdf(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
-        }
-        Ok(tree)
-    }
-
-    fn at_urdf(&self, problem: Problem) -> ShapeError {
+    pub(super) fn at_urdf(&self, problem: Problem) -> ShapeError {
         problem.at(["urdf".into()])
     }
 
     /// Returns the shape, with its learned and known numbers.
-    fn family(&self, tree: &Tree) -> Result<ArmArchitecture, ShapeError> {
-        let learned = self.learned_bodies(tree)?;
+    fn family(&self, tree: &Tree, learned: &[bool]) -> Result<ArmArchitecture, ShapeError> {
         let cannot_be =
             |(body, learned): &(&Body, &bool)| **learned && LogCholesky::around(&body.inertia).is_none();
-        if let Some((body, _)) = tree.bodies().iter().zip(&learned).find(cannot_be) {
+        if let Some((body, _)) = tree.bodies().iter().zip(learned).find(cannot_be) {
             return Err(self.at_urdf(Problem::NoBodyThatCanBe { link: body.name.clone() }));
         }
         let rotor = |k: usize| match (self.rotors, tree.rotors[k]) {
             (Learning::Learned, rotor) => Number::learned(if rotor > 0.0 { rotor } else { FIRST_ROTOR }),
             (Learning::Known, rotor) => Number::known(rotor),
         };
+        let found = tree.coordinates();
         ArmArchitecture::new(tree, |k| learned[k], rotor)
-            .ok_or_else(|| self.at_urdf(Problem::Follows { file: self.urdf.clone() }))
+            .ok_or_else(|| self.at_urdf(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }))
     }
 
     /// Whether each body is learned.
@@ -214,16 +205,30 @@ impl FamilyConfig for ArmConfig {
     }
 
     fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
-        let tree = self.described()?;
+        self.noted(open).map(|(architecture, _)| architecture)
+    }
+
+    fn notes(&self, open: Open) -> Result<Vec<DescriptionNote>, ShapeError> {
+        self.noted(open).map(|(_, notes)| notes)
+    }
+}
+
+impl ArmConfig {
+    /// Returns the shape of the model, and notes on its description.
+    fn noted(&self, open: Open) -> Result<(Architecture, Vec<DescriptionNote>), ShapeError> {
+        let Described { tree, mut notes } = self.described()?;
         let letters = letters_of_joints(tree.bodies().iter().map(kind));
         let origin = Origin::start_from(self.start_from.as_ref(), &letters, open)?;
         let tree = origin.as_ref().map(|origin| self.begun(&tree, origin)).transpose()?.unwrap_or(tree);
-        let family = self.family(&tree)?;
+        let learned = self.learned_bodies(&tree)?;
+        let (tree, thickened) = self.with_extents(&tree, &learned);
+        notes.extend(thickened);
+        let family = self.family(&tree, &learned)?;
         let mut friction = self.friction.assemble(family.n(), "joint")?;
         origin.iter().for_each(|origin| origin.set_friction(&mut friction));
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
-        Ok(Architecture { family: family.into(), friction, corrections })
+        Ok((Architecture { family: family.into(), friction, corrections }, notes))
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod config;
 pub mod describe;
+mod described;
 
 use super::{letters_of_joints, tree_type};
 use crate::bounds::Range;
@@ -225,7 +226,7 @@ impl Family for ArmArchitecture {
         let joints = self.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>().join(", ");
         format!(
             "[model] urdf has {model} joints, in this order: {joints}; but the data has {data} coordinates; name the columns of all \
-             joints in that order"
+             joints in that order, or the joints that the log has, as [model] joints = [\"…\"] (others are held still)"
         )
     }
 

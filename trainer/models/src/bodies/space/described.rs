@@ -1,0 +1,72 @@
+//! Bodies of an arm as its description gives them, and what is changed of them before training.
+
+use super::config::{ArmConfig, Learning};
+use crate::config::place::ShapeError;
+use crate::config::problem::Problem;
+use crate::limits::MAX_TREE_COORDINATES;
+use crate::tree::Tree;
+use crate::urdf::{self, Described, DescriptionNote, Followers, Inertias, Options, UrdfError, with_extent};
+
+impl ArmConfig {
+    /// Returns the tree of the description, with guessed bodies if a mass is given.
+    pub(super) fn described(&self) -> Result<Described, ShapeError> {
+        self.check_numbers()?;
+        let mut described =
+            urdf::read_with(&self.urdf, &self.options()).map_err(|error| self.refused(&error))?;
+        if let Some(mass) = self.mass {
+            described.tree = described.tree.with_guessed_inertias(mass, self.radius);
+        }
+        described.tree.gravity = self.gravity.into();
+        let found = described.tree.coordinates();
+        if found > MAX_TREE_COORDINATES {
+            return Err(self.at_urdf(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
+        }
+        Ok(described)
+    }
+
+    fn options(&self) -> Options {
+        let inertias = if self.mass.is_some() { Inertias::Optional } else { Inertias::Required };
+        let (joints, lock) = (self.joints.clone(), self.lock.clone());
+        // Each joint of a model has a coordinate of its own.
+        Options { inertias, joints, lock, followers: Followers::Held }
+    }
+
+    fn refused(&self, error: &UrdfError) -> ShapeError {
+        let advice = if error.lacks_mass() {
+            "; [model] mass = … guesses bodies for links without mass"
+        } else {
+            ""
+        };
+        let message = format!("{error}{advice}");
+        Problem::Description { file: self.urdf.clone(), message }.at([error.key().unwrap_or("urdf").into()])
+    }
+
+    /// Returns the tree with an extent for every body that needs one, and notes on these: all that are learned, and
+    /// known ones whose joint would otherwise move nothing that resists.
+    pub(super) fn with_extents(&self, tree: &Tree, learned: &[bool]) -> (Tree, Vec<DescriptionNote>) {
+        let resistance = self.resistance(tree);
+        let (mut parameters, mut notes) = (tree.parameters(), Vec::new());
+        let (numbers, _) = parameters.as_chunks_mut();
+        for (k, (numbers, body)) in numbers.iter_mut().zip(tree.bodies()).enumerate() {
+            let least = RESISTS * body.inertia.mass() * self.radius * self.radius;
+            if learned[k] || resistance[k] <= least {
+                let (inertia, note) = with_extent(body, self.radius);
+                *numbers = inertia.0;
+                notes.extend(note);
+            }
+        }
+        (tree.with_parameters(&parameters), notes)
+    }
+
+    /// Inertia that every joint moves at a position without special angles, its rotor included.
+    fn resistance(&self, tree: &Tree) -> Vec<f64> {
+        if self.rotors == Learning::Learned {
+            return vec![f64::INFINITY; tree.coordinates()];
+        }
+        let q: Vec<f64> = (0..tree.coordinates()).map(|k| 0.3 + 0.7 * k as f64).collect();
+        tree.mass_matrix(&q).iter().enumerate().map(|(k, row)| row[k]).collect()
+    }
+}
+
+/// Least inertia of a joint relative to that of its body's mass at the guessed radius.
+const RESISTS: f64 = 1e-9;
