@@ -10,6 +10,8 @@ mod bags;
 mod control;
 #[path = "cli_commands/corrections.rs"]
 mod corrections;
+#[path = "cli_commands/descriptions.rs"]
+mod descriptions;
 #[path = "cli_commands/doctor.rs"]
 mod doctor;
 #[path = "cli_commands/doubtful_logs.rs"]

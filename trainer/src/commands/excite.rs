@@ -2,7 +2,7 @@
 
 use super::motion::MotionFile;
 use clap::Args;
-use leastaction::cli::arguments::{positive, seed};
+use leastaction::cli::arguments::{finite, positive, seed};
 use leastaction::cli::{Done, Failure, FileKind, MOTION_HEAD, Output, replaceable, written};
 use leastaction_learning::atomic;
 use leastaction_learning::data::{self, Dataset, Trajectory};
@@ -57,6 +57,12 @@ pub struct Excite {
     /// Total mass of all links without mass in the description, kg: their bodies are guessed from it.
     #[arg(long, value_name = "KG", value_parser = positive)]
     mass: Option<f64>,
+    /// Joints that move, separated by commas; all others are held still.
+    #[arg(long, value_name = "JOINT,…", value_delimiter = ',')]
+    joints: Option<Vec<String>>,
+    /// Position at which a joint is held still, rad or m, as joint=0.5; repeat it for more joints.
+    #[arg(long, value_name = "JOINT=POSITION", value_parser = locked)]
+    lock: Vec<(String, f64)>,
     /// Number of searches, each from its own start.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..))]
     starts: u16,
@@ -66,6 +72,12 @@ pub struct Excite {
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
+}
+
+/// Reads a joint and the position at which it is held.
+fn locked(text: &str) -> Result<(String, f64), String> {
+    let (joint, at) = text.split_once('=').ok_or("a joint and its position, as joint=0.5")?;
+    Ok((joint.to_owned(), finite(at)?))
 }
 
 /// Radius of guessed bodies about their lines, m.
@@ -163,7 +175,8 @@ impl Excite {
     }
 
     fn tree(&self, output: Output) -> Result<Tree, Failure> {
-        let options = Options { inertias: Inertias::Optional, ..Options::default() };
+        let (joints, lock) = (self.joints.clone(), self.lock.iter().cloned().collect());
+        let options = Options { inertias: Inertias::Optional, joints, lock, ..Options::default() };
         let Described { tree, notes } =
             urdf::read_with(&self.urdf, &options).map_err(|error| Failure::input(&self.urdf, error))?;
         output.notes(&notes.iter().map(ToString::to_string).collect::<Vec<_>>());

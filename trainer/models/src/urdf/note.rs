@@ -130,7 +130,7 @@ impl fmt::Display for DescriptionNote {
             Self::AtLimit { joint, at } => {
                 write!(
                     f,
-                    "joint {joint} is held still at {at}, its limit next to 0; [model] lock sets another position"
+                    "joint {joint} is held still at {at}, its limit next to 0; lock sets another position"
                 )
             }
             Self::OutsideLimits { joint, at, limits: [lower, upper] } => {
@@ -138,7 +138,7 @@ impl fmt::Display for DescriptionNote {
             }
             Self::Followers { leader, is_there, joints } => write!(
                 f,
-                "joint {leader} {} (<mimic>); these are HELD STILL, and their motion is not modelled: {}; [model] lock sets \
+                "joint {leader} {} (<mimic>); these are HELD STILL, and their motion is not modelled: {}; lock sets \
                  other positions",
                 if *is_there {
                     "moves, and others follow it"
