@@ -36,6 +36,9 @@ pub struct Report {
     /// Torque errors of the best weights, if torques are the loss.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torques: Option<SplitErrors>,
+    /// The way in which the model is no better than a trivial one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poor: Option<String>,
     /// Training time, s.
     pub seconds: f64,
     /// Path of the loss curve.
@@ -117,6 +120,7 @@ pub fn train(
         train_loss: best.train,
         validation_loss: best.validation,
         torques: run.torque_errors(),
+        poor: (ending != Ending::Interrupted).then(|| run.poor()).flatten().map(|poor| poor.to_string()),
         seconds: run.seconds(),
         loss_curve: run.loss_curve(),
         report: run.report(),

@@ -6,11 +6,12 @@
 
 use crate::columns::Column;
 use crate::error::Fault;
+use crate::in_order::InOrder;
 use crate::intervals::{GAP, Intervals};
 use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
-use crate::resample::{Track, rising};
+use crate::resample::Track;
 use crate::table::{Origin, Table};
 use crate::{MIN_SAMPLES, Rows};
 use leastaction_core::forces::ControlKind;
@@ -132,7 +133,8 @@ impl Whole {
     /// Drops samples with the same stamp as the one before; an error if time goes back.
     fn only_rising(&mut self) -> Result<(), Fault> {
         self.joined = true;
-        let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
+        let stamps = self.t.iter().copied().enumerate();
+        let InOrder { t, rows, .. } = InOrder::of(stamps, |row| self.origin.place("t", row))?;
         let kept = |column: &Vec<f64>| rows.iter().filter_map(|row| column.get(*row).copied()).collect();
         self.columns = self.columns.iter().map(kept).collect();
         self.origin = self.origin.select(&rows);
@@ -168,7 +170,8 @@ impl Whole {
 impl Part {
     /// Stamps, with the rows that they belong to; of equal stamps the first is kept.
     fn rising(&self) -> Result<(Vec<f64>, Vec<usize>), Fault> {
-        let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
+        let stamps = self.t.iter().copied().enumerate();
+        let InOrder { t, rows, .. } = InOrder::of(stamps, |row| self.origin.place("t", row))?;
         let too_few = || (Place::File, Problem::NoOverlap { samples: t.len(), shared: 0 });
         if t.len() < 2 { Err(too_few()) } else { Ok((t, rows)) }
     }

@@ -29,8 +29,11 @@
 //! [`read_logs`] makes one log of several files. Both resample uneven stamps, and all stamps if a step is given. The
 //! new samples of a stretch without gaps lie at t₀, t₀ + h, …; positions, velocities and accelerations are interpolated
 //! linearly, a held control is averaged over the step in which it acts, and a linear control is interpolated. An
-//! interval of more than 2.5 steps and 2.5 median intervals is a gap. Of samples with the same stamp the first is kept.
-//! The default step is the shortest decimal number within half a percent of the mean step.
+//! interval of more than 2.5 steps and 2.5 median intervals is a gap. Short gaps are bridged if the motion shows that
+//! nothing was lost: in stretches of the same length that have all their samples, interpolation is exact up to noise, and
+//! the velocities before and after the gap agree with the motion across it. Of samples with the same stamp the first is
+//! kept. Samples with late stamps (later than that of a sample that follows, or next to it) are left out, up to a fifth
+//! of all. The default step is the shortest decimal number within half a percent of the mean step.
 //!
 //! **Control.** `control` states the behaviour of u between samples. `held`: u_k acts from t_k to t_{k+1}, as a
 //! controller's output does; the last u of a trajectory is then unused. `linear`: u is linear from u_k to u_{k+1}, as a
@@ -52,6 +55,7 @@ mod angles;
 mod archive;
 pub mod atomic;
 mod bag;
+mod bridge;
 pub mod checksummed;
 mod columns;
 mod control;
@@ -60,6 +64,7 @@ mod csv_text;
 mod dataset;
 mod doubts;
 mod error;
+mod in_order;
 mod intervals;
 mod join;
 mod left_out;

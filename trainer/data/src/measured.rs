@@ -51,7 +51,7 @@ impl Table {
     fn measured(self) -> Result<Measured, Fault> {
         self.check_finite()?;
         let run = self.runs()?.into_iter().next().ok_or((Place::File, Problem::Empty))?;
-        let stamped = self.stamped(run)?;
+        let stamped = self.stamped(run)?.samples;
         let kept = |rows: &Rows| {
             let rows_kept = stamped.rows.iter().filter_map(|row| rows.get(*row));
             Rows::from_rows(rows.width(), rows_kept).unwrap_or_else(|| rows.slice(0..0))

@@ -19,6 +19,19 @@ pub enum Note {
         /// Id of the continuation after the gap.
         continues_as: i64,
     },
+    /// Short gaps were bridged: the motion goes on across them as it does elsewhere.
+    Bridged {
+        /// Number of gaps.
+        gaps: usize,
+        /// The longest of them (s).
+        longest: f64,
+    },
+    /// Samples were left out because their stamps are later than those of samples that follow them, or than their
+    /// place between their neighbours.
+    Late {
+        /// Number of samples.
+        samples: usize,
+    },
     /// A piece between gaps with fewer than 3 samples was left out.
     Dropped {
         /// First sample of the piece.
@@ -66,6 +79,18 @@ impl fmt::Display for Note {
                 f,
                 "trajectory {trajectory}{place}: samples missing: {missing}; it continues as trajectory {continues_as}"
             ),
+            Self::Bridged { gaps, longest } => {
+                let plural = if *gaps == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "bridged {gaps} short gap{plural} of at most {longest:.3e} s: the motion goes on across them as it does elsewhere; \
+                     positions in between are interpolated"
+                )
+            }
+            Self::Late { samples } => {
+                let plural = if *samples == 1 { "" } else { "s" };
+                write!(f, "left out {samples} sample{plural} with late stamps, as a busy logger writes them")
+            }
             Self::Dropped { place, trajectory, samples } => write!(
                 f,
                 "trajectory {trajectory}{place}: left out a piece of {samples} samples between gaps; 3 are needed"

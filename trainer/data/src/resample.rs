@@ -4,13 +4,15 @@
 //! and accelerations are interpolated linearly. A held control, with u_j acting from t_j to t_{j+1}, is averaged over the step in which it
 //! acts, which keeps its impulse; a linear control is interpolated.
 
+use crate::bridge::Bridges;
 use crate::dataset::positive;
 use crate::error::Fault;
+use crate::in_order::InOrder;
 use crate::intervals::{GAP, Intervals};
 use crate::note::{Note, Resampled};
 use crate::place::Place;
 use crate::problem::Problem;
-use crate::table::{Run, Table};
+use crate::table::{Run, Table, Uniform};
 use crate::time::rounded;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory};
 use leastaction_core::forces::ControlKind;
@@ -20,14 +22,16 @@ use std::ops::Range;
 /// taken.
 const ROUNDING: f64 = 5e-3;
 
+/// Ratio of an interval to the step above which it is a gap, where all other intervals are steps.
+const EVEN_GAP: f64 = 1.5;
+
 /// Ratio of a step to the median interval below which most samples would be invented by interpolation.
 const FINEST: f64 = 0.1;
 
-/// The distinct stamps of a trajectory, with their rows.
+/// The samples of a trajectory in the order of time.
 pub(crate) struct Stamped {
     id: i64,
-    pub(crate) t: Vec<f64>,
-    pub(crate) rows: Vec<usize>,
+    pub(crate) samples: InOrder,
 }
 
 impl Table {
@@ -35,7 +39,7 @@ impl Table {
     pub(crate) fn into_even(self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
         self.check_finite()?;
         match self.uniform() {
-            Ok(even) if wanted.is_none_or(|wanted| wanted == even.h) => Ok(self.dataset(even)),
+            Ok(even) if wanted.is_none_or(|wanted| wanted == even.h) => self.bridged(even),
             Ok(_) | Err((_, Problem::ChangingStep { .. } | Problem::Unsorted { .. })) => {
                 self.resampled(wanted)
             }
@@ -43,12 +47,30 @@ impl Table {
         }
     }
 
-    fn resampled(self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
+    /// Bridges the gaps of an even table, if any can be bridged.
+    fn bridged(&self, even: Uniform) -> Result<(Dataset, Vec<Note>), Fault> {
+        if even.has_gaps() {
+            let (data, mut notes) = self.resampled_at(Some(even.h), EVEN_GAP)?;
+            if notes.iter().any(|note| matches!(note, Note::Bridged { .. })) {
+                notes.retain(|note| !matches!(note, Note::Resampled(_)));
+                return Ok((data, notes));
+            }
+        }
+        Ok(self.dataset(even))
+    }
+
+    fn resampled(&self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
+        self.resampled_at(wanted, GAP)
+    }
+
+    /// Resamples; an interval of more than `gap` steps and median intervals is a gap.
+    fn resampled_at(&self, wanted: Option<f64>, gap: f64) -> Result<(Dataset, Vec<Note>), Fault> {
         let runs = self.runs()?;
         let fresh = runs.iter().map(|run| run.id).max().unwrap_or_default();
         let stamped: Vec<Stamped> =
             runs.into_iter().map(|run| self.stamped(run)).collect::<Result<_, _>>()?;
-        let of_run = |run: &Stamped| run.t.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
+        let of_run =
+            |run: &Stamped| run.samples.t.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
         let Some(intervals) = Intervals::of(stamped.iter().flat_map(of_run)) else {
             return Err((Place::File, Problem::Empty));
         };
@@ -58,75 +80,74 @@ impl Table {
         if h < FINEST * intervals.median {
             return Err((Place::File, Problem::FineStep { h, median: intervals.median }));
         }
-        let repeated = self.q.len() - stamped.iter().map(|run| run.t.len()).sum::<usize>();
+        let repeated = stamped.iter().map(|run| run.samples.repeated).sum();
+        let late = stamped.iter().map(|run| run.samples.late).sum::<usize>();
         let Intervals { shortest, median, .. } = intervals;
-        let longest_step = GAP * h.max(median);
-        let mut even =
-            Even { table: &self, h, fresh, longest_step, trajectories: Vec::new(), notes: Vec::new() };
+        let longest_step = gap * h.max(median);
+        let mut even = Even {
+            table: self,
+            h,
+            median,
+            fresh,
+            longest_step,
+            trajectories: Vec::new(),
+            notes: Vec::new(),
+            bridged: (0, 0.0),
+        };
         stamped.iter().try_for_each(|run| even.take(run))?;
-        let Even { trajectories, mut notes, .. } = even;
+        let Even { trajectories, mut notes, bridged: (gaps, longest_gap), .. } = even;
         if trajectories.is_empty() {
             return Err((Place::File, Problem::Empty));
         }
         let longest = intervals.up_to(longest_step).last().copied().unwrap_or(shortest);
+        notes.extend((gaps > 0).then_some(Note::Bridged { gaps, longest: longest_gap }));
+        notes.extend((late > 0).then_some(Note::Late { samples: late }));
         notes.insert(0, Note::Resampled(Resampled { h, median, shortest, longest, repeated }));
         Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
     }
 
-    /// The stamps of a run; of equal stamps the first is kept.
+    /// The samples of a run in the order of time.
     pub(crate) fn stamped(&self, run: Run) -> Result<Stamped, Fault> {
         let stamps = run.rows.clone().map(|row| (row, self.stamp(row, run.rows.start)));
-        let (t, rows) = rising(stamps, |row| self.place("t", row))?;
-        Ok(Stamped { id: run.id, t, rows })
+        Ok(Stamped { id: run.id, samples: InOrder::of(stamps, |row| self.place("t", row))? })
     }
-}
-
-/// Stamps with their rows; of equal stamps the first is kept, and decreasing time is an error.
-pub(crate) fn rising(
-    stamps: impl Iterator<Item = (usize, f64)>,
-    place: impl Fn(usize) -> Place,
-) -> Result<(Vec<f64>, Vec<usize>), Fault> {
-    let (mut t, mut rows): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
-    for (row, now) in stamps {
-        match t.last() {
-            Some(&before) if now < before => {
-                return Err((place(row), Problem::Unsorted { before, after: now }));
-            }
-            Some(&before) if now == before => {}
-            _ => {
-                t.push(now);
-                rows.push(row);
-            }
-        }
-    }
-    Ok((t, rows))
 }
 
 /// Trajectories with a common step, under construction.
 struct Even<'a> {
     table: &'a Table,
     h: f64,
+    /// Median interval of the file, s.
+    median: f64,
     /// The largest id so far.
     fresh: i64,
     longest_step: f64,
     trajectories: Vec<Trajectory>,
     notes: Vec<Note>,
+    /// Number of bridged gaps, and the longest of them, s.
+    bridged: (usize, f64),
 }
 
 impl Even<'_> {
     /// Adds the stretches of a run between its gaps.
     fn take(&mut self, run: &Stamped) -> Result<(), Fault> {
         let (mut start, mut id) = (0, run.id);
-        for k in 1..=run.t.len() {
-            let interval = run.t.get(k).map(|t| t - run.t[k - 1]);
+        let InOrder { t, rows, .. } = &run.samples;
+        let bridges = Bridges::new(&self.table.q, &run.samples, (self.median, self.longest_step));
+        for k in 1..=t.len() {
+            let interval = t.get(k).map(|now| now - t[k - 1]);
             if interval.is_some_and(|interval| interval <= self.longest_step) {
+                continue;
+            }
+            if let Some(interval) = interval.filter(|_| bridges.bridges(k)) {
+                self.bridged = (self.bridged.0 + 1, interval.max(self.bridged.1));
                 continue;
             }
             self.keep(run, start..k, id);
             let Some(interval) = interval else { break };
-            self.fresh = self.table.id_after(self.fresh, run.rows[k])?;
+            self.fresh = self.table.id_after(self.fresh, rows[k])?;
             let missing = (interval / self.h).round() as u64 - 1;
-            let place = self.table.place("t", run.rows[k]);
+            let place = self.table.place("t", rows[k]);
             self.notes.push(Note::Gap { place, trajectory: run.id, missing, continues_as: self.fresh });
             (start, id) = (k, self.fresh);
         }
@@ -134,7 +155,7 @@ impl Even<'_> {
     }
 
     fn keep(&mut self, run: &Stamped, part: Range<usize>, id: i64) {
-        let (t, rows) = (&run.t[part.clone()], &run.rows[part.clone()]);
+        let (t, rows) = (&run.samples.t[part.clone()], &run.samples.rows[part.clone()]);
         let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
         // The tolerance keeps the last sample in spite of rounding.
         let samples = (span / self.h + 1e-6).floor() as usize + 1;
@@ -301,9 +322,9 @@ mod tests {
 
     #[test]
     fn time_that_goes_back_is_refused_with_its_place() {
-        let t = [0.0, 0.01, 0.02, 0.015, 0.03];
+        let t = [0.0, 0.01, 0.02, 0.03, 0.04, 0.005, 0.015, 0.025];
         let (place, problem) = table(&t, &t, &t).into_even(None).unwrap_err();
-        assert_eq!(place, Place::Row { key: "t".to_owned(), row: 3 });
+        assert_eq!(place, Place::Row { key: "t".to_owned(), row: 5 });
         assert!(matches!(problem, Problem::Unsorted { .. }));
     }
 }

@@ -77,6 +77,12 @@ pub(crate) struct Uniform {
     notes: Vec<Note>,
 }
 
+impl Uniform {
+    pub(crate) fn has_gaps(&self) -> bool {
+        self.notes.iter().any(|note| matches!(note, Note::Gap { .. }))
+    }
+}
+
 /// A trajectory of the table.
 pub(crate) struct Run {
     pub(crate) id: i64,

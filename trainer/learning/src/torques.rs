@@ -13,6 +13,10 @@ use std::fmt;
 /// Time between samples, s: at shorter intervals samples of a filtered motion are redundant.
 const APART: f64 = 0.02;
 
+/// Ratio of a torque's variance to that of the training trajectories below which the torque of a held-back trajectory
+/// judges nothing: a robot at rest.
+const AT_REST: f64 = 0.01;
+
 /// Torque errors of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TorqueErrors {
@@ -51,13 +55,22 @@ impl TorqueErrors {
         step: (f64, ControlKind),
         cut_off: f64,
     ) -> Option<Self> {
+        let samples = samples(trajectories, step, &model.facts.actuator, cut_off).ok()?;
+        Self::at(model, &samples, &[])
+    }
+
+    /// The errors at samples; coordinates whose torque varies much less than these variances are left out of the mean.
+    fn at(model: &Model, samples: &Samples, usual: &[f64]) -> Option<Self> {
         let (n, actuator) = (model.n().max(1), &model.facts.actuator);
-        let samples = samples(trajectories, step, actuator, cut_off).ok()?;
         let commands =
             model.inverse_dynamics([&samples.q, &samples.v, &samples.a].map(Rows::as_flat)).ok()?;
         let forces = commands.iter().enumerate().map(|(k, u)| actuator.output(k % n, *u));
-        let errors = squared_errors(&forces.collect::<Vec<f64>>(), &samples);
-        let nmse = mean_nmse(&errors, &variances(&samples));
+        let errors = squared_errors(&forces.collect::<Vec<f64>>(), samples);
+        let variances = variances(samples);
+        let is_driven = |i: &usize| usual.get(*i).is_none_or(|usual| variances[*i] >= AT_REST * usual);
+        let driven: Vec<usize> = (0..errors.len()).filter(is_driven).collect();
+        let of = |all: &[f64]| driven.iter().map(|i| all[*i]).collect::<Vec<f64>>();
+        let nmse = mean_nmse(&of(&errors), &of(&variances));
         let rmse = errors.into_iter().map(f64::sqrt).collect();
         nmse.is_finite().then_some(Self { nmse, rmse, samples: samples.count() })
     }
@@ -79,7 +92,7 @@ impl fmt::Display for TorqueErrors {
 pub struct SplitErrors {
     /// Errors on training trajectories.
     pub train: TorqueErrors,
-    /// Errors on held-back trajectories.
+    /// Errors on held-back trajectories, over the coordinates that are driven there; `None` if none is, as at rest.
     pub held_back: Option<TorqueErrors>,
 }
 
@@ -88,9 +101,12 @@ impl SplitErrors {
     /// would be `None`.
     pub(crate) fn along(model: &Model, (data, training): (&Dataset, usize), cut_off: f64) -> Option<Self> {
         let (train, held) = data.trajectories.split_at(training.min(data.trajectories.len()));
-        let of =
-            |part: &[Trajectory]| TorqueErrors::along(model, part, (data.h, data.control_kind()), cut_off);
-        Some(Self { train: of(train)?, held_back: of(held) })
+        let (step, actuator) = ((data.h, data.control_kind()), &model.facts.actuator);
+        let [train, held] = [train, held].map(|part| samples(part, step, actuator, cut_off).ok());
+        let train = train?;
+        let usual = variances(&train);
+        let held_back = held.and_then(|held| TorqueErrors::at(model, &held, &usual));
+        Some(Self { train: TorqueErrors::at(model, &train, &[])?, held_back })
     }
 }
 

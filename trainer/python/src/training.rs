@@ -100,6 +100,9 @@ pub fn train_run(
             plan(&file, config, &mut |sentence| teller.says(format!("note: {sentence}"))).map_err(failure)?;
         let mut run = began.run(plan, &folder).map_err(failure)?;
         let trained = train(&mut run, &folder, &mut teller, &stop).map_err(failure)?;
+        if let Some(poor) = &trained.0.poor {
+            teller.warning(poor);
+        }
         Ok::<_, PyErr>((trained, teller.raised))
     })?;
     match (report, raised) {

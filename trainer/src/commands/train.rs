@@ -35,6 +35,9 @@ pub struct Train {
     /// Replace the run in the folder as soon as the new one has a finite loss.
     #[arg(long)]
     force: bool,
+    /// Exit with 0 even if the model is no better than a trivial one: a constant velocity, or the mean of the torques.
+    #[arg(long)]
+    accept_poor: bool,
     /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
@@ -58,8 +61,25 @@ impl Train {
         if ending == Ending::Interrupted {
             return Err(Failure::Interrupted(interrupted(file, folder, report.saved)));
         }
-        output.report(&report)
+        output.report(&report)?;
+        match report.poor {
+            Some(poor) if !self.accept_poor => Err(Failure::Work(worthless(&poor, folder))),
+            Some(poor) => {
+                output.note(&format!("warning: {poor}"));
+                Ok(())
+            }
+            None => Ok(()),
+        }
     }
+}
+
+/// The message after training that gave a model of no use.
+fn worthless(poor: &str, folder: &Path) -> String {
+    format!(
+        "{poor}. The run is in {}; compare the columns, units, signs and joints of the configuration with the log (`leastaction look` \
+         lists them). With --accept-poor this is a warning",
+        folder.display()
+    )
 }
 
 /// The message after Ctrl-C: the last saved iteration, and how to resume.

@@ -106,6 +106,43 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
 }
 
 #[test]
+fn columns_of_other_joints_are_refused_and_a_worthless_fit_fails() {
+    let bench = Bench::new();
+    let named = log().replacen("t,q0,q1,v0,v1,u0,u1", "t,yaw/pos,elbow/pos,v0,v1,yaw/torque,elbow/torque", 1);
+    fs::write(bench.at("log.csv"), named).unwrap();
+    fs::write(bench.at("robot.urdf"), ROBOT.replace("MASS", "2.0")).unwrap();
+    let with = |q: &str, v: &str, u: &str| {
+        let columns = format!("[data.columns]\nt = \"t\"\nq = [{q}]\nv = [{v}]\nu = [{u}]\n");
+        CONFIG.replacen("[model]", &(columns + "[model]"), 1)
+    };
+    let train = |name: &str, text: String, words: &str| {
+        fs::write(bench.at(name), text).unwrap();
+        bench.run(&format!("train {name} -o run-{name} {words}"))
+    };
+    let (q, swapped) = ("\"yaw/pos\", \"elbow/pos\"", "\"elbow/pos\", \"yaw/pos\"");
+    let u = "\"yaw/torque\", \"elbow/torque\"";
+    train("good.toml", with(q, "\"v0\", \"v1\"", u), "").good();
+    let right = ["good.toml:7", "elbow/pos", "write q = [\"yaw/pos\", \"elbow/pos\"]"];
+    train("swapped.toml", with(swapped, "\"v1\", \"v0\"", u), "")
+        .bad(2, &[&right[0].replace("good", "swapped"), right[1], right[2]]);
+    // A reversed sign has no name.
+    let reversed = u.replace("\"yaw/torque\"", "{ name = \"yaw/torque\", sign = -1 }");
+    let reversed = reversed.replace("\"elbow/torque\"", "{ name = \"elbow/torque\", sign = -1 }");
+    let reversed = with(q, "\"v0\", \"v1\"", &reversed);
+    let known = reversed.replace("friction = \"learned\"", "bodies = \"known\"\nrotors = \"known\"");
+    let poor = train("poor.toml", known.clone(), "");
+    let says = |text: &str| poor.stderr.contains(text);
+    assert!(
+        poor.code == Some(1) && says("worse than by their mean") && says("--accept-poor"),
+        "{}",
+        poor.stderr
+    );
+    assert!(poor.stdout.contains("torques: squared error over variance"), "{}", poor.stdout);
+    let accepted = train("accepted.toml", known, "--accept-poor").good();
+    assert!(accepted.stderr.contains("warning: the torques of the training data"), "{}", accepted.stderr);
+}
+
+#[test]
 #[ignore = "a quarter of a minute"]
 fn the_arm_of_the_demo_follows_its_motion_better_than_pd() {
     let bench = Bench::new();

@@ -52,7 +52,8 @@ fn every_loss_and_both_optimisers_train() {
     ];
     for (k, case) in cases.iter().enumerate() {
         bench.config(&format!("iterations = 3\n{case}"));
-        bench.run(&format!("train c.toml -o run{k} -q")).good();
+        // Three iterations of Adam are few.
+        bench.run(&format!("train c.toml -o run{k} -q --accept-poor")).good();
         assert!(bench.model(&format!("run{k}")).len() > 100);
     }
 }

@@ -16,6 +16,7 @@ pub use loss::TrainingLoss;
 use crate::checkpoint::open;
 use crate::training::StateNoise;
 use crate::windows::Integrator;
+use data::OtherOrder;
 use leastaction_models::Architecture;
 use leastaction_models::config::{ModelConfig, ShapeError};
 use serde::{Deserialize, Serialize};
@@ -190,7 +191,18 @@ impl Config {
             return Err(read::at_key(file, text, &["calibration", key], format!("`{key}` must be {must}")));
         }
         config.model.check(&open).map_err(|error| read::located(file, text, &error))?;
+        if let Some(OtherOrder { key, message }) = config.joints_in_other_order() {
+            return Err(read::at_key(file, text, &["data", "columns", key], message));
+        }
         Ok(config)
+    }
+
+    /// Columns that name the joints of an arm in another order than the arm has them.
+    fn joints_in_other_order(&self) -> Option<OtherOrder> {
+        let (columns, architecture) = (self.data.columns.as_ref()?, self.model.architecture(&open).ok()?);
+        let joints: Vec<&str> =
+            architecture.family.arm()?.bodies.iter().map(|body| body.name.as_str()).collect();
+        columns.in_other_order(&joints)
     }
 
     /// The configuration as TOML, every key written out.

@@ -95,21 +95,33 @@ impl Predictor<'_> {
     /// # Errors
     /// [`ModelError`] if the shape is inconsistent or does not fit the weights.
     pub fn predict(&self) -> Result<Predictions, ModelError> {
-        let (n, h) = (self.logs.n, self.logs.h);
+        let logs = self.predict_from(self.log_starts(), WHOLE)?;
+        Ok(Predictions { logs, ..self.predict_windows()? })
+    }
+
+    /// Predicts from starts throughout the logs, not over whole logs.
+    ///
+    /// # Errors
+    /// [`ModelError`] as for [`Predictor::predict`].
+    pub fn predict_windows(&self) -> Result<Predictions, ModelError> {
+        let [.., longest] = HORIZONS;
+        let windows = self.predict_from(self.starts(), longest)?;
+        Ok(Predictions { n: self.logs.n, h: self.logs.h, windows, logs: Vec::new() })
+    }
+
+    /// Predicts from (log, sample) starts over at most `most` seconds.
+    fn predict_from(&self, starts: Vec<(usize, usize)>, most: f64) -> Result<Vec<Prediction>, ModelError> {
+        let h = self.logs.h;
         let system = self.model.system()?;
         let (integrator, order) = Integrator::of_trained(self.model.facts.trained_step, h);
         let parts = if integrator == Integrator::Del { 1.0 } else { (h / STEP).ceil().max(1.0) };
         let pool = Pool::new(move || integrator.steps(&system, (h / parts, order), Vec::new()));
-        let roll = |starts: Vec<(usize, usize)>, most: f64| -> Vec<Prediction> {
-            let most = (most / h).round() as usize;
-            let blocks: Vec<&[(usize, usize)]> = starts.chunks(WIDTH).collect();
-            let rolled = parallel::map(blocks.len(), &|k| {
-                pool.with(|stepper| self.roll(&mut **stepper, (blocks[k], most), parts as usize))
-            });
-            rolled.into_iter().flatten().collect()
-        };
-        let [.., longest] = HORIZONS;
-        Ok(Predictions { n, h, windows: roll(self.starts(), longest), logs: roll(self.log_starts(), WHOLE) })
+        let most = (most / h).round() as usize;
+        let blocks: Vec<&[(usize, usize)]> = starts.chunks(WIDTH).collect();
+        let rolled = parallel::map(blocks.len(), &|k| {
+            pool.with(|stepper| self.roll(&mut **stepper, (blocks[k], most), parts as usize))
+        });
+        Ok(rolled.into_iter().flatten().collect())
     }
 
     /// Logs long enough for a prediction, each with its first start.

@@ -37,6 +37,7 @@ mod state;
 mod tests;
 mod torques;
 mod tried;
+mod verdict;
 
 pub use choose::{ChoiceError, Choices, Chosen, choose};
 pub use ending::Ending;
@@ -50,9 +51,10 @@ pub use resume::ResumeError;
 pub use state::Row;
 pub use torques::{TorqueError, TorqueReport};
 pub use tried::Tried;
+pub use verdict::Poor;
 
 use crate::checkpoint::{Best, Checkpoint, State, Trained};
-use crate::config::TrainingConfig;
+use crate::config::{TrainingConfig, TrainingLoss};
 use crate::lock::Lock;
 use crate::torques::SplitErrors;
 use crate::training::Progress;
@@ -169,6 +171,16 @@ impl Run {
     pub fn torque_errors(&self) -> Option<SplitErrors> {
         let model = Trained::from(Checkpoint::new(&self.plan, &self.state)).model();
         within(self.pool.as_ref(), || self.plan.torque_errors(&model))
+    }
+
+    /// The way in which the best model is no better than a trivial one; `None` if it is better, if nothing can be
+    /// compared, or if no iteration was asked for.
+    pub fn poor(&self) -> Option<Poor> {
+        let TrainingConfig { iterations, loss, .. } = self.plan.config.training;
+        if iterations == 0 && loss != Some(TrainingLoss::Torque) {
+            return None;
+        }
+        within(self.pool.as_ref(), || verdict::verdict(&self.plan, &self.state))
     }
 
     /// Path of the loss curve that [`Run::train`] draws.

@@ -15,8 +15,17 @@ pub enum Notice {
     UnknownScale,
     /// The warm-up was left out because no sample is forced.
     NoWarmUp,
-    /// Validation was asked for, but there is only one trajectory.
+    /// Validation was asked for, but there is only one trajectory that is long enough.
     NoValidation,
+    /// Trajectories are shorter than a window, and left out.
+    ShortLogs {
+        /// Number of short trajectories.
+        short: usize,
+        /// Number of all trajectories.
+        all: usize,
+        /// Length of a window, s.
+        seconds: f64,
+    },
     /// The positions are noisy; therefore training is over windows.
     Noisy {
         /// Noise of the noisiest coordinate.
@@ -54,6 +63,11 @@ impl std::fmt::Display for Notice {
             Self::NoValidation => {
                 f.write_str("no validation: the data is one trajectory, and trajectories are held back whole")
             }
+            Self::ShortLogs { short, all, seconds } => write!(
+                f,
+                "left out {short} of {all} trajectories, which are shorter than a window of {seconds} s; a shorter [training] window \
+                 would take more of them"
+            ),
             Self::Noisy { noise: Noise { coordinate, deviation, part }, window } => write!(
                 f,
                 "coordinate {coordinate} has noise of {deviation:.1e} (m or rad), {:.0}% of its second differences: training is on windows \

@@ -14,7 +14,7 @@ use super::stages::{self, Scope, Stage, Windowed};
 use super::{TorqueReport, range, ringing, torques};
 use crate::checkpoint::{Checkpoint, State, Trained, open};
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
-use crate::data::Dataset;
+use crate::data::{Dataset, MIN_SAMPLES};
 use crate::torques::SplitErrors;
 use crate::training::{LossKind, Progress};
 use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, first_guess};
@@ -84,7 +84,9 @@ impl Plan {
         check_state_noise(&config.training, loss)?;
         check_torque_calibration(&config, &architecture, loss)?;
         let training = match scope {
-            Scope::Whole => split(&data, config.data.validation, &mut notices),
+            Scope::Whole => {
+                split(&data, (config.data.validation, fewest_samples(&config, loss, data.h)), &mut notices)
+            }
             Scope::Fold { training, .. } => training,
         };
         // The bodies of an arm are fitted separately, before any stage.
@@ -205,18 +207,30 @@ pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
     data.is_forced() || architecture.friction.shows_scale()
 }
 
-/// Number of training trajectories. The rest is held back from the end: a fraction of all, rounded, but at least one
-/// trajectory.
-fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
-    let count = data.trajectories.len();
+/// Least number of samples of a trajectory that the loss can learn from: those of a window.
+fn fewest_samples(config: &Config, loss: TrainingLoss, h: f64) -> usize {
+    let window = config.training.window.filter(|_| loss == TrainingLoss::Windows);
+    window.map_or(MIN_SAMPLES, |window| lengths::steps(window, h) + 1)
+}
+
+/// Number of training trajectories. The rest is held back from the end: a fraction of the trajectories with at least
+/// `fewest` samples, rounded, but at least one of them. Shorter trajectories are neither learned from nor judge.
+fn split(data: &Dataset, (fraction, fewest): (f64, usize), notices: &mut Vec<Notice>) -> usize {
+    let all = data.trajectories.len();
+    let long: Vec<usize> = (0..all).filter(|k| data.trajectories[*k].samples() >= fewest).collect();
+    let count = long.len();
+    if (1..all).contains(&count) {
+        notices.push(Notice::ShortLogs { short: all - count, all, seconds: (fewest - 1) as f64 * data.h });
+    }
     if fraction == 0.0 {
-        return count;
+        return all;
     }
     if count < 2 {
         notices.push(Notice::NoValidation);
-        return count;
+        return all;
     }
-    count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
+    let held_back = ((fraction * count as f64).round() as usize).clamp(1, count - 1);
+    long[count - held_back]
 }
 
 /// Starting weights for training over windows. An arm starts from a fit to torques, rigid bodies start from a fit to

@@ -13,16 +13,13 @@ use leastaction_models::{Facts, Model};
 
 /// The page on the best weights of a run; `None` if nothing was learned over windows.
 pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportError> {
-    let best = &state.best;
     let Some(windows) = &plan.windows else { return Ok(None) };
     let Windowed { logs, settings, layout } = windows;
     let Ok(loss) = windows.loss(&plan.architecture) else { return Ok(None) };
-    let shared = best.weights.get(..layout.end()).unwrap_or(&best.weights);
+    let shared = shared(state, *layout);
     let length = settings.steps as f64 * logs.h;
     let calibrated = layout.read(shared);
-    let weights = shared.get(..layout.start).unwrap_or(shared).to_vec();
-    let own = Facts { actuator: calibrated.actuator.clone(), ..Facts::new(plan.trained_step, "") };
-    let model = Model::new(plan.architecture.clone(), weights).with_facts(own);
+    let model = model(plan, shared, (*layout, &calibrated));
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let torques = plan.torques().filter(|_| plan.config.training.loss == Some(TrainingLoss::Torque));
     let torques = torques.map(|report| &report.numbers);
@@ -35,6 +32,27 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
         torques,
     };
     report.html().map(Some)
+}
+
+/// The best parameters that all windows share.
+fn shared(state: &State, layout: CalibrationLayout) -> &[f64] {
+    let weights = &state.best.weights;
+    weights.get(..layout.end()).unwrap_or(weights)
+}
+
+/// The model with the drives of its logs.
+fn model(plan: &Plan, shared: &[f64], (layout, calibrated): (CalibrationLayout, &Calibrated)) -> Model {
+    let weights = shared.get(..layout.start).unwrap_or(shared).to_vec();
+    let facts = Facts { actuator: calibrated.actuator.clone(), ..Facts::new(plan.trained_step, "") };
+    Model::new(plan.architecture.clone(), weights).with_facts(facts)
+}
+
+/// The best model of a run over windows with the zero offsets of its logs; `None` for another loss.
+pub(super) fn calibrated(plan: &Plan, state: &State) -> Option<(Model, Vec<Vec<f64>>)> {
+    let layout = plan.calibration()?;
+    let shared = shared(state, layout);
+    let calibrated = layout.read(shared);
+    Some((model(plan, shared, (layout, &calibrated)), calibrated.zeros))
 }
 
 /// The simpler physical model from which a run began.

@@ -163,6 +163,16 @@ impl Residuals for Blocks {
         })
     }
 
+    fn squares_of_constant_velocity(&self, samples: Range<usize>) -> Option<f64> {
+        self.losses.with(|loss| {
+            let of = |start: usize| {
+                let straight = loss.of_constant_velocity(&self.samples.block(start, &samples))?;
+                Some(squares(&straight, (samples.end - start).min(WIDTH)))
+            };
+            samples.clone().step_by(WIDTH).map(of).sum()
+        })
+    }
+
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
         let shape = (self.components, weights.len(), &self.fixed[..]);
         self.losses.with(|loss| {

@@ -104,6 +104,10 @@ pub trait Objective: Sync {
     fn held_back_loss(&self, weights: &[f64]) -> f64 {
         self.loss(weights)
     }
+    /// The loss of a motion with constant velocity in every sample; `None` if it is not defined for this loss.
+    fn loss_of_constant_velocity(&self) -> Option<f64> {
+        None
+    }
     /// Whether the parameters have different units; the steps are then independent of the units.
     fn is_of_many_units(&self) -> bool {
         false

@@ -100,6 +100,11 @@ pub trait Residuals: Sync {
     fn held_back_loss(&self, _weights: &[f64]) -> Option<f64> {
         None
     }
+    /// Sum of the squared residuals of a motion with constant velocity over the samples of a chunk; `None` if it is not
+    /// defined.
+    fn squares_of_constant_velocity(&self, _samples: Range<usize>) -> Option<f64> {
+        None
+    }
     /// See [`Objective::is_of_many_units`].
     fn is_of_many_units(&self) -> bool {
         false
@@ -249,6 +254,12 @@ impl<R: Residuals> Objective for R {
         let (squares, unsolved) =
             all.into_iter().flatten().fold((0.0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
         Solved::new(squares, (samples - unsolved) * self.components(), unsolved)
+    }
+
+    fn loss_of_constant_velocity(&self) -> Option<f64> {
+        let samples = Residuals::samples(self);
+        let sum = self.squares_of_constant_velocity(0..samples)?;
+        Some(sum / (samples * self.components()) as f64).filter(|loss| loss.is_finite())
     }
 
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {

@@ -1,10 +1,12 @@
 //! `[data]`: which logs, and how they are read.
 
 mod columns;
+mod joints;
 mod list;
 mod recordings;
 
 pub use columns::ColumnsConfig;
+pub(super) use joints::OtherOrder;
 pub use recordings::{JoinConfig, LeftOutConfig};
 
 use super::fields;
