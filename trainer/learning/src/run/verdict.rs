@@ -176,7 +176,7 @@ mod tests {
     fn a_model_of_motion_without_a_law_is_compared_with_constant_velocity() {
         let mut data = without_a_law();
         let logged = judged(&data, TrainingLoss::DelResidual, None);
-        // The same motion under forces that have nothing to do with it.
+        // Forces that have nothing to do with the motion.
         for trajectory in &mut data.trajectories {
             trajectory.u = trajectory.u.as_ref().map(|u| u.map(|u| 1e3 * u));
         }

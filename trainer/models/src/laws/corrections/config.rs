@@ -17,7 +17,7 @@ pub struct DissipationConfig {
     /// Coordinates that are inputs of the network and on which its force acts, counted from 0. (Default: all.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordinates: Option<Vec<u64>>,
-    /// Those of these coordinates whose positions are inputs too. (Default: all of them.)
+    /// Coordinates, among those above, whose positions are inputs too. (Default: all of them.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions: Option<Vec<u64>>,
     /// Velocity scale > 0, m/s or rad/s, by which the network divides velocities: the speed over which friction changes; one number, or one
