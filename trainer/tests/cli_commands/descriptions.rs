@@ -50,6 +50,15 @@ fn bench(config: &str) -> Bench {
 }
 
 #[test]
+fn training_notes_once_what_was_changed() {
+    let trained = bench(CONFIG).run("train robot.toml -o run").good();
+    let note = "note: link upper, moved by joint yaw: GROSSLY WRONG INERTIA";
+    assert_eq!(trained.stderr.matches(note).count(), 1, "{}", trained.stderr);
+    assert!(!trained.stderr.contains("finger"), "{}", trained.stderr);
+    assert!(trained.stdout.contains("torques: squared error over variance"), "{}", trained.stdout);
+}
+
+#[test]
 fn joints_that_the_log_lacks_are_named_with_the_keys() {
     let all = CONFIG.replace("joints = [\"yaw\"]\nlock = { elbow = 0.5 }\n", "");
     bench(&all).run("train robot.toml -o run").bad(2, &["yaw, elbow", "[model] joints"]);

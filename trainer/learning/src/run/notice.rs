@@ -7,6 +7,7 @@ use crate::config::TrainingLoss;
 use crate::data::{Dataset, Doubt, Note};
 use crate::windows::Noise;
 use leastaction_models::Architecture;
+use leastaction_models::urdf::DescriptionNote;
 
 /// A notice for the user, given before training begins or when it ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,8 @@ pub enum Notice {
     },
     /// An arm was fitted to torques.
     Torques(TorqueReport),
+    /// The description of the robot was changed, or is not modelled as a whole.
+    Described(DescriptionNote),
     /// The data was changed.
     Changed(Note),
     /// The data is implausible.
@@ -76,6 +79,7 @@ impl std::fmt::Display for Notice {
                 100.0 * part.min(1.0),
             ),
             Self::Torques(report) => report.fmt(f),
+            Self::Described(note) => note.fmt(f),
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
             Self::Rings { coordinate, stiffness, most, order } => write!(

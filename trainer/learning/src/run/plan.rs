@@ -79,7 +79,9 @@ impl Plan {
     fn of(mut config: Config, data: &Dataset, scope: Scope) -> Result<Self, PlanError> {
         let (architecture, mut initial) = config.beginning()?;
         check_coordinates(&architecture, data)?;
-        let (data, mut notices) = prepared(data, &config, &architecture)?;
+        let described = config.model.notes(&open)?.into_iter().map(Notice::Described);
+        let (data, changed) = prepared(data, &config, &architecture)?;
+        let mut notices: Vec<Notice> = described.chain(changed).collect();
         let loss = settle_loss(&mut config, &architecture, &data, &mut notices);
         check_state_noise(&config.training, loss)?;
         check_torque_calibration(&config, &architecture, loss)?;

@@ -14,6 +14,7 @@ use leastaction_models::urdf::{Inertias, parse as parse_urdf};
 use leastaction_models::{Architecture, Model};
 use std::path::Path;
 
+mod descriptions;
 mod torques;
 
 const N: usize = 3;
