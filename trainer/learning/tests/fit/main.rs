@@ -2,6 +2,7 @@
 
 mod common;
 mod dynamics;
+mod exact;
 mod excitation;
 mod panda;
 mod samples;

@@ -291,14 +291,19 @@ impl<'a> Start<'a> {
     }
 }
 
+/// Least scale of residuals, relative to the standard deviation of the torque: no torque is known better, not even that
+/// of a simulation after filtering, and against an exact one the prior would count for nothing.
+const EXACT: f64 = 1e-3;
+
 /// Robust scale of every coordinate's residuals: 1.4826 times their median absolute value.
 fn scales(predicted: &[f64], samples: &Samples) -> Vec<f64> {
-    let n = samples.tau.width();
+    let (n, variances) = (samples.tau.width(), variances(samples));
     let of = |i: usize| {
         let column = predicted.iter().zip(samples.tau.as_flat()).skip(i).step_by(n);
         let mut sizes: Vec<f64> = column.map(|(a, b)| (a - b).abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        (1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(1.0)).max(1e-9)
+        let least = (EXACT * variances[i].sqrt()).max(1e-9);
+        (1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(1.0)).max(least)
     };
     (0..n).map(of).collect()
 }
