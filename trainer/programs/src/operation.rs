@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// A vector in a list of operations; every sample has one of [`Builder::length`] numbers.
+/// A vector in a list of operations; every sample has one of [`Builder::length`](crate::Builder::length) numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node(u32);
 
