@@ -30,6 +30,8 @@ mod graphs;
 mod import;
 #[path = "cli_commands/interrupt.rs"]
 mod interrupt;
+#[path = "cli_commands/layouts.rs"]
+mod layouts;
 #[path = "cli_commands/logs.rs"]
 mod logs;
 #[path = "cli_commands/named_columns.rs"]

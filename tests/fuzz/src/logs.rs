@@ -51,7 +51,7 @@ fn log(name: &str, bytes: &[u8], [t, q, u]: [&str; 3]) {
     }
     let columns = Columns {
         t: Column::si(t),
-        q: vec![Column { name: q.to_owned(), scale: 1e-3 }],
+        q: vec![Column::scaled(q, 1e-3)],
         v: Vec::new(),
         u: vec![Column::si(u)],
         actuation: None,

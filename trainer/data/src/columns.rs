@@ -1,6 +1,7 @@
 //! Columns of a log with names and units of their own.
 
 use crate::Rows;
+use crate::column_problem::ColumnProblem;
 use crate::dataset::positive;
 use crate::error::Fault;
 use crate::join::Widths;
@@ -9,21 +10,64 @@ use crate::problem::Problem;
 use crate::table::Table;
 use std::f64::consts::TAU;
 
-/// A column of a log, with its conversion to SI units: value = scale × number.
+/// A column of a log, with its conversion to SI units: value = scale × number + offset, plus multiples of other columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Name in the header line of a `.csv` file, or of the array in an `.npz` file. `name[i]` is column i of a
-    /// two-dimensional array; without an index the array gives all its columns. In an `.mcap` file,
+    /// Name in the header line of a `.csv` file, or `#2` for its second column; or the name of the array in an `.npz` file. `name[i]` is
+    /// column i of a two-dimensional array; without an index the array gives all its columns. In an `.mcap` file,
     /// `topic/joint/position`, `velocity` or `effort`; the time is `t`.
     pub name: String,
     /// Scale factor, finite and not 0; negative to reverse the sign.
+    pub scale: f64,
+    /// Value where all numbers are 0, in SI units.
+    pub offset: f64,
+    /// Other columns that are added, as for the joint of a differential drive.
+    pub plus: Vec<Term>,
+}
+
+/// A multiple of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// Name of the column, as in [`Column`].
+    pub name: String,
+    /// Factor, finite.
     pub scale: f64,
 }
 
 impl Column {
     /// A column in SI units.
     pub fn si(name: impl Into<String>) -> Self {
-        Self { name: name.into(), scale: 1.0 }
+        Self::scaled(name, 1.0)
+    }
+
+    /// A column with the size of its unit in SI.
+    pub fn scaled(name: impl Into<String>, scale: f64) -> Self {
+        Self { name: name.into(), scale, offset: 0.0, plus: Vec::new() }
+    }
+
+    /// Names of all columns that the value is made of.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(self.name.as_str()).chain(self.plus.iter().map(|term| term.name.as_str()))
+    }
+
+    /// The value in SI units; a number of each of [`Column::names`].
+    pub(crate) fn value(&self, numbers: impl IntoIterator<Item = f64>) -> f64 {
+        let scales = std::iter::once(self.scale).chain(self.plus.iter().map(|term| term.scale));
+        let sum = scales.zip(numbers).map(|(scale, number)| scale * number).reduce(|a, b| a + b);
+        let sum = sum.unwrap_or_default();
+        if self.offset == 0.0 { sum } else { sum + self.offset }
+    }
+
+    /// The column with other names; `None` if one of them has none.
+    pub(crate) fn renamed(&self, name: impl Fn(&str) -> Option<String>) -> Option<Self> {
+        let term = |term: &Term| Some(Term { name: name(&term.name)?, scale: term.scale });
+        let plus = self.plus.iter().map(term).collect::<Option<_>>()?;
+        Some(Self { name: name(&self.name)?, plus, ..*self })
+    }
+
+    fn is_sound(&self) -> bool {
+        let all_finite = self.offset.is_finite() && self.plus.iter().all(|term| term.scale.is_finite());
+        self.scale.is_finite() && self.scale != 0.0 && all_finite
     }
 }
 
@@ -87,9 +131,9 @@ impl Columns {
             return Err("q needs at least one column".to_owned());
         }
         let all = || std::iter::once(&self.t).chain(&self.q).chain(&self.v).chain(&self.u);
-        if let Some(column) = all().find(|column| !(column.scale.is_finite() && column.scale != 0.0)) {
+        if let Some(column) = all().find(|column| !column.is_sound()) {
             return Err(format!(
-                "column {:?} is scaled by {}, which leaves nothing of it",
+                "column {:?} is scaled by {}, which leaves nothing of it, or has a number that is not finite",
                 column.name, column.scale
             ));
         }
@@ -107,13 +151,16 @@ impl Columns {
 }
 
 impl Table {
-    /// Converts to SI units; here every name stands for one column.
-    pub(crate) fn scaled(self, columns: &Columns) -> Self {
-        let t = self.t.map(|t| t.into_iter().map(|t| t * columns.t.scale).collect());
-        let q = scaled(&self.q, &columns.q);
-        let v = self.v.map(|v| scaled(&v, &columns.v));
-        let u = self.u.map(|u| scaled(&u, &columns.u));
-        Self { t, q, v, u, ..self }
+    /// The table with the step of a sampling rate (Hz), which a file without time needs.
+    pub(crate) fn at_rate(self, rate: Option<f64>) -> Result<Self, Fault> {
+        let Some(rate) = rate else { return Ok(self) };
+        match (&self.t, &self.h) {
+            (None, None) => Ok(Self { h: Some((1.0 / rate, Place::File)), ..self }),
+            (t, _) => {
+                let name = if t.is_some() { "t" } else { "h" };
+                Err((Place::File, ColumnProblem::RateAndTime(name.to_owned()).into()))
+            }
+        }
     }
 
     /// Replaces u by generalised forces.
@@ -129,12 +176,6 @@ impl Table {
 
 fn inconsistent(name: &'static str, found: usize, expected: usize) -> Fault {
     (Place::File, Problem::Inconsistent { name, what: "columns", found, expected })
-}
-
-/// Multiplies every column by its own scale.
-fn scaled(rows: &Rows, columns: &[Column]) -> Rows {
-    let mut scales = columns.iter().map(|column| column.scale).cycle();
-    rows.map(|x| x * scales.next().unwrap_or(1.0))
 }
 
 /// B u, or u itself if B is not given.

@@ -1,17 +1,19 @@
-//! CSV files: one header line, then one line per sample.
+//! CSV files with columns named as in this layout: one header line, then one line per sample.
 
 use std::collections::HashSet;
 use std::fmt::Write;
 
 use csv::ByteRecord;
 
-use crate::columns::{Column, Columns};
-use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
+use crate::column_problem::ColumnProblem;
+use crate::csv_sheet::{Sheet, line_of};
+use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
+use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::table::{Origin, Table};
-use crate::{Dataset, Rows, Trajectory, control_name, control_of_name};
+use crate::{Dataset, Rows, Trajectory, control_name, control_of_name, date};
 use leastaction_core::forces::ControlKind;
 
 const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
@@ -19,28 +21,19 @@ const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
 /// Names of the fields, in the order of [`Header::fields`].
 const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
 
-/// Reads the table of a file; its columns are named as in this layout, or as `named` says.
-pub(crate) fn read(bytes: &[u8], named: Option<&Columns>) -> Result<Table, Fault> {
+/// Reads the table of a file whose columns are named as in this layout.
+pub(crate) fn read(bytes: &[u8]) -> Result<(Table, Vec<Note>), Fault> {
     let content = decoded(bytes)?;
-    let known = |name: &[u8]| named.map_or_else(|| is_known(name), |named| is_named(name, named));
-    let mut reader = reader(&content, separator(&content, known));
-    let mut records = reader.byte_records();
-    let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
-    let columns = Header::parse(&header.map_err(broken)?, named)?;
+    let sheet = Sheet::open(&content, is_known)?;
+    let columns = Header::parse(&sheet).map_err(|problem| (Place::Line(sheet.line), problem))?;
     let mut cells = Cells::default();
-    for record in records {
-        cells.push(&columns, &record.map_err(broken)?)?;
-    }
-    let control = stated_control(&content)?;
-    let table = Table { control, ..cells.into_table(&columns, stated_step(&content)?)? };
-    Ok(match named {
-        Some(named) => table.scaled(named),
-        None => table,
-    })
+    let notes = sheet.samples(|record, part| cells.push(&columns, record, part))?;
+    let table = cells.into_table(&columns, stated_step(&content)?)?;
+    Ok((Table { control: stated_control(&content)?, ..table }, notes.into_iter().map(Note::Layout).collect()))
 }
 
 /// The value of a comment `# h = …` before the header line.
-fn stated_step(text: &[u8]) -> Result<Option<(f64, Place)>, Fault> {
+pub(crate) fn stated_step(text: &[u8]) -> Result<Option<(f64, Place)>, Fault> {
     let Some((value, place)) = stated(text, "h") else { return Ok(None) };
     match value.parse() {
         Ok(h) => Ok(Some((h, place))),
@@ -49,7 +42,7 @@ fn stated_step(text: &[u8]) -> Result<Option<(f64, Place)>, Fault> {
 }
 
 /// The value of a comment `# control = …` before the header line.
-fn stated_control(text: &[u8]) -> Result<Option<ControlKind>, Fault> {
+pub(crate) fn stated_control(text: &[u8]) -> Result<Option<ControlKind>, Fault> {
     let Some((value, place)) = stated(text, "control") else { return Ok(None) };
     control_of_name(value.trim_matches('"')).map(Some).ok_or((place, Problem::Control(value)))
 }
@@ -75,28 +68,13 @@ struct Header {
 }
 
 impl Header {
-    fn parse(header: &ByteRecord, named: Option<&Columns>) -> Result<Self, Fault> {
-        let names: Vec<String> = header.iter().map(text).collect();
-        let found = match named {
-            Some(columns) => Self::named(names, columns),
-            None => Self::from_names(names),
-        };
-        found.map_err(|problem| (Place::Line(line_of(header)), problem))
-    }
-
-    /// The columns that a configuration names.
-    fn named(names: Vec<String>, columns: &Columns) -> Result<Self, Problem> {
-        let one = |column: &Column| {
-            let mut found = names.iter().enumerate().filter(|(_, name)| **name == column.name);
-            match (found.next(), found.next()) {
-                (Some((position, _)), None) => Ok(position),
-                (Some(_), Some(_)) => Err(Problem::Duplicate(format!("column {}", column.name))),
-                (None, _) => Err(Problem::NoColumn { name: column.name.clone(), known: names.clone() }),
-            }
-        };
-        let all = |columns: &[Column]| columns.iter().map(one).collect::<Result<Vec<_>, _>>();
-        let fields = [all(&columns.q)?, all(&columns.v)?, Vec::new(), all(&columns.u)?];
-        Ok(Self { fields, t: Some(one(&columns.t)?), trajectory: None, names })
+    fn parse(sheet: &Sheet<'_>) -> Result<Self, Problem> {
+        if sheet.headed {
+            Self::from_names(sheet.names.clone())
+        } else {
+            let (name, columns) = ("q".to_owned(), sheet.names.len());
+            Err(ColumnProblem::NoHeader { name, columns }.into())
+        }
     }
 
     fn from_names(names: Vec<String>) -> Result<Self, Problem> {
@@ -118,7 +96,7 @@ impl Header {
     fn refuse_others(&self) -> Result<(), Problem> {
         let used: Vec<_> =
             self.fields.iter().flatten().copied().chain(self.t).chain(self.trajectory).collect();
-        match (0..).zip(&self.names).find(|(i, name)| !used.contains(i) && !name.starts_with('_')) {
+        match (0..).zip(&self.names).find(|(i, name)| !used.contains(i) && !is_ignored(name)) {
             Some((_, name)) => Err(Problem::UnknownName { name: name.clone(), known: KNOWN }),
             None => Ok(()),
         }
@@ -141,16 +119,15 @@ fn is_known(name: &[u8]) -> bool {
     field || name == "t" || name == "trajectory" || name.starts_with('_')
 }
 
-/// Whether `columns` names this column.
-fn is_named(name: &[u8], columns: &Columns) -> bool {
-    let all = [std::slice::from_ref(&columns.t), &columns.q, &columns.v, &columns.u];
-    all.into_iter().flatten().any(|column| column.name.as_bytes() == name)
+/// Whether a column is not read: its name begins with `_`, or it has none.
+fn is_ignored(name: &str) -> bool {
+    name.is_empty() || name.starts_with('_')
 }
 
 /// Refuses duplicate columns, except those that begin with `_`.
 fn refuse_duplicates(names: &[String]) -> Result<(), Problem> {
     let mut seen = HashSet::new();
-    let named = names.iter().filter(|name| !name.is_empty() && !name.starts_with('_'));
+    let named = names.iter().filter(|name| !is_ignored(name));
     match named.into_iter().find(|name| !seen.insert(*name)) {
         Some(name) => Err(Problem::Duplicate(format!("column {name}"))),
         None => Ok(()),
@@ -181,10 +158,6 @@ fn position(names: &[String], name: &str) -> Option<usize> {
     names.iter().position(|other| other == name)
 }
 
-fn line_of(record: &ByteRecord) -> u64 {
-    record.position().map_or(1, csv::Position::line)
-}
-
 /// The samples read so far.
 #[derive(Default)]
 struct Cells {
@@ -196,18 +169,9 @@ struct Cells {
 }
 
 impl Cells {
-    fn push(&mut self, columns: &Header, record: &ByteRecord) -> Result<(), Fault> {
+    /// Adds a sample; `part` is its trajectory unless a column says which.
+    fn push(&mut self, columns: &Header, record: &ByteRecord, part: i64) -> Result<(), Fault> {
         let line = line_of(record);
-        let (found, expected) = (record.len(), columns.names.len());
-        if found != expected {
-            let doubled = expected > 1 && found == 2 * expected;
-            let problem = if doubled {
-                Problem::CommaSeparates { found, expected }
-            } else {
-                Problem::CellCount { found, expected }
-            };
-            return Err((Place::Line(line), problem));
-        }
         let place = |position: usize| Place::Cell { line, column: columns.name(position) };
         let mut real = |position: usize| {
             let cell = text(record.get(position).unwrap_or_default());
@@ -219,11 +183,15 @@ impl Cells {
             }
         }
         if let Some(position) = columns.t {
-            self.t.push(real(position)?);
+            self.t.push(match date::seconds(&text(record.get(position).unwrap_or_default())) {
+                Some(seconds) => seconds,
+                None => real(position)?,
+            });
         }
-        if let Some(position) = columns.trajectory {
-            self.trajectory.push(integer(record, position).map_err(|problem| (place(position), problem))?);
-        }
+        self.trajectory.push(match columns.trajectory {
+            Some(position) => integer(record, position).map_err(|problem| (place(position), problem))?,
+            None => part,
+        });
         self.lines.push(line);
         Ok(())
     }
@@ -235,6 +203,7 @@ impl Cells {
             self.fields.into_iter().zip(widths).map(|(values, width)| Rows::from_flat(width, values));
         let [q, v, a, u] = std::array::from_fn(|_| fields.next().flatten());
         let given = |rows: Option<Rows>| rows.filter(|rows| !rows.is_empty());
+        let is_parted = columns.trajectory.is_some() || self.trajectory.last().is_some_and(|last| *last > 0);
         Ok(Table {
             q: q.ok_or((Place::File, Problem::Empty))?,
             v: given(v),
@@ -242,7 +211,7 @@ impl Cells {
             u: given(u),
             t: columns.t.map(|_| self.t),
             h,
-            trajectory: columns.trajectory.map(|_| self.trajectory),
+            trajectory: is_parted.then_some(self.trajectory),
             control: None,
             origin: Origin::Lines(self.lines),
         })

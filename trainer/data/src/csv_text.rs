@@ -46,13 +46,64 @@ pub(crate) fn reader(text: &[u8], separator: u8) -> Reader<&[u8]> {
         .from_reader(text)
 }
 
-/// The separator with which the most cells of the header line are `known` names.
-pub(crate) fn separator(text: &[u8], known: impl Fn(&[u8]) -> bool) -> u8 {
-    let names = |separator: &u8| {
-        let header: Option<Result<ByteRecord, Error>> = reader(text, *separator).byte_records().next();
-        header.and_then(Result::ok).map_or(0, |header| header.iter().filter(|cell| known(cell)).count())
+/// The text with its separator. Blanks, one or several in a row, are separators where nothing else can be; each row of
+/// them is then replaced by a tab.
+pub(crate) fn separated<'a>(text: &'a [u8], known: impl Fn(&[u8]) -> bool) -> (Cow<'a, [u8]>, u8) {
+    if is_spaced(text) {
+        (Cow::Owned(tabbed(text)), b'\t')
+    } else {
+        (Cow::Borrowed(text), separator(text, known))
+    }
+}
+
+/// The separator with which the most cells of the first line are `known` names, or all of its cells are numbers.
+fn separator(text: &[u8], known: impl Fn(&[u8]) -> bool) -> u8 {
+    let fit = |separator: &u8| {
+        let first: Option<Result<ByteRecord, Error>> = reader(text, *separator).byte_records().next();
+        let Some(Ok(first)) = first else { return (0, 0) };
+        let names = first.iter().filter(|cell| known(cell)).count();
+        (names, if is_of_numbers(&first) { first.len() } else { 0 })
     };
-    SEPARATORS.into_iter().max_by_key(names).unwrap_or(b',')
+    SEPARATORS.into_iter().max_by_key(fit).unwrap_or(b',')
+}
+
+/// Whether a line has numbers and, apart from them, only blank cells.
+pub(crate) fn is_of_numbers(record: &ByteRecord) -> bool {
+    let mut filled = record.iter().filter(|cell| !cell.is_empty()).peekable();
+    filled.peek().is_some() && filled.all(is_number)
+}
+
+/// Whether a cell has a number, with a decimal point or a decimal comma.
+pub(crate) fn is_number(cell: &[u8]) -> bool {
+    let comma = cell.contains(&b',') && !cell.ends_with(b",");
+    let number = std::str::from_utf8(cell)
+        .map(|cell| if comma { cell.replacen(',', ".", 1) } else { cell.to_owned() });
+    number.is_ok_and(|cell| cell.parse::<f64>().is_ok())
+}
+
+/// Whether the first two lines have the same number of words, and neither commas, semicolons nor tabs alone separate
+/// them.
+fn is_spaced(text: &[u8]) -> bool {
+    let is_row = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+    let mut lines = text.split(|byte| *byte == b'\n').filter(is_row);
+    let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
+    let words = words(first).count();
+    let others = first.iter().any(|byte| b",;\"".contains(byte)) && !self::words(first).all(is_number);
+    let cells = |line: &[u8]| line.trim_ascii().split(|byte| *byte == b'\t').count();
+    let has_blanks = second.trim_ascii().contains(&b' ') || cells(first) != cells(second);
+    words > 1 && words == self::words(second).count() && !others && has_blanks
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// Replaces the blanks between the words of each line by single tabs; comments stay.
+fn tabbed(text: &[u8]) -> Vec<u8> {
+    let line = |line: &[u8]| {
+        if line.starts_with(b"#") { line.to_vec() } else { words(line).collect::<Vec<_>>().join(&b'\t') }
+    };
+    text.split(|byte| *byte == b'\n').map(line).collect::<Vec<_>>().join(&b'\n')
 }
 
 /// Parser of numbers with decimal points or decimal commas, as long as the file is unambiguous.

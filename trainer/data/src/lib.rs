@@ -57,16 +57,21 @@ pub mod atomic;
 mod bag;
 mod bridge;
 pub mod checksummed;
+mod column_problem;
 mod columns;
 mod control;
+mod csv_columns;
 mod csv_file;
+mod csv_sheet;
 mod csv_text;
 mod dataset;
+mod date;
 mod doubts;
 mod error;
 mod in_order;
 mod intervals;
 mod join;
+mod layout_note;
 mod left_out;
 pub mod lock;
 mod logs;
@@ -90,11 +95,13 @@ mod time;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-pub use columns::{Column, Columns, UNITS, unit};
+pub use column_problem::ColumnProblem;
+pub use columns::{Column, Columns, Term, UNITS, unit};
 pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use dataset::{Dataset, MIN_SAMPLES, Trajectory};
 pub use doubts::Doubt;
 pub use error::DataError;
+pub use layout_note::LayoutNote;
 pub use logs::{Join, LeftOut, Reading, files, read_as, read_logs};
 pub use measured::{Measured, read_measured};
 pub use note::{Note, Resampled};
@@ -111,7 +118,7 @@ use source::{Format, Source, format_of};
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
-    located(path, || Source::open(path)?.table()?.into_dataset())
+    located(path, || dataset(Source::open(path)?))
 }
 
 /// Reads a log as [`read`] does, from the content of a file; `path` gives the format and appears in errors.
@@ -120,7 +127,15 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
 /// See [`read`].
 pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
-    located(path, || Source::of(format_of(path)?, bytes).table()?.into_dataset())
+    located(path, || dataset(Source::of(format_of(path)?, bytes)))
+}
+
+/// The data set in a file, without resampling.
+fn dataset(source: Source<'_>) -> Result<(Dataset, Vec<Note>), Fault> {
+    let (table, mut notes) = source.table()?;
+    let (dataset, more) = table.into_dataset()?;
+    notes.extend(more);
+    Ok((dataset, notes))
 }
 
 /// Reads a log as [`read_as`] does, from the content of a file; `path` gives the format and appears in errors. No other files are joined.

@@ -20,6 +20,8 @@ pub struct Reading {
     /// Step (s) onto which all samples are resampled. By default it is the step of the files or, if their stamps are
     /// uneven, a step near their mean interval.
     pub step: Option<f64>,
+    /// Sampling rate (Hz) of files that have named columns but no time.
+    pub rate: Option<f64>,
     /// Control kind for files that do not state it.
     pub control: Option<ControlKind>,
     /// Further files of each recording; they need named columns.
@@ -183,8 +185,11 @@ pub(crate) fn even(
     path: &Path,
 ) -> Result<(Dataset, Vec<Note>), Fault> {
     let (table, notes) = match &reading.columns {
-        Some(columns) => source.named(columns, reading.control)?,
-        None => (source.table()?, Vec::new()),
+        Some(columns) => source.named(columns, reading.control, reading.rate)?,
+        None => {
+            let (table, notes) = source.table()?;
+            (table.at_rate(reading.rate)?, notes)
+        }
     };
     finished(table, notes, reading, path)
 }
@@ -219,7 +224,7 @@ fn joined_files(path: &Path, columns: &Columns, reading: &Reading) -> Result<(Ta
     let (mut of_path, mut of_joins): (Wanted, Vec<Wanted>) = (Vec::new(), vec![Vec::new(); joins.len()]);
     for (index, column) in columns.wanted().enumerate() {
         let found = joins.iter().zip(&mut of_joins).find_map(|(join, wanted)| {
-            Some((Column { name: join.strip(&column.name)?.to_owned(), ..*column }, wanted))
+            Some((column.renamed(|name| join.strip(name).map(str::to_owned))?, wanted))
         });
         match found {
             Some((column, wanted)) => wanted.push((index, column)),
@@ -256,7 +261,7 @@ fn part(
 ) -> Result<(Part, Vec<Note>), Fault> {
     let q: Vec<Column> = wanted.iter().map(|(_, column)| column.clone()).collect();
     let columns = Columns { t: t.clone(), q, v: Vec::new(), u: Vec::new(), actuation: None };
-    let (table, notes) = Source::open(file)?.named(&columns, control)?;
+    let (table, notes) = Source::open(file)?.named(&columns, control, None)?;
     table.check_finite()?;
     let Table { q: values, t, origin, control, .. } = table;
     if values.width() != wanted.len() {

@@ -41,7 +41,7 @@ impl Measured {
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read_measured(path: &Path, columns: &Columns) -> Result<Measured, DataError> {
     located(path, || {
-        let (table, _) = Source::open(path)?.named(columns, None)?;
+        let (table, _) = Source::open(path)?.named(columns, None, None)?;
         table.measured()
     })
 }
@@ -69,7 +69,7 @@ mod tests {
     fn columns() -> Columns {
         let si = |names: &[&str]| names.iter().map(|name| Column::si(*name)).collect::<Vec<_>>();
         let (q, v, u) = (si(&["a"]), Vec::new(), si(&["x", "y", "z"]));
-        Columns { t: Column { name: "ms".to_owned(), scale: 1e-3 }, q, v, u, actuation: None }
+        Columns { t: Column::scaled("ms", 1e-3), q, v, u, actuation: None }
     }
 
     fn read(text: &str) -> Result<Measured, DataError> {
@@ -92,6 +92,6 @@ mod tests {
         let error = |text: &str| read(text).unwrap_err().to_string();
         assert!(error("ms,a,x,y,z\n0,1,2,3,4\n1,1,2,3,4\n2,1,2,inf,4\n").contains("line 4, column "));
         assert!(error("ms,a,x,y,z\n0,1,2,3,4\n2,1,2,3,4\n1,1,2,3,4\n").contains("line 4, column t"));
-        assert!(error("ms,a,x,y,z\n0,1,2,3,4\n1,1,2\n").contains("line 3: 3 cells"));
+        assert!(error("ms,a,x,y,z\n0,1,2,3,4\n1,1,2\n2,1,2,3,4\n").contains("line 3: 3 cells"));
     }
 }

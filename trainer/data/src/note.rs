@@ -1,11 +1,14 @@
 //! Notes of a reader on a log that it accepted.
 
+use crate::layout_note::LayoutNote;
 use crate::place::Place;
 use std::fmt;
 
 /// A decision of the reader about a log that it accepted; to be shown to the user.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Note {
+    /// Part of a file is not laid out as samples usually are.
+    Layout(LayoutNote),
     /// The samples were resampled, because stamps were uneven or another step was wanted.
     Resampled(Resampled),
     /// Samples are missing; the trajectory was split before this place.
@@ -74,6 +77,7 @@ pub enum Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Layout(layout) => layout.fmt(f),
             Self::Resampled(resampled) => resampled.fmt(f),
             Self::Gap { place, trajectory, missing, continues_as } => write!(
                 f,

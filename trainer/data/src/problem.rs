@@ -1,5 +1,6 @@
 //! Problems in a file of logged motion.
 
+use crate::column_problem::ColumnProblem;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -154,14 +155,9 @@ pub enum Problem {
         /// Names in the file.
         known: Vec<String>,
     },
-    /// A column index beyond the columns of an array.
-    #[error("there is no column {index}; it has {found}, counted from 0")]
-    NoIndex {
-        /// Configured index.
-        index: usize,
-        /// Columns of the array.
-        found: usize,
-    },
+    /// A problem with the columns that a configuration names.
+    #[error(transparent)]
+    Column(#[from] ColumnProblem),
     /// Files with different steps that are to be read as one log.
     #[error("the step is {found} s where {} has {expected} s; name one for all of them: step under [data]", first.display())]
     OtherStep {
@@ -346,7 +342,7 @@ pub enum Problem {
 }
 
 /// A list of names, cut after the first dozen.
-fn list(names: &[String]) -> String {
+pub(crate) fn list(names: &[String]) -> String {
     const MOST: usize = 12;
     let shown = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
     if names.len() > MOST { format!("{shown}, … ({} in all)", names.len()) } else { shown }

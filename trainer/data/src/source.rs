@@ -1,13 +1,14 @@
 //! Files of all formats, as tables.
 
 use crate::bag::Bag;
+use crate::column_problem::ColumnProblem;
 use crate::columns::Columns;
 use crate::error::Fault;
 use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::table::Table;
-use crate::{csv_file, join, npz, npz_columns};
+use crate::{csv_columns, csv_file, join, npz, npz_columns};
 use leastaction_core::forces::ControlKind;
 use std::borrow::Cow;
 use std::fs::{self, File};
@@ -45,25 +46,32 @@ impl<'a> Source<'a> {
     }
 
     /// Reads the columns by the names of this layout.
-    pub(crate) fn table(self) -> Result<Table, Fault> {
+    pub(crate) fn table(self) -> Result<(Table, Vec<Note>), Fault> {
         match self {
-            Self::Npz(bytes) => npz::read(&bytes),
-            Self::Csv(bytes) => csv_file::read(&bytes, None),
+            Self::Npz(bytes) => npz::read(&bytes).map(|table| (table, Vec::new())),
+            Self::Csv(bytes) => csv_file::read(&bytes),
             Self::Mcap(_) => Err((Place::File, Problem::Unnamed)),
         }
     }
 
-    /// Reads the columns named by `columns`, in SI units.
+    /// Reads the columns named by `columns`, in SI units; samples at a `rate` (Hz) need no stamps.
     pub(crate) fn named(
         self,
         columns: &Columns,
         control: Option<ControlKind>,
+        rate: Option<f64>,
     ) -> Result<(Table, Vec<Note>), Fault> {
         match self {
-            Self::Npz(bytes) => npz_columns::read(&bytes, columns).map(|table| (table, Vec::new())),
-            Self::Csv(bytes) => csv_file::read(&bytes, Some(columns)).map(|table| (table, Vec::new())),
+            Self::Npz(bytes) => npz_columns::read(&bytes, columns, rate),
+            Self::Csv(bytes) => csv_columns::read(&bytes, columns, control, rate),
+            Self::Mcap(_) if rate.is_some() => {
+                Err((Place::File, ColumnProblem::RateAndTime("t".to_owned()).into()))
+            }
             Self::Mcap(mut source) => {
-                let (parts, mut notes) = Bag::read(&mut source)?.parts(columns)?;
+                let mut bag = Bag::read(&mut source)?;
+                let (columns, mut notes) = bag.without_dead_velocities(columns);
+                let (parts, more) = bag.parts(&columns)?;
+                notes.extend(more);
                 let (table, more) = join::joined(parts, columns.widths(), control)?;
                 notes.extend(more);
                 Ok((table, notes))

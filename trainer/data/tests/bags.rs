@@ -46,7 +46,7 @@ fn reading() -> Reading {
     let columns = Columns {
         t: column("t"),
         q: vec![
-            Column { name: "/joint_states/elbow/position".to_owned(), scale: -1.0 },
+            Column::scaled("/joint_states/elbow/position", -1.0),
             column("/joint_states/shoulder/position"),
         ],
         v: Vec::new(),
@@ -214,4 +214,56 @@ fn a_look_sees_every_topic() {
     let guess = Guess::of(&logs);
     assert_eq!(guess.q, JOINTS.map(|joint| format!("/joint_states/{joint}/position")));
     assert!(guess.u.is_empty(), "one drive was taken for two: {guess:?}");
+}
+
+#[test]
+fn messages_that_nobody_asked_for_may_be_bad() {
+    let recording = recording();
+    let mut all = messages(&recording);
+    let sound = read(&bag(&all, Chunks::Plain)).unwrap();
+    let (bad, other) = ([0.0, 1.0], ["gripper"]);
+    for topic in ["/joint_states", "/gripper"] {
+        let gripper = Joints { topic, stamp: START, names: &other, fields: [&bad, &[], &[]] };
+        all.insert(7, gripper);
+    }
+    assert_eq!(read(&bag(&all, Chunks::Plain)).unwrap(), sound);
+    assert_eq!(RawLog::decode("a.mcap".as_ref(), &bag(&all, Chunks::Plain)).unwrap().len(), 2);
+}
+
+#[test]
+fn joints_in_turning_order_are_one_stream() {
+    let recording = recording();
+    let sound = messages(&recording);
+    let turned: Vec<Vec<f64>> =
+        recording.iter().map(|(_, q, ..)| q.iter().rev().copied().collect()).collect();
+    let (names, velocities, none) = ([JOINTS[1], JOINTS[0]], vec![2.0, 1.0], Vec::new());
+    let mut all = sound.clone();
+    for (k, joints) in
+        all.iter_mut().enumerate().filter(|(_, joints)| joints.topic == "/joint_states").step_by(2)
+    {
+        joints.names = &names;
+        joints.fields = [&turned[k], &velocities, &none];
+    }
+    let (sound, all) = (bag(&sound, Chunks::Plain), bag(&all, Chunks::Plain));
+    assert_eq!(read(&all).unwrap(), read(&sound).unwrap());
+    let looked = RawLog::decode("a.mcap".as_ref(), &all).unwrap();
+    let columns = |logs: &[RawLog], joint: &str| {
+        logs[0].column(&format!("/joint_states/{joint}/velocity")).unwrap().to_vec()
+    };
+    assert_eq!((looked.len(), columns(&looked, "elbow")), (2, vec![2.0; 60]));
+}
+
+#[test]
+fn velocities_without_numbers_are_left_out() {
+    let recording = recording();
+    let mut all = messages(&recording);
+    for joints in all.iter_mut().filter(|joints| joints.topic == "/joint_states") {
+        joints.fields[1] = &[f64::NAN, f64::NAN];
+    }
+    let velocities = JOINTS.map(|joint| column(&format!("/joint_states/{joint}/velocity")));
+    let columns = reading().columns.map(|columns| Columns { v: velocities.to_vec(), ..columns });
+    let (data, notes) =
+        decode_as("a.mcap", &bag(&all, Chunks::Plain), &Reading { columns, ..reading() }).unwrap();
+    assert!(data.trajectories[0].v.is_none());
+    assert!(matches!(notes[0], Note::Layout(_)), "{notes:?}");
 }

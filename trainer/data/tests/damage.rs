@@ -66,7 +66,7 @@ fn logs_of_robots() {
     let folder = tempfile::tempdir().unwrap();
     let columns = data::Columns {
         t: data::Column::si("time"),
-        q: vec![data::Column { name: "enc".to_owned(), scale: 1e-3 }],
+        q: vec![data::Column::scaled("enc", 1e-3)],
         v: Vec::new(),
         u: vec![data::Column::si("tau")],
         actuation: None,

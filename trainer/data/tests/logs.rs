@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Two joints, with a drive on the first; degrees, milliseconds, the second encoder mounted backwards.
 fn columns() -> Columns {
-    let column = |name: &str, scale: f64| Column { name: name.to_owned(), scale };
+    let column = |name: &str, scale: f64| Column::scaled(name, scale);
     let deg = unit("deg").unwrap();
     Columns {
         t: column("time [ms]", 1e-3),
@@ -107,7 +107,7 @@ fn what_is_not_there_is_named_with_what_is() {
         read_as(&file, &Reading { columns: Some(one), ..Reading::default() }).unwrap_err().to_string();
     assert!(error.contains("actuation has 2 rows where 1 are needed"), "{error}");
     assert!(Columns { q: Vec::new(), ..columns() }.check().is_err());
-    let nothing_left = Columns { q: vec![Column { name: "shoulder".to_owned(), scale: 0.0 }], ..columns() };
+    let nothing_left = Columns { q: vec![Column::scaled("shoulder", 0.0)], ..columns() };
     assert!(nothing_left.check().unwrap_err().contains("shoulder"));
 }
 
@@ -119,7 +119,7 @@ fn arrays_of_an_archive_are_named_with_an_index() {
     let trajectory = Trajectory { id: 0, t0: 0.0, q, v: None, a: None, u: None };
     write(&file, &Dataset { n: 2, h: 10.0, control: None, trajectories: vec![trajectory] }).unwrap();
     let of = |names: &[&str]| Columns {
-        t: Column { name: "t".to_owned(), scale: 1e-3 },
+        t: Column::scaled("t", 1e-3),
         q: names.iter().map(|name| Column::si(*name)).collect(),
         v: Vec::new(),
         u: Vec::new(),
@@ -198,10 +198,10 @@ fn files_of_one_recording_are_joined() {
         t: Column::si("t"),
         q: vec![Column::si("q")],
         v: Vec::new(),
-        u: vec![Column { name: "torque:tau".to_owned(), scale: 0.5 }],
+        u: vec![Column::scaled("torque:tau", 0.5)],
         actuation: None,
     };
-    let t = Column { name: "stamp".to_owned(), scale: 1e-3 };
+    let t = Column::scaled("stamp", 1e-3);
     let join =
         Join { name: "torque".to_owned(), replace: "encoders".to_owned(), by: "torques".to_owned(), t };
     let reading = Reading { columns: Some(columns), joins: vec![join], ..Reading::default() };

@@ -19,6 +19,14 @@ pub struct Look {
     /// A first configuration to write.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Sampling rate of logs without time, Hz.
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate: Option<f64>,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok().filter(|rate: &f64| *rate > 0.0 && rate.is_finite());
+    rate.ok_or_else(|| format!("{text:?} is no rate; give a number of Hz above 0"))
 }
 
 impl Look {
@@ -27,7 +35,7 @@ impl Look {
         if let Some(file) = &self.output {
             replaceable(file, FileKind::Configuration)?;
         }
-        let seen = look::Look::at(&self.files)?;
+        let seen = look::Look::at(&self.files)?.at_rate(self.rate);
         let report = seen.report();
         report.doubts().iter().for_each(|doubt| output.note(&format!("note: {doubt}")));
         if let Some(file) = &self.output {

@@ -11,6 +11,15 @@ use std::path::{Path, PathBuf};
 /// Relative difference below which sampling intervals belong to one clock.
 const SAME: f64 = 0.01;
 
+/// Keys of a configuration that say how fast samples follow each other.
+#[derive(Clone, Copy)]
+pub struct Time {
+    /// Step onto which all logs are resampled (s).
+    pub step: Option<f64>,
+    /// Rate of logs without time (Hz).
+    pub rate: Option<f64>,
+}
+
 /// The text of a configuration that can be used for training without changes, or the reason why the columns cannot be
 /// guessed. Without a mechanism the model is a network.
 pub fn of(
@@ -18,13 +27,9 @@ pub fn of(
     report: &Report,
     guess: &Guess,
     mechanism: Option<&Mechanism>,
+    time: Time,
 ) -> Result<String, String> {
-    let Some(t) = &guess.t else {
-        return Err("no column is named as time is; write [data.columns] by hand".to_owned());
-    };
-    if guess.q.is_empty() {
-        return Err("no column is named as positions are; write [data.columns] by hand".to_owned());
-    }
+    check(report, guess, time)?;
     let mut text = format!(
         "{CONFIGURATION_HEAD}: check the columns and their units, and what each coordinate is.\n[data]\n"
     );
@@ -35,18 +40,14 @@ pub fn of(
         &mut text,
         format_args!("validation = {held_back} # trajectories held back: whole files from the end"),
     );
-    if let Some(step) = step(report, guess) {
+    if let Some(step) = time.step {
         line(&mut text, format_args!("step = {step}"));
     }
-    line(&mut text, format_args!("\n[data.columns]"));
-    match report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit) {
-        Some(unit) if unit != "s" => {
-            line(&mut text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)))
-        }
-        Some(_) => line(&mut text, format_args!("t = {}", quoted(t))),
-        // Messages have their own time, so no column is named.
-        None => {}
+    if let Some(rate) = time.rate {
+        line(&mut text, format_args!("rate = {rate:?} # Hz: samples a second"));
     }
+    line(&mut text, format_args!("\n[data.columns]"));
+    stamps(&mut text, report, guess);
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
         if !names.is_empty() {
             line(&mut text, format_args!("{letter} = {}", list(names, false)));
@@ -64,6 +65,43 @@ pub fn of(
     }
     model(&mut text, guess, mechanism);
     Ok(text)
+}
+
+/// Refuses columns of which the important ones cannot be guessed.
+fn check(report: &Report, guess: &Guess, time: Time) -> Result<(), String> {
+    let by_hand = "write [data.columns] by hand";
+    let columns: Vec<&str> = report.columns.iter().map(|column| column.column.as_str()).collect();
+    if !columns.is_empty() && columns.iter().all(|name| name.starts_with('#')) {
+        let rises = guess.t.as_ref().map_or(String::new(), |t| format!("; {t} rises as time does"));
+        let columns = columns.len();
+        return Err(format!(
+            "there is no header line{rises}: {by_hand}, by number from 1 to {columns}, as t = 1, q = [2, 3]"
+        ));
+    }
+    match (&guess.t, time.rate) {
+        (None, None) => Err(format!(
+            "no column is named as time is; {by_hand}, or give the rate of the samples in Hz: look --rate 100"
+        )),
+        (Some(t), Some(_)) => Err(format!("{t} is time; leave out --rate, which is for logs without time")),
+        _ if guess.q.is_empty() => Err(format!("no column is named as positions are; {by_hand}")),
+        _ => Ok(()),
+    }
+}
+
+/// Writes the column of time. Messages have their own time, so that none is named.
+fn stamps(text: &mut String, report: &Report, guess: &Guess) {
+    let Some(t) = &guess.t else { return };
+    if let Some(nanosec) = &guess.nanosec {
+        line(text, format_args!("t = {{ sec = {}, nanosec = {} }}", quoted(t), quoted(nanosec)));
+        return;
+    }
+    match report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit) {
+        Some(unit) if unit != "s" && !guess.is_date => {
+            line(text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)));
+        }
+        Some(_) => line(text, format_args!("t = {}", quoted(t))),
+        None => {}
+    }
 }
 
 /// Writes the tables for rigid bodies or a network, with friction, and for sensors and actuators.
@@ -89,13 +127,25 @@ fn network(n: usize) -> String {
 
 /// The longest sampling interval of all files, to two digits, if some files have shorter ones. `None` if all files have
 /// the same step, with jitter or without.
-fn step(report: &Report, guess: &Guess) -> Option<f64> {
+pub fn step(report: &Report, guess: &Guess) -> Option<f64> {
+    let intervals = intervals(report, guess);
+    let (shortest, longest) = (intervals.first()?, intervals.last()?);
+    format!("{longest:.1e}").parse().ok().filter(|_| *shortest < (1.0 - SAME) * longest)
+}
+
+/// The median of the files' sampling intervals, to two digits.
+pub fn common_step(report: &Report, guess: &Guess) -> Option<f64> {
+    let intervals = intervals(report, guess);
+    format!("{:.1e}", intervals.get(intervals.len() / 2)?).parse().ok()
+}
+
+/// Sampling intervals of the files that have the first coordinate (s), in rising order.
+fn intervals(report: &Report, guess: &Guess) -> Vec<f64> {
     let has_q = |file: &&File| guess.q.first().is_some_and(|q| file.may_have(q));
-    let rates = || report.files.iter().filter(has_q).filter_map(|file| file.rate);
-    let intervals = || rates().map(|rate| 1.0 / rate);
-    let (longest, shortest) = (intervals().fold(0.0, f64::max), intervals().fold(f64::INFINITY, f64::min));
-    let differ = shortest < (1.0 - SAME) * longest;
-    format!("{longest:.1e}").parse().ok().filter(|_| differ)
+    let rates = report.files.iter().filter(has_q).filter_map(|file| file.rate);
+    let mut intervals: Vec<f64> = rates.map(|rate| 1.0 / rate).collect();
+    intervals.sort_unstable_by(f64::total_cmp);
+    intervals
 }
 
 /// Paths relative to the configuration.

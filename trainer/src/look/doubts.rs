@@ -40,7 +40,11 @@ fn still(it: &Column) -> Option<String> {
 
 fn missing(it: &Column) -> Option<String> {
     let Column { column, missing, .. } = it;
-    let doubt = || format!("{column} has {missing} cells without a number; remove those samples");
+    let doubt = || {
+        format!(
+            "{column} has {missing} cells without a number: blank cells of a CSV file are passed over, others are refused"
+        )
+    };
     (it.taken_for.is_some() && *missing > 0).then(doubt)
 }
 

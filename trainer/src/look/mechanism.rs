@@ -54,6 +54,11 @@ impl Mechanism {
         joints.into_iter().map(Self).filter(|own| own.bodies().is_some()).collect()
     }
 
+    /// Whether all joints with angles turn.
+    pub fn turns_where(&self, angles: &[bool]) -> bool {
+        self.0.iter().zip(angles).all(|(joint, is_angle)| *joint == Joint::Link || !is_angle)
+    }
+
     /// Bodies; `None` if slides are parallel, or if the mechanism is equivalent to another one in [`Mechanism::all`].
     fn bodies(&self) -> Option<Vec<Body>> {
         let (mut bodies, mut slides, mut on_link, mut before) = (Vec::new(), 0, false, 0.0);

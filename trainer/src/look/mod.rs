@@ -9,9 +9,10 @@ mod report;
 pub use coordinate::{Coordinate, FirstOutlier};
 pub use report::{Column, File, Report};
 
+use configuration::Time;
 use leastaction_learning::config::Config;
-use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal};
-use leastaction_learning::data::{self, DataError, Dataset};
+use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal, is_of_angle};
+use leastaction_learning::data::{self, DataError, Dataset, Problem};
 use leastaction_learning::run::error_at_start;
 use mechanism::{MOST_JOINTS, Mechanism};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ pub struct Look {
     patterns: Vec<PathBuf>,
     seen: Vec<Seen>,
     guess: Guess,
+    rate: Option<f64>,
 }
 
 /// The data of a file that have one clock.
@@ -43,7 +45,15 @@ impl Look {
             seen.extend(logs.into_iter().map(|log| Seen { file: file.clone(), log }));
         }
         let guess = guess.unwrap_or_default();
-        Ok(Self { patterns: patterns.to_vec(), seen, guess })
+        let one_time = |seen: Seen| Seen { log: seen.log.with_one_time(&guess), ..seen };
+        let seen = seen.into_iter().map(one_time).collect();
+        Ok(Self { patterns: patterns.to_vec(), seen, guess, rate: None })
+    }
+
+    /// The survey, with the sampling rate (Hz) of logs without time.
+    #[must_use]
+    pub fn at_rate(self, rate: Option<f64>) -> Self {
+        Self { rate, ..self }
     }
 
     /// The report on the logs.
@@ -57,18 +67,73 @@ impl Look {
     /// The reason, in words, why the columns cannot be guessed.
     pub fn configuration(&self, at: &Path) -> Result<Proposal, String> {
         let report = self.report();
+        let step = self.step(&report)?;
         let text = |at: &Path, mechanism: Option<&Mechanism>| {
-            configuration::of((&self.patterns, at), &report, &self.guess, mechanism)
+            let time = Time { step, rate: self.rate };
+            configuration::of((&self.patterns, at), &report, &self.guess, mechanism, time)
         };
         let n = self.guess.q.len();
         if n > MOST_JOINTS || self.guess.u.is_empty() {
-            return Ok(Proposal { text: text(at, None)?, note: None });
+            return Ok(Proposal { text: text(at, None)?, note: self.refusal(&text(Path::new(""), None)?) });
         }
-        let Some(found) = Found::among(Mechanism::all(n), |own| text(Path::new(""), Some(own)).ok()) else {
-            return Ok(Proposal { text: text(at, Some(&Mechanism::links(n)))?, note: None });
+        let all =
+            Mechanism::all(n).into_iter().filter(|own| own.turns_where(&self.angles(&report))).collect();
+        let Some(found) = Found::among(all, |own| text(Path::new(""), Some(own)).ok()) else {
+            let links = Mechanism::links(n);
+            let note = self.refusal(&text(Path::new(""), Some(&links))?);
+            return Ok(Proposal { text: text(at, Some(&links))?, note });
         };
         Ok(Proposal { text: text(at, Some(&found.mechanism))?, note: found.sentence() })
     }
+
+    /// The step that the configuration gives (s): one for files whose steps differ, as the reader sees them.
+    fn step(&self, report: &Report) -> Result<Option<f64>, String> {
+        if let Some(step) = configuration::step(report, &self.guess) {
+            return Ok(Some(step));
+        }
+        let time = Time { step: None, rate: self.rate };
+        let text = configuration::of((&self.patterns, Path::new("")), report, &self.guess, None, time)?;
+        let differ = matches!(tried(&text), Err(Trouble::Reading(Problem::OtherStep { .. }, _)));
+        Ok(configuration::common_step(report, &self.guess).filter(|_| differ))
+    }
+
+    /// The reason for which training would refuse a configuration before it learns, in words.
+    fn refusal(&self, text: &str) -> Option<String> {
+        let said = match tried(text).err()? {
+            Trouble::Reading(_, said) | Trouble::Configuration(said) => said,
+        };
+        Some(format!("training will refuse the configuration as it stands: {said}"))
+    }
+
+    /// Whether each coordinate is an angle by its name or its jumps by whole turns.
+    fn angles(&self, report: &Report) -> Vec<bool> {
+        let turns = |name: &String| {
+            let coordinate = report.coordinates.iter().find(|coordinate| coordinate.column == *name);
+            coordinate.is_some_and(|coordinate| coordinate.turns + coordinate.turns_of_360 > 0)
+        };
+        self.guess.q.iter().map(|name| is_of_angle(name) || turns(name)).collect()
+    }
+}
+
+/// Trouble with a configuration.
+enum Trouble {
+    /// Logs are refused; the problem, and the error in words.
+    Reading(Problem, String),
+    /// The configuration is refused.
+    Configuration(String),
+}
+
+/// Reads a configuration and its logs as training does.
+fn tried(text: &str) -> Result<(), Trouble> {
+    let config =
+        Config::parse(text, Path::new("")).map_err(|error| Trouble::Configuration(error.to_string()))?;
+    for data in config.data.alternatives() {
+        data.read().map_err(|error| {
+            let said = error.to_string();
+            Trouble::Reading(error.problem, said)
+        })?;
+    }
+    Ok(())
 }
 
 /// A first configuration.

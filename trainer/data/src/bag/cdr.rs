@@ -1,6 +1,7 @@
 //! Parser of `sensor_msgs/JointState` in CDR, as ROS 2 sends it: XCDR version 1, either byte order.
 
 use crate::problem::Problem;
+use std::collections::BTreeSet;
 
 /// Bytes before the first field, which hold the kind of encoding and options.
 const HEADER: usize = 4;
@@ -18,7 +19,7 @@ pub(super) struct JointState<'a> {
 }
 
 impl<'a> JointState<'a> {
-    /// Parses a message, and checks that every non-empty list has an entry for every joint.
+    /// Parses a message.
     pub fn parse(message: &'a [u8]) -> Result<Self, Problem> {
         let mut cdr = Cdr::new(message)?;
         let (seconds, nanoseconds) = (cdr.word()? as i32, cdr.word()?);
@@ -28,11 +29,20 @@ impl<'a> JointState<'a> {
         if cdr.rest().len() >= PADDING {
             return Err(no("it goes on after its end"));
         }
-        if fields.iter().any(|field| !field.is_empty() && field.len() != names.len()) {
-            return Err(no("it has other numbers of names and of values"));
-        }
         let stamp = i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds);
         Ok(Self { stamp, names, fields })
+    }
+
+    /// Checks that every non-empty list has an entry for every joint, and that no joint comes twice.
+    pub fn check(&self) -> Result<(), Problem> {
+        if self.fields.iter().any(|field| !field.is_empty() && field.len() != self.names.len()) {
+            return Err(no("it has other numbers of names and of values"));
+        }
+        let mut seen = BTreeSet::new();
+        match self.names.iter().find(|name| !seen.insert(**name)) {
+            Some(twice) => Err(Problem::Duplicate(format!("joint {twice}"))),
+            None => Ok(()),
+        }
     }
 }
 

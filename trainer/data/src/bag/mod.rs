@@ -6,40 +6,38 @@
 
 mod cdr;
 mod container;
+mod gathered;
 mod record;
 
 use crate::Rows;
-use crate::columns::Columns;
+use crate::columns::{Column, Columns};
 use crate::error::Fault;
 use crate::join::{Part, Wanted};
+use crate::layout_note::LayoutNote;
 use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::table::Origin;
-use cdr::JointState;
-use container::Message;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use gathered::{Bad, Gathered};
+use std::collections::BTreeSet;
 use std::io::Read;
 
 /// Fields of a message, in its order.
 const FIELDS: [&str; 3] = ["position", "velocity", "effort"];
-
-/// Count of numbers that may be read from any file, however small; together they take 64 MiB.
-const MOST_ANYWAY: u64 = 1 << 23;
-
-/// Further count of numbers that may be read per byte of the file: stamps and noise do not compress to a hundredth.
-const MOST_PER_BYTE: u64 = 12;
 
 /// Joint data of a bag.
 pub(crate) struct Bag {
     pub streams: Vec<Stream>,
     /// Topics without joint states.
     pub others: Vec<String>,
+    bad: Vec<Bad>,
 }
 
-/// Messages of one topic with the same joints in the same order and the same fields.
+/// Messages of one topic with the same joints and the same fields.
 pub(crate) struct Stream {
     pub topic: String,
+    /// Joints in the order of the first message.
+    joints: Vec<String>,
     /// Names of the columns.
     pub names: Vec<String>,
     /// Rows of values, message by message.
@@ -56,20 +54,20 @@ struct Time {
     message: u64,
 }
 
-/// Key of a stream: channel, joints, fields.
-type Key = (u16, String, [bool; 3]);
-
 impl Bag {
     /// Reads a file sequentially.
     pub fn read(source: &mut dyn Read) -> Result<Self, Fault> {
         let mut gathered = Gathered::default();
         container::messages(source, &mut |message| gathered.take(message))?;
-        let Gathered { streams, others, .. } = gathered;
+        let Gathered { streams, others, bad, .. } = gathered;
         let others: Vec<String> = others.into_iter().collect();
-        if streams.is_empty() {
-            return Err((Place::File, Problem::NoJointStates(others)));
+        if !streams.is_empty() {
+            return Ok(Self { streams, others, bad });
         }
-        Ok(Self { streams, others })
+        Err(match bad.into_iter().next() {
+            Some(bad) => (Place::Message(bad.message), bad.problem),
+            None => (Place::File, Problem::NoJointStates(others)),
+        })
     }
 
     /// All column names, without duplicates.
@@ -99,8 +97,44 @@ impl Bag {
         clock
     }
 
+    /// The columns without velocities, if one of these has no number that is finite, and a note that says which.
+    pub fn without_dead_velocities(&self, columns: &Columns) -> (Columns, Vec<Note>) {
+        let Some(dead) = columns.v.iter().find(|column| self.is_dead(&column.name)) else {
+            return (columns.clone(), Vec::new());
+        };
+        let note = LayoutNote::NoVelocity { column: dead.name.clone() };
+        (Columns { v: Vec::new(), ..columns.clone() }, vec![Note::Layout(note)])
+    }
+
+    /// Whether a column is there but has no number that is finite.
+    fn is_dead(&self, name: &str) -> bool {
+        let place = |stream: &Stream| stream.names.iter().position(|known| known == name);
+        let mut found = self.streams.iter().filter_map(|stream| Some((stream, place(stream)?))).peekable();
+        let is_dead = |(stream, at): (&Stream, usize)| stream.column(at).iter().all(|x| !x.is_finite());
+        found.peek().is_some() && found.all(is_dead)
+    }
+
+    /// Refuses a topic of which a message with wanted joints is bad.
+    fn check(&mut self, topic: &str, wanted: &Wanted) -> Result<(), Fault> {
+        let names = || wanted.iter().flat_map(|(_, column)| column.names());
+        let asks_for = |joint: &String| {
+            let of_joint =
+                |name: &str| Some(name.strip_prefix(topic)?.strip_prefix('/')?.rsplit_once('/')?.0 == joint);
+            names().any(|name| of_joint(name).unwrap_or_default())
+        };
+        let matters =
+            |bad: &Bad| bad.topic == topic && (bad.joints.is_empty() || bad.joints.iter().any(asks_for));
+        match self.bad.iter().position(matters) {
+            Some(at) => {
+                let bad = self.bad.swap_remove(at);
+                Err((Place::Message(bad.message), bad.problem))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The wanted columns, grouped by topic, with notes on their clocks.
-    pub fn parts(&self, columns: &Columns) -> Result<(Vec<Part>, Vec<Note>), Fault> {
+    pub fn parts(&mut self, columns: &Columns) -> Result<(Vec<Part>, Vec<Note>), Fault> {
         let known = || self.names().into_iter().chain(["t".to_owned()]).collect();
         let unknown = |name: &str| (Place::File, Problem::NoColumn { name: name.to_owned(), known: known() });
         if columns.t.name != "t" {
@@ -108,37 +142,48 @@ impl Bag {
         }
         let mut topics: Vec<(String, Wanted)> = Vec::new();
         for (index, column) in columns.wanted().enumerate() {
-            let has = |stream: &&Stream| stream.names.contains(&column.name);
-            let stream = self.streams.iter().find(has).ok_or_else(|| unknown(&column.name))?;
+            let with = |name: &str| {
+                self.streams.iter().find(|stream| stream.names.iter().any(|known| known == name))
+            };
+            let stream = with(&column.name).ok_or_else(|| unknown(&column.name))?;
+            if let Some(name) = column.names().find(|name| with(name).is_none()) {
+                return Err(unknown(name));
+            }
             match topics.iter_mut().find(|(topic, _)| *topic == stream.topic) {
                 Some((_, wanted)) => wanted.push((index, column.clone())),
                 None => topics.push((stream.topic.clone(), vec![(index, column.clone())])),
             }
         }
+        topics.iter().try_for_each(|(topic, wanted)| self.check(topic, wanted))?;
         let clock = self.clock();
         let notes = topics.iter().filter(|(topic, _)| clock.unstamped.contains(topic));
         let notes = notes.map(|(topic, _)| Note::Unstamped { topic: topic.clone() }).collect();
-        let part = |(topic, wanted): (String, Wanted)| self.part(&topic, wanted, &clock, columns.t.scale);
+        let part = |(topic, wanted): (String, Wanted)| self.part(&topic, wanted, &clock, &columns.t);
         Ok((topics.into_iter().map(part).collect::<Result<_, _>>()?, notes))
     }
 
     /// Columns of a topic. A message with none of these joints is taken as another sender's and skipped; a message with
     /// only some of them is an error.
-    fn part(&self, topic: &str, wanted: Wanted, clock: &Clock, scale: f64) -> Result<Part, Fault> {
+    fn part(&self, topic: &str, wanted: Wanted, clock: &Clock, t: &Column) -> Result<Part, Fault> {
         let mut samples: Vec<(Time, Vec<f64>)> = Vec::new();
         for stream in self.of_topic(topic) {
             let at = |name: &str| stream.names.iter().position(|known| known == name);
-            let places: Vec<usize> = wanted.iter().filter_map(|(_, column)| at(&column.name)).collect();
-            if places.is_empty() {
+            let places = |column: &Column| column.names().map(at).collect::<Vec<_>>();
+            let places: Vec<Vec<Option<usize>>> = wanted.iter().map(|(_, column)| places(column)).collect();
+            if places.iter().flatten().all(Option::is_none) {
                 continue;
             }
-            if let Some((_, missing)) = wanted.iter().find(|(_, column)| at(&column.name).is_none()) {
+            if let Some((_, missing)) =
+                wanted.iter().find(|(_, column)| column.names().any(|name| at(name).is_none()))
+            {
                 let message = stream.times.first().map_or(1, |time| time.message);
                 return Err((Place::Message(message), Problem::MissingJoint(missing.name.clone())));
             }
             for (time, row) in stream.samples() {
-                let pairs = wanted.iter().zip(&places);
-                let values = pairs.map(|((_, column), place)| row[*place] * column.scale).collect::<Vec<_>>();
+                let value = |((_, column), places): (&(usize, Column), &Vec<Option<usize>>)| {
+                    column.value(places.iter().flatten().filter_map(|place| row.get(*place)).copied())
+                };
+                let values = wanted.iter().zip(&places).map(value).collect::<Vec<_>>();
                 if let Some(at) = values.iter().position(|value| !value.is_finite()) {
                     let (message, column) = (time.message, wanted[at].1.name.clone());
                     return Err((Place::Value { message, column }, Problem::NotFinite(values[at])));
@@ -147,7 +192,7 @@ impl Bag {
             }
         }
         samples.sort_by_key(|(time, _)| time.message);
-        let t = samples.iter().map(|(time, _)| scale * clock.seconds(topic, *time)).collect();
+        let t = samples.iter().map(|(time, _)| t.value([clock.seconds(topic, *time)])).collect();
         let origin = Origin::Messages(samples.iter().map(|(time, _)| time.message).collect());
         let values = Rows::from_rows(wanted.len(), samples.iter().map(|(_, values)| values));
         let values = values.ok_or((Place::File, Problem::Empty))?;
@@ -188,67 +233,5 @@ impl Stream {
     /// The values of a column.
     pub fn column(&self, index: usize) -> Vec<f64> {
         self.values.iter().skip(index).step_by(self.names.len()).copied().collect()
-    }
-}
-
-/// Streams under construction.
-#[derive(Default)]
-struct Gathered {
-    streams: Vec<Stream>,
-    of: HashMap<Key, usize>,
-    others: BTreeSet<String>,
-    numbers: u64,
-}
-
-impl Gathered {
-    fn take(&mut self, message: &Message<'_>) -> Result<(), Fault> {
-        let channel = message.channel;
-        let joints = matches!(message.schema, "sensor_msgs/msg/JointState" | "sensor_msgs/JointState");
-        if !joints || channel.encoding != "cdr" {
-            if !self.others.contains(&channel.topic) {
-                self.others.insert(channel.topic.clone());
-            }
-            return Ok(());
-        }
-        self.joints(message).map_err(|problem| (Place::Message(message.number), problem))
-    }
-
-    fn joints(&mut self, message: &Message<'_>) -> Result<(), Problem> {
-        let state = JointState::parse(message.content)?;
-        let present = state.fields.each_ref().map(|field| !field.is_empty());
-        if present == [false; 3] {
-            return Ok(());
-        }
-        self.numbers += state.fields.iter().map(Vec::len).sum::<usize>() as u64 + 1;
-        let most = MOST_PER_BYTE.saturating_mul(message.read).saturating_add(MOST_ANYWAY);
-        if self.numbers > most {
-            return Err(Problem::TooLarge { numbers: self.numbers, most });
-        }
-        let logged = i64::try_from(message.log_time).map_err(|_| Problem::BadTime(message.log_time))?;
-        let key = (message.channel.id, state.names.join("\0"), present);
-        let at = match self.of.get(&key) {
-            Some(at) => *at,
-            None => {
-                self.streams.push(Stream::new(&message.channel.topic, &state, present)?);
-                *self.of.entry(key).or_insert(self.streams.len() - 1)
-            }
-        };
-        let Some(stream) = self.streams.get_mut(at) else { return Ok(()) };
-        stream.times.push(Time { stamp: state.stamp, logged, message: message.number });
-        stream.values.extend(state.fields.iter().flatten());
-        Ok(())
-    }
-}
-
-impl Stream {
-    fn new(topic: &str, state: &JointState<'_>, present: [bool; 3]) -> Result<Self, Problem> {
-        let mut seen = BTreeMap::new();
-        if let Some(twice) = state.names.iter().find(|name| seen.insert(**name, ()).is_some()) {
-            return Err(Problem::Duplicate(format!("joint {twice}")));
-        }
-        let fields = FIELDS.into_iter().zip(present).filter(|(_, present)| *present);
-        let of_field = |(field, _)| state.names.iter().map(move |joint| format!("{topic}/{joint}/{field}"));
-        let names = fields.flat_map(of_field).collect();
-        Ok(Self { topic: topic.to_owned(), names, values: Vec::new(), times: Vec::new() })
     }
 }

@@ -1,12 +1,18 @@
 //! Guesses of the meaning of columns from their names.
 
-use super::{RawLog, Signal};
+use super::groups::{Group, groups};
+use super::words::{Qualifier, Quantity, is_of_nanoseconds, words};
+use super::{Clock, RawLog, Signal};
 
 /// Columns that may be t, q, v and u; to be confirmed by a person.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Guess {
     /// Time.
     pub t: Option<String>,
+    /// Nanoseconds to be added to the time, which has whole seconds.
+    pub nanosec: Option<String>,
+    /// Whether the time is written as dates.
+    pub is_date: bool,
     /// Positions.
     pub q: Vec<String>,
     /// Velocities; none, or one per position.
@@ -29,84 +35,65 @@ pub fn time_unit(median: f64) -> &'static str {
     }
 }
 
-/// Names, and parts of names, of positions, velocities and forces; a full match takes precedence over a partial one.
-const POSITIONS: [&str; 5] = ["q", "pos", "angle", "theta", "enc"];
-const VELOCITIES: [&str; 5] = ["v", "vel", "qd", "dq", "speed"];
-const FORCES: [&str; 5] = ["u", "tau", "torque", "effort", "force"];
-const TIMES: [&str; 4] = ["t", "time", "stamp", "sec"];
-
-/// Parts of names that decide between groups of equal rank: measured columns are preferred for motion, commanded ones
-/// for forces.
-const MEASURED: [&str; 2] = ["meas", "raw"];
-const COMMANDED: [&str; 4] = ["con", "cmd", "com", "des"];
-
-/// Columns whose names differ only in a number.
-struct Group<'a> {
-    stem: String,
-    names: Vec<&'a str>,
-}
-
 impl Guess {
     /// The guess for the columns of a file.
     #[must_use]
     pub fn of(logs: &[RawLog]) -> Self {
         let groups = groups(logs);
-        let t =
-            groups.iter().filter(|group| is_time(logs, group)).min_by_key(|group| rank(&group.stem, &TIMES));
-        let t = t.map(|group| group.names[0].to_owned());
-        let all = |kind: &[&str], [prefer, avoid]: [&[&str]; 2], n: Option<usize>| -> Vec<Vec<String>> {
-            let fits = |group: &&Group<'_>| {
-                n.is_none_or(|n| group.names.len() == n)
-                    && rank(&group.stem, kind).is_some()
-                    && t.as_deref() != Some(group.names[0])
-                    && moves(logs, group)
-            };
-            let has = |group: &Group<'_>, parts: &[&str]| parts.iter().any(|part| group.stem.contains(part));
-            let mut found: Vec<&Group<'_>> = groups.iter().filter(fits).collect();
-            found.sort_by_key(|group| (!has(group, prefer), has(group, avoid), rank(&group.stem, kind)));
-            let names = |group: &Group<'_>| group.names.iter().map(|name| (*name).to_owned()).collect();
-            found.into_iter().map(names).collect()
+        let time = Self::of_time(logs, &groups);
+        let q = ranked(logs, &groups, Quantity::Position, |group| [!is_measured(group), is_commanded(group)]);
+        let Some(q) = q.into_iter().next() else { return time };
+        let joints: Vec<Vec<String>> = q.columns.iter().map(|column| column.joint.clone()).collect();
+        let of_joints = |group: &Group<'_>| {
+            let same_number = || Some(group.names()).filter(|names| names.len() == joints.len());
+            group.of_joints(&joints).or_else(same_number)
         };
-        let first =
-            |kind: &[&str], n| all(kind, [&MEASURED, &COMMANDED], n).into_iter().next().unwrap_or_default();
-        let q = first(&POSITIONS, None);
-        let n = Some(q.len()).filter(|n| *n > 0);
-        if n.is_none() {
-            return Self { t, ..Self::default() };
+        let v = ranked(logs, &groups, Quantity::Velocity, |group| [!is_measured(group), is_commanded(group)]);
+        let u = ranked(logs, &groups, Quantity::Force, |group| [!is_commanded(group), false]);
+        let mut u = u.into_iter().filter_map(of_joints);
+        let first_u = u.next().unwrap_or_default();
+        let v = v.into_iter().find_map(of_joints).unwrap_or_default();
+        Self { q: q.names(), v, u: first_u, other_u: u.collect(), ..time }
+    }
+
+    /// The columns of time alone.
+    fn of_time(logs: &[RawLog], groups: &[Group<'_>]) -> Self {
+        if let Some(dates) = logs.iter().find_map(|log| log.dates.clone()) {
+            return Self { t: Some(dates), is_date: true, ..Self::default() };
         }
-        let mut u = all(&FORCES, [&COMMANDED, &[]], n).into_iter();
-        let (v, first_u) = (first(&VELOCITIES, n), u.next().unwrap_or_default());
-        Self { v, u: first_u, other_u: u.collect(), t, q }
+        if let Some((sec, nanosec)) = seconds_and_nanoseconds(logs) {
+            return Self { t: Some(sec), nanosec: Some(nanosec), ..Self::default() };
+        }
+        let times = groups.iter().filter(|group| group.quantity == Quantity::Time);
+        let times = times.flat_map(|group| group.columns.iter().map(|column| (group.rank, column)));
+        let rising = times.filter(|(_, column)| is_time(logs, column.name));
+        let named = rising.min_by_key(|(rank, column)| (*rank, column.joint.len()));
+        let t = named.map(|(_, column)| column.name.to_owned()).or_else(|| unnamed_time(logs));
+        Self { t, ..Self::default() }
     }
 }
 
-/// Groups columns whose names are equal without digits, brackets and word separators; columns of a topic are grouped by
-/// field and topic.
-fn groups(logs: &[RawLog]) -> Vec<Group<'_>> {
-    let mut groups: Vec<Group<'_>> = Vec::new();
-    for name in logs.iter().flat_map(|log| &log.names) {
-        let stem: String = match by_topic(name) {
-            Some((topic, field)) => letters(field) + &letters(topic),
-            None => letters(name),
-        };
-        match groups.iter_mut().find(|group| group.stem == stem) {
-            Some(group) if group.names.contains(&name.as_str()) => {}
-            Some(group) => group.names.push(name),
-            None => groups.push(Group { stem, names: vec![name] }),
-        }
-    }
-    groups
+/// Groups of a quantity of which some column changes, the best first; `preferred` comes before the words.
+fn ranked<'g, 'a>(
+    logs: &[RawLog],
+    groups: &'g [Group<'a>],
+    quantity: Quantity,
+    preferred: fn(&Group<'_>) -> [bool; 2],
+) -> Vec<&'g Group<'a>> {
+    let fits = |group: &&Group<'_>| {
+        group.quantity == quantity && !group.has(Qualifier::Computed) && moves(logs, group)
+    };
+    let mut found: Vec<&Group<'_>> = groups.iter().filter(fits).collect();
+    found.sort_by_key(|group| (preferred(group), group.rank));
+    found
 }
 
-fn letters(text: &str) -> String {
-    text.chars().filter(|c| c.is_alphabetic()).collect::<String>().to_lowercase()
+fn is_measured(group: &Group<'_>) -> bool {
+    group.has(Qualifier::Measured)
 }
 
-/// Topic and field of a column of an MCAP file.
-fn by_topic(name: &str) -> Option<(&str, &str)> {
-    let (joint, field) = name.rsplit_once('/')?;
-    let (topic, _) = joint.rsplit_once('/')?;
-    topic.starts_with('/').then_some((topic, field))
+fn is_commanded(group: &Group<'_>) -> bool {
+    group.has(Qualifier::Commanded)
 }
 
 /// The column of this name in the first log that has it.
@@ -114,32 +101,60 @@ fn column<'a>(logs: &'a [RawLog], name: &str) -> Option<&'a [f64]> {
     logs.iter().find_map(|log| log.column(name))
 }
 
-/// Rank of a match: 0 if the stem is one of the words, 1 if it begins with a word of more than one letter, 2 if it contains such a word;
-/// otherwise `None`.
-fn rank(stem: &str, words: &[&str]) -> Option<u8> {
-    let long = || words.iter().filter(|word| word.len() > 1);
-    if words.contains(&stem) {
-        Some(0)
-    } else if long().any(|word| stem.starts_with(word)) {
-        Some(1)
-    } else {
-        long().any(|word| stem.contains(word)).then_some(2)
-    }
-}
-
-fn is_time(logs: &[RawLog], group: &Group<'_>) -> bool {
+/// Whether a column rises mostly, and has no nanoseconds within a second.
+fn is_time(logs: &[RawLog], name: &str) -> bool {
     let rises =
         |column: &[f64]| column.windows(2).filter(|pair| pair[1] > pair[0]).count() * 2 > column.len();
-    group.names.len() == 1
-        && rank(&group.stem, &TIMES).is_some()
-        && column(logs, group.names[0]).is_some_and(rises)
+    !words(name).iter().any(|word| is_of_nanoseconds(word)) && column(logs, name).is_some_and(rises)
+        || words(name).iter().any(|word| is_of_nanoseconds(word))
+            && column(logs, name).is_some_and(is_whole_time)
 }
+
+/// Whether nanoseconds are a whole time, not a part of a second.
+fn is_whole_time(column: &[f64]) -> bool {
+    column.windows(2).all(|pair| pair[1] >= pair[0]) && column.last().is_some_and(|last| *last >= SECOND)
+}
+
+/// One second in ns.
+const SECOND: f64 = 1e9;
+
+/// Columns of whole seconds, and of the nanoseconds beside them, whose names differ in that word alone.
+fn seconds_and_nanoseconds(logs: &[RawLog]) -> Option<(String, String)> {
+    let is_seconds = |word: &str| matches!(word, "sec" | "secs" | "seconds" | "s");
+    let names = || logs.iter().flat_map(|log| &log.names);
+    let rest = |name: &str, is: &dyn Fn(&str) -> bool| {
+        let (found, rest): (Vec<String>, Vec<String>) = words(name).into_iter().partition(|word| is(word));
+        (!found.is_empty()).then_some(rest)
+    };
+    let within = |name: &&String| {
+        let is_part = |x: &f64| x.is_nan() || (0.0..SECOND).contains(x);
+        column(logs, name).is_some_and(|column| column.iter().all(is_part))
+    };
+    names().filter(within).find_map(|nanosec| {
+        let others = rest(nanosec, &is_of_nanoseconds)?;
+        let sec = names().find(|name| rest(name, &is_seconds).as_ref() == Some(&others))?;
+        Some((sec.clone(), nanosec.clone()))
+    })
+}
+
+/// The first column of a file without a header that rises as a clock does.
+fn unnamed_time(logs: &[RawLog]) -> Option<String> {
+    let names = logs.iter().flat_map(|log| &log.names).take_while(|name| name.starts_with('#'));
+    let is_clock = |name: &&String| {
+        let clock = column(logs, name).and_then(Clock::of);
+        clock.is_some_and(|clock| clock.backwards == 0 && clock.repeated == 0 && clock.jitter < JITTER)
+    };
+    names.into_iter().find(is_clock).cloned()
+}
+
+/// Jitter of a clock below which a rising column may be time.
+const JITTER: f64 = 0.5;
 
 /// Whether any of the columns changes.
 fn moves(logs: &[RawLog], group: &Group<'_>) -> bool {
     let changes =
-        |name: &&str| column(logs, name).and_then(Signal::of).is_some_and(|signal| !signal.is_constant());
-    group.names.iter().any(changes)
+        |name: &str| column(logs, name).and_then(Signal::of).is_some_and(|signal| !signal.is_constant());
+    group.columns.iter().any(|column| changes(column.name))
 }
 
 #[cfg(test)]
@@ -153,6 +168,7 @@ mod tests {
         };
         RawLog {
             topic: None,
+            dates: None,
             columns: names.iter().map(column).collect(),
             names: names.iter().map(|name| (*name).to_owned()).collect(),
             others: Vec::new(),
@@ -213,6 +229,58 @@ mod tests {
         assert_eq!(guess.v, names("/arm/joint_states", "velocity"));
         assert_eq!(guess.u, names("/joint_commands", "effort"));
         assert_eq!(guess.other_u, [names("/arm/joint_states", "effort")]);
+    }
+
+    #[test]
+    fn joints_by_words_are_one_group() {
+        let names = ["time", "shoulder_position", "elbow_position", "shoulder_effort", "elbow_effort"];
+        let guess = Guess::of(&[log(&names, &[])]);
+        assert_eq!(
+            (guess.q, guess.u),
+            (vec![names[1].into(), names[2].into()], vec![names[3].into(), names[4].into()])
+        );
+        assert!(guess.other_u.is_empty());
+        let names = ["time", "a_position", "b_position", "b_effort", "a_effort"];
+        assert_eq!(Guess::of(&[log(&names, &[])]).u, ["a_effort", "b_effort"]);
+    }
+
+    #[test]
+    fn an_arm_is_taken_without_its_torso_and_wrists_with_their_shoulder() {
+        let position = |joint: &str| format!("{joint}_joint_position");
+        let arm: Vec<String> = (1..=7).map(|k| position(&format!("arm_{k}"))).collect();
+        let others = ["torso_lift", "head_1", "head_2"].map(position);
+        let all =
+            ["time"].into_iter().chain(others.iter().chain(&arm).map(String::as_str)).collect::<Vec<_>>();
+        assert_eq!(Guess::of(&[log(&all, &[])]).q, arm);
+        let arm = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"].map(position);
+        let all = ["time"].into_iter().chain(arm.iter().map(String::as_str)).collect::<Vec<_>>();
+        assert_eq!(Guess::of(&[log(&all, &[])]).q, arm);
+    }
+
+    #[test]
+    fn what_is_computed_is_not_measured() {
+        let names = [
+            "time",
+            "q1",
+            "q2",
+            "tau1",
+            "tau2",
+            "tau_fric1",
+            "tau_fric2",
+            "friction_comp_torque1",
+            "friction_comp_torque2",
+        ];
+        let guess = Guess::of(&[log(&names, &[])]);
+        assert_eq!((guess.u, guess.other_u), (vec!["tau1".to_owned(), "tau2".to_owned()], Vec::new()));
+    }
+
+    #[test]
+    fn nanoseconds_alone_are_no_time() {
+        let pair = Guess::of(&[log(&["stamp.sec", "stamp.nanosec", "pos", "tau"], &[])]);
+        assert_eq!((pair.t.as_deref(), pair.nanosec.as_deref()), (Some("stamp.sec"), Some("stamp.nanosec")));
+        assert_eq!(Guess::of(&[log(&["nanosec", "pos", "tau"], &[])]).t, None);
+        let bare = Guess::of(&[log(&["#1", "#2"], &[])]);
+        assert_eq!((bare.t.as_deref(), bare.q.len()), (Some("#1"), 0));
     }
 
     #[test]

@@ -1,13 +1,15 @@
 //! All numeric columns of a file.
 
+use super::Guess;
 use crate::archive::Archive;
 use crate::bag::{Bag, Clock, Stream};
-use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
+use crate::csv_sheet::Sheet;
+use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::source::{Source, format_of};
-use crate::{DataError, Rows, located};
+use crate::{DataError, Rows, date, located};
 use std::path::Path;
 
 /// The numeric columns of one clock in a file, unchanged.
@@ -21,6 +23,8 @@ pub struct RawLog {
     pub columns: Vec<Vec<f64>>,
     /// Names of other columns.
     pub others: Vec<String>,
+    /// Column of dates, here in s since 1970.
+    pub dates: Option<String>,
 }
 
 /// Least fraction of numbers among a column's cells for the column to count as numeric.
@@ -55,6 +59,17 @@ impl RawLog {
         let at = self.names.iter().position(|known| known == name)?;
         self.columns.get(at).map(Vec::as_slice)
     }
+
+    /// The log with one column for the time where it has seconds and nanoseconds.
+    #[must_use]
+    pub fn with_one_time(mut self, guess: &Guess) -> Self {
+        let position =
+            |name: &Option<String>| self.names.iter().position(|known| Some(known) == name.as_ref());
+        let (Some(sec), Some(nanosec)) = (position(&guess.t), position(&guess.nanosec)) else { return self };
+        let sum = |(sec, nanosec): (&f64, &f64)| sec + 1e-9 * nanosec;
+        self.columns[sec] = self.columns[sec].iter().zip(&self.columns[nanosec]).map(sum).collect();
+        self
+    }
 }
 
 fn of_source(source: Source) -> Result<Vec<RawLog>, Fault> {
@@ -68,20 +83,26 @@ fn of_source(source: Source) -> Result<Vec<RawLog>, Fault> {
 fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
     let content = decoded(bytes)?;
     let any = |name: &[u8]| name.first().is_some_and(u8::is_ascii_alphabetic);
-    let mut reader = reader(&content, separator(&content, any));
-    let mut records = reader.byte_records();
-    let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
-    let names: Vec<String> = header.map_err(broken)?.iter().map(text).collect();
+    let sheet = Sheet::open(&content, any)?;
+    let names = sheet.names.clone();
     let mut columns = vec![Vec::new(); names.len()];
     let mut numbers = Numbers::default();
-    for record in records {
-        let record = record.map_err(broken)?;
-        for (column, cell) in columns.iter_mut().zip(record.iter().map(Some).chain(std::iter::repeat(None))) {
-            let number = cell.and_then(|cell| numbers.read(text(cell), || Place::File).ok());
+    let mut dates = vec![0; names.len()];
+    sheet.samples(|record, _| {
+        let cells = record.iter().chain(std::iter::repeat(&b""[..]));
+        for ((column, dates), cell) in columns.iter_mut().zip(&mut dates).zip(cells) {
+            let cell = text(cell);
+            let date = date::seconds(&cell);
+            *dates += usize::from(date.is_some());
+            let number = date.or_else(|| numbers.read(cell, || Place::File).ok());
             column.push(number.unwrap_or(f64::NAN));
         }
-    }
-    let log = RawLog { topic: None, names, columns, others: Vec::new() }.of_numbers();
+        Ok(())
+    })?;
+    let samples = columns.first().map_or(0, Vec::len);
+    let of_dates = names.iter().zip(dates).find(|(_, dates)| 2 * dates > samples);
+    let dates = of_dates.map(|(name, _)| name.clone());
+    let log = RawLog { topic: None, names, columns, others: Vec::new(), dates }.of_numbers();
     if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
 }
 
@@ -102,7 +123,7 @@ fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
     // The most common length is taken as the length of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
-    let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others };
+    let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others, dates: None };
     for (key, rows) in &parts {
         if Some(rows.len()) != samples {
             log.others.push(key.clone());
@@ -131,6 +152,7 @@ fn of_stream(stream: &Stream, clock: &Clock, others: &[String]) -> RawLog {
         names: names.collect(),
         columns: columns.collect(),
         others: others.to_vec(),
+        dates: None,
     }
 }
 
@@ -147,6 +169,6 @@ impl RawLog {
                 others.push(name);
             }
         }
-        Self { topic: self.topic, names, columns, others }
+        Self { topic: self.topic, names, columns, others, dates: self.dates }
     }
 }

@@ -200,6 +200,35 @@ fn intervals_and_further_files_of_recordings() {
 }
 
 #[test]
+fn columns_by_number_sums_offsets_and_rates() {
+    let with = |data: &str| LEAST.replace("[model]", &format!("{data}\n[model]"));
+    let config = parse(&with(
+        "rate = 100.0\n[data.columns]\nq = [2, { name = 3, scale = 2.0, sign = -1, offset = 1.5 }]\nu = { sum = [{ name = \"a\", scale = 0.5 }, \"b\"], offset = 1 }",
+    ))
+    .unwrap();
+    let reading = config.data.reading();
+    let columns = reading.columns.unwrap();
+    assert_eq!((reading.rate, columns.q[0].name.as_str()), (Some(100.0), "#2"));
+    assert_eq!((columns.q[1].scale, columns.q[1].offset), (-2.0, 3.0));
+    assert_eq!((columns.u[0].plus[0].name.as_str(), columns.u[0].offset), ("b", 1.0));
+    assert_eq!(parse(&config.to_toml()).unwrap(), config);
+    let one = parse(&with("[data.columns]\nt = { sec = 1, nanosec = \"ns\" }\nq = 3")).unwrap();
+    assert_eq!(one.data.reading().columns.unwrap().t.plus[0].scale, 1e-9);
+    assert_eq!(parse(&one.to_toml()).unwrap(), one);
+    for (data, said) in [
+        ("rate = 0.0", "rate"),
+        ("rate = 10.0\n[data.columns]\nt = \"now\"\nq = 1", "rate is for logs without time"),
+        ("[data.columns]\nq = 0", "counted from 1"),
+        ("[data.columns]\nq = { sum = [] }", "a sum needs at least one column"),
+        ("[data.columns]\nq = { sum = [1], unit = \"deg\" }", "a column has a name"),
+        ("[data.columns]\nq = { sec = 1 }", "a column has a name"),
+    ] {
+        let message = error(&with(data));
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
 fn the_pages_ways_to_name_logs_are_read() {
     const PAGE: &str = include_str!("../../../../docs/book/src/logs.md");
     let blocks = PAGE.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());

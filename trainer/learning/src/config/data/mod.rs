@@ -1,5 +1,6 @@
 //! `[data]`: which logs, and how they are read.
 
+mod column;
 mod columns;
 mod joints;
 mod list;
@@ -29,6 +30,9 @@ pub struct DataConfig {
     /// Step onto which all samples are resampled, s; by default the step of the files.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
     pub step: Option<f64>,
+    /// Sampling rate of logs without time, Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
+    pub rate: Option<f64>,
     /// Number of trajectories to use, from the first on, at least 1; by default all.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_positive")]
     pub trajectories: Option<usize>,
@@ -59,6 +63,7 @@ impl DataConfig {
         Self {
             file: file.into(),
             step: None,
+            rate: None,
             trajectories: None,
             validation: validation(),
             control: None,
@@ -74,13 +79,26 @@ impl DataConfig {
         let t = columns.as_ref().map_or_else(|| Column::si("t"), |columns| columns.t.clone());
         let joins = self.join.iter().map(|(name, join)| join.named(name, &t)).collect();
         let leave_out = self.leave_out.iter().map(|left| left.0.clone()).collect();
-        Reading { columns, step: self.step, control: self.control, joins, leave_out }
+        Reading { columns, step: self.step, rate: self.rate, control: self.control, joins, leave_out }
     }
 
-    /// An inconsistency, if any: files can only be joined through named columns.
+    /// An inconsistency, if any: files can only be joined through named columns, and a rate stands in place of stamps.
     pub(super) fn problem(&self) -> Option<String> {
         let unnamed = self.columns.is_none().then(|| self.join.keys().next()).flatten();
-        unnamed.map(|name| format!("columns of {name:?} need names: {name}:… under [data.columns]"))
+        if let Some(name) = unnamed {
+            return Some(format!("columns of {name:?} need names: {name}:… under [data.columns]"));
+        }
+        let t = self.columns.as_ref().map(|columns| &columns.columns.t).filter(|t| **t != Column::si("t"));
+        match (self.rate, t) {
+            (Some(_), Some(t)) => Some(format!(
+                "rate is for logs without time, but {:?} is named as time; leave one of them out",
+                t.name
+            )),
+            (Some(_), None) if !self.join.is_empty() => {
+                Some("files are joined by their stamps; rate is for logs without them".to_owned())
+            }
+            _ => None,
+        }
     }
 
     /// This configuration, followed by a variant for each entry of `other_u`.

@@ -1,6 +1,6 @@
 //! `[data.join]`: further files of each recording; `leave_out`: time intervals that are not learned from.
 
-use super::columns::ColumnConfig;
+use super::column::ColumnConfig;
 use crate::data::{Column, Join, LeftOut};
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};

@@ -1,0 +1,72 @@
+//! Logs as loggers lay them out, from `look` to `train`.
+
+use crate::support::Bench;
+use std::fmt::Write as _;
+
+/// A pendulum's log of two seconds, with this text before the samples.
+fn log(head: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
+    let mut text = head.to_owned();
+    for k in 0..200 {
+        let t = 0.01 * f64::from(k);
+        writeln!(text, "{}", row(t, 0.5 * (3.0 * t).sin(), (5.0 * t).cos())).unwrap();
+    }
+    text
+}
+
+/// Looks at a log, and trains for an iteration with the configuration that is written.
+fn trains(bench: &Bench, name: &str, text: &str, options: &str) -> String {
+    std::fs::write(bench.at(name), text).unwrap();
+    let done = bench.run(&format!("look {name} -o {name}.toml {options}")).good();
+    assert!(!done.stderr.contains("training will refuse"), "{name}: {}", done.stderr);
+    let written = bench.text(&format!("{name}.toml"));
+    std::fs::write(bench.at(&format!("{name}.toml")), written.clone() + "iterations = 1\n").unwrap();
+    bench.run(&format!("train {name}.toml -o {name}-run")).good();
+    written
+}
+
+#[test]
+fn logs_of_many_layouts_are_looked_at_and_learned_from() {
+    let bench = Bench::new();
+    trains(&bench, "comma.csv", &log("time,pos,tau\n", |t, q, u| format!("{t:.2},{q},{u},")), "");
+    trains(&bench, "blank.csv", &log("time pos tau\n", |t, q, u| format!("{t:.2}  {q} {u}")), "");
+    let rate = trains(&bench, "rate.csv", &log("pos,tau\n", |_, q, u| format!("{q},{u}")), "--rate 100");
+    assert!(rate.contains("\nrate = 100.0"), "{rate}");
+    let two = log("sec,nanosec,pos,tau\n", |t, q, u| {
+        format!("{},{:.0},{q},{u}", 1_700_000_000 + t as u64, 1e9 * t.fract())
+    });
+    let two = trains(&bench, "two.csv", &two, "");
+    assert!(two.contains("t = { sec = \"sec\", nanosec = \"nanosec\" }"), "{two}");
+    let several = |t: f64, q: f64, u: f64| format!("{t:.3},{q},\n{:.3},,{u}", t + 0.003);
+    trains(&bench, "several.csv", &log("time,pos,tau\n", several), "");
+}
+
+#[test]
+fn a_log_without_a_header_is_read_by_numbers() {
+    let bench = Bench::new();
+    std::fs::write(bench.at("a.csv"), log("", |t, q, u| format!("{t:.2},{q},{u}"))).unwrap();
+    let report = bench.run("look a.csv").good().stdout;
+    assert!(report.contains("#1          t ") && report.contains("#3"), "{report}");
+    bench
+        .run("look a.csv -o a.toml")
+        .bad(2, &["there is no header line; #1 rises as time does", "q = [2, 3]"]);
+    std::fs::write(
+        bench.at("a.toml"),
+        "[data]\nfile = \"a.csv\"\nvalidation = 0.0\n[data.columns]\nt = 1\nq = 2\nu = 3\n[model]\ncoordinates = \"a\"\nhidden = [4]\n[training]\niterations = 1\n",
+    )
+    .unwrap();
+    bench.run("train a.toml -o run").good();
+}
+
+#[test]
+fn steps_that_differ_a_little_become_one() {
+    let bench = Bench::new();
+    for (name, h) in [("a.csv", 2.03e-3), ("b.csv", 2.05e-3)] {
+        let row = |t: f64, q: f64, u: f64| format!("{:.6},{q},{u}", t / 0.01 * h);
+        std::fs::write(bench.at(name), log("time,pos,tau\n", row)).unwrap();
+    }
+    bench.run("look a.csv b.csv -o c.toml").good();
+    let written = bench.text("c.toml");
+    assert!(written.contains("\nstep = 0.00"), "{written}");
+    std::fs::write(bench.at("c.toml"), written + "iterations = 1\n").unwrap();
+    bench.run("train c.toml -o run").good();
+}
