@@ -44,7 +44,7 @@ fn zone(time: &str) -> Option<(&str, i64)> {
     Some((time.trim_end(), sign * (3600 * hours + 60 * minutes)))
 }
 
-/// Numbers of so many digits each, between separators.
+/// Numbers with these counts of digits, between separators.
 fn numbers<const N: usize>(text: &str, separator: char, lengths: [usize; N]) -> Option<[i64; N]> {
     let mut parts = text.split(separator);
     let mut found = [0; N];

@@ -9,7 +9,7 @@ pub enum LayoutNote {
     UnitsLine {
         /// Line, from 1.
         line: u64,
-        /// Its cells.
+        /// Cells of the line.
         units: String,
     },
     /// The header comes again, as where logs were put together; a trajectory begins there.

@@ -11,7 +11,7 @@ pub(super) struct Group<'a> {
     pub quantity: Quantity,
     /// Rank of the word of the quantity, 0 for the best.
     pub rank: u8,
-    /// What other words say of the columns.
+    /// Kind of the columns by their other words.
     pub qualifiers: Vec<Qualifier>,
     /// Common to all columns: topic, word of the quantity, qualifiers.
     key: String,

@@ -34,7 +34,7 @@ const QUANTITIES: [(Quantity, &[&str]); 5] = [
     (Quantity::Other, &OTHERS),
 ];
 
-/// What a word says of a column, apart from its joint.
+/// Kind of a column by a word that is neither its joint nor its quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Qualifier {
     Measured,
