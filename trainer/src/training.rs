@@ -108,6 +108,8 @@ pub fn train(
     let ending = run.train(monitor, stop)?;
     let (training_samples, validation_samples) = run.plan().samples();
     let best = run.best();
+    let torques = run.torque_errors();
+    let poor = if ending == Ending::Interrupted { None } else { run.poor(torques.as_ref()) };
     let report = Report {
         run: folder.to_owned(),
         ending: ending.name(),
@@ -119,8 +121,8 @@ pub fn train(
         best_iteration: best.iteration,
         train_loss: best.train,
         validation_loss: best.validation,
-        torques: run.torque_errors(),
-        poor: (ending != Ending::Interrupted).then(|| run.poor()).flatten().map(|poor| poor.to_string()),
+        torques,
+        poor: poor.map(|poor| poor.to_string()),
         seconds: run.seconds(),
         loss_curve: run.loss_curve(),
         report: run.report(),

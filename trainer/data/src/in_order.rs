@@ -1,7 +1,7 @@
 //! Samples whose stamps are late: a busy logger stamped them after it was held up.
 
 use crate::error::Fault;
-use crate::intervals::GAP;
+use crate::intervals::{GAP, Intervals};
 use crate::place::Place;
 use crate::problem::Problem;
 
@@ -33,9 +33,8 @@ impl InOrder {
         stamps: impl Iterator<Item = (usize, f64)>,
         place: impl Fn(usize) -> Place,
     ) -> Result<Self, Fault> {
-        let (mut own, mut count, mut first) = (Self::default(), 0, None);
+        let (mut own, mut first) = (Self::default(), None);
         for (row, now) in stamps {
-            count += 1;
             if own.t.last() == Some(&now) {
                 own.repeated += 1;
                 continue;
@@ -50,7 +49,8 @@ impl InOrder {
             own.t.push(now);
             own.rows.push(row);
         }
-        match first.filter(|_| own.late as f64 > MANY * f64::from(count)) {
+        let count = own.t.len() + own.repeated + own.late;
+        match first.filter(|_| own.late as f64 > MANY * count as f64) {
             Some((row, before, after)) => Err((place(row), Problem::Unsorted { before, after })),
             None => {
                 own.leave_out_between();
@@ -74,10 +74,10 @@ impl InOrder {
 
     /// Leaves out samples that are late by less than a step, if they are few: where stamps jitter always, they are right.
     fn leave_out_between(&mut self) {
-        let intervals = || self.t.windows(2).map(|pair| pair[1] - pair[0]);
-        let mut sorted: Vec<f64> = intervals().collect();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let Some(median) = sorted.get(sorted.len() / 2) else { return };
+        let Some(Intervals { median, .. }) = Intervals::of(self.t.windows(2).map(|pair| pair[1] - pair[0]))
+        else {
+            return;
+        };
         let [long, short] = LATE;
         let is_late = |k: usize| {
             let [before, after] = [self.t[k] - self.t[k - 1], self.t[k + 1] - self.t[k]];
@@ -87,10 +87,9 @@ impl InOrder {
         if late.len() as f64 > 0.5 * MANY * self.t.len() as f64 {
             return;
         }
-        for k in late.iter().rev() {
-            self.t.remove(*k);
-            self.rows.remove(*k);
-        }
+        let kept = |k: usize| late.binary_search(&k).is_err();
+        self.t = (0..self.t.len()).filter(|k| kept(*k)).map(|k| self.t[k]).collect();
+        self.rows = (0..self.rows.len()).filter(|k| kept(*k)).map(|k| self.rows[k]).collect();
         self.late += late.len();
     }
 }

@@ -16,6 +16,7 @@ use crate::table::{Run, Table, Uniform};
 use crate::time::rounded;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory};
 use leastaction_core::forces::ControlKind;
+use std::cell::LazyCell;
 use std::ops::Range;
 
 /// Tolerance of the default step, relative to the mean interval: within it the decimal number with the fewest digits is
@@ -133,7 +134,8 @@ impl Even<'_> {
     fn take(&mut self, run: &Stamped) -> Result<(), Fault> {
         let (mut start, mut id) = (0, run.id);
         let InOrder { t, rows, .. } = &run.samples;
-        let bridges = Bridges::new(&self.table.q, &run.samples, (self.median, self.longest_step));
+        let (q, intervals) = (&self.table.q, (self.median, self.longest_step));
+        let bridges = LazyCell::new(|| Bridges::new(q, &run.samples, intervals));
         for k in 1..=t.len() {
             let interval = t.get(k).map(|now| now - t[k - 1]);
             if interval.is_some_and(|interval| interval <= self.longest_step) {

@@ -101,13 +101,12 @@ fn column<'a>(logs: &'a [RawLog], name: &str) -> Option<&'a [f64]> {
     logs.iter().find_map(|log| log.column(name))
 }
 
-/// Whether a column rises mostly, and has no nanoseconds within a second.
+/// Whether a column rises mostly; one of nanoseconds must be a whole time.
 fn is_time(logs: &[RawLog], name: &str) -> bool {
     let rises =
         |column: &[f64]| column.windows(2).filter(|pair| pair[1] > pair[0]).count() * 2 > column.len();
-    !words(name).iter().any(|word| is_of_nanoseconds(word)) && column(logs, name).is_some_and(rises)
-        || words(name).iter().any(|word| is_of_nanoseconds(word))
-            && column(logs, name).is_some_and(is_whole_time)
+    let is_of_nanoseconds = words(name).iter().any(|word| is_of_nanoseconds(word));
+    column(logs, name).is_some_and(if is_of_nanoseconds { is_whole_time } else { rises })
 }
 
 /// Whether nanoseconds are a whole time, not a part of a second.

@@ -190,19 +190,19 @@ impl Config {
         if let Some((key, must)) = config.calibration.problem() {
             return Err(read::at_key(file, text, &["calibration", key], format!("`{key}` must be {must}")));
         }
-        config.model.check(&open).map_err(|error| read::located(file, text, &error))?;
-        if let Some(OtherOrder { key, message }) = config.joints_in_other_order() {
+        let architecture = config.model.architecture(&open);
+        let architecture = architecture.map_err(|error| read::located(file, text, &error))?;
+        if let Some(OtherOrder { key, message }) = config.joints_in_other_order(&architecture) {
             return Err(read::at_key(file, text, &["data", "columns", key], message));
         }
         Ok(config)
     }
 
     /// Columns that name the joints of an arm in another order than the arm has them.
-    fn joints_in_other_order(&self) -> Option<OtherOrder> {
-        let (columns, architecture) = (self.data.columns.as_ref()?, self.model.architecture(&open).ok()?);
+    fn joints_in_other_order(&self, architecture: &Architecture) -> Option<OtherOrder> {
         let joints: Vec<&str> =
             architecture.family.arm()?.bodies.iter().map(|body| body.name.as_str()).collect();
-        columns.in_other_order(&joints)
+        self.data.columns.as_ref()?.in_other_order(&joints)
     }
 
     /// The configuration as TOML, every key written out.

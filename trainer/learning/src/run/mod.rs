@@ -54,7 +54,7 @@ pub use tried::Tried;
 pub use verdict::Poor;
 
 use crate::checkpoint::{Best, Checkpoint, State, Trained};
-use crate::config::{TrainingConfig, TrainingLoss};
+use crate::config::TrainingConfig;
 use crate::lock::Lock;
 use crate::torques::SplitErrors;
 use crate::training::Progress;
@@ -173,14 +173,13 @@ impl Run {
         within(self.pool.as_ref(), || self.plan.torque_errors(&model))
     }
 
-    /// The way in which the best model is no better than a trivial one; `None` if it is better, if nothing can be
-    /// compared, or if no iteration was asked for.
-    pub fn poor(&self) -> Option<Poor> {
-        let TrainingConfig { iterations, loss, .. } = self.plan.config.training;
-        if iterations == 0 && loss != Some(TrainingLoss::Torque) {
+    /// The way in which the best model, with these [torque errors](Self::torque_errors), is no better than a trivial
+    /// one; `None` if it is better, if nothing can be compared, or if no iteration was asked for.
+    pub fn poor(&self, torques: Option<&SplitErrors>) -> Option<Poor> {
+        if self.plan.config.training.iterations == 0 && torques.is_none() {
             return None;
         }
-        within(self.pool.as_ref(), || verdict::verdict(&self.plan, &self.state))
+        within(self.pool.as_ref(), || verdict::verdict(&self.plan, &self.state, torques))
     }
 
     /// Path of the loss curve that [`Run::train`] draws.

@@ -68,13 +68,13 @@ impl fmt::Display for Poor {
     }
 }
 
-/// The judgement of the best weights of a run; `None` if they are better than a trivial model, or if nothing can be
-/// compared.
-pub(super) fn verdict(plan: &Plan, state: &State) -> Option<Poor> {
+/// The judgement of the best weights of a run, which have these torque errors if torques are the loss; `None` if they
+/// are better than a trivial model, or if nothing can be compared.
+pub(super) fn verdict(plan: &Plan, state: &State, torques: Option<&SplitErrors>) -> Option<Poor> {
+    if let Some(errors) = torques {
+        return of_torques(errors);
+    }
     if let Some((model, zeros)) = calibrated(plan, state) {
-        if let Some(errors) = plan.torque_errors(&model) {
-            return of_torques(&errors);
-        }
         let logs = &plan.windows.as_ref()?.logs;
         return of_positions(&Predictor { model: &model, zeros: &zeros, logs });
     }
@@ -150,7 +150,7 @@ mod tests {
         let mut run =
             Run::begin(Plan::new(config, data).unwrap(), &folder.path().join("run"), false).unwrap();
         run.train(&mut Warned::default(), &AtomicBool::new(false)).unwrap();
-        run.poor()
+        run.poor(None)
     }
 
     /// Positions that no mechanism moves through.

@@ -63,14 +63,6 @@ pub trait FamilyConfig {
         Ok(Vec::new())
     }
 
-    /// Refuses an invalid model.
-    ///
-    /// # Errors
-    /// [`ShapeError`]: what is wrong, and where.
-    fn check(&self, open: Open) -> Result<(), ShapeError> {
-        self.architecture(open).map(drop)
-    }
-
     /// Returns the shape of the model and the weights that training begins with.
     ///
     /// # Errors

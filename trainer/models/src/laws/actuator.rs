@@ -66,7 +66,7 @@ impl Actuator {
     }
 
     /// Returns τ_i at the start and at the end of the step of h seconds from sample k on, with τ_i linear between them.
-    /// As in core ([`forces::Actuator`]), this force has the same impulse and moment as the force that acts.
+    /// This force has the same impulse and moment as the force that acts, as in core ([`forces::Actuator`]).
     ///
     /// `command` gives u_i at a sample; negative samples precede the first one.
     pub fn over_step(
