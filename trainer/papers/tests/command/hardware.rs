@@ -111,7 +111,7 @@ fn hostile_logs_are_refused_with_their_place() {
     let run = || bench.run("hardware --data . --machine double-pendulum --only constant");
     let cases = [
         (good.replace("pos_meas2", "other"), &["01.csv", "pos_meas2"][..]),
-        (format!("{good}1,2,3\n"), &["01.csv, line", "3 cells"]),
+        (good.replacen('\n', "\n1,2,3\n", 1), &["01.csv, line 2", "3 cells"]),
         (format!("{good}9,1,1,inf,1,1,1,1,1\n"), &["01.csv, line"]),
         (format!("{good}1e13,1,1,1,1,1,1,1,1\n"), &["01.csv", "samples over 1.000e13 s"]),
         (format!("{good}0.5,1,1,1,1,1,1,1,1\n"), &["01.csv, line", "time goes from"]),
