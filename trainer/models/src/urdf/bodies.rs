@@ -50,11 +50,11 @@ impl Description {
             let added = all.add(met);
             faults.take(added);
         }
-        let mut notes = roles.notes;
+        let mut notes = [self.notes.clone(), roles.notes].concat();
         all.judge(options.inertias, &mut faults, &mut notes);
         faults.end()?;
         all.give_coordinates();
-        Ok(Described { tree: Tree::new(all.bodies)?, notes })
+        Ok(Described { tree: all.tree()?, notes })
     }
 }
 
@@ -100,23 +100,53 @@ impl Bodies<'_> {
         }
     }
 
+    /// Returns the tree, with the rotors of the joints.
+    fn tree(self) -> Result<Tree, UrdfError> {
+        let mut tree = Tree::new(self.bodies)?;
+        for (joint, body) in &self.moved {
+            let Body { coordinate, ratio, .. } = tree.bodies()[*body];
+            tree.rotors[coordinate] += ratio * ratio * self.description.joints[*joint].armature;
+        }
+        tree.gravity = self.description.gravity.unwrap_or(tree.gravity);
+        Ok(tree)
+    }
+
     /// Judges masses and inertias of the bodies, and changes inertias that no body has.
     fn judge(&mut self, inertias: Inertias, faults: &mut Faults, notes: &mut Vec<DescriptionNote>) {
         for k in 0..self.bodies.len() {
-            let moved = moved(&self.bodies[k]);
+            let Moved { link, joint } = moved(&self.bodies[k]);
             let mass = self.bodies[k].inertia.mass();
-            if mass > 0.0 {
+            if let Some(found) = self.unknown(k).filter(|_| inertias == Inertias::Required || mass != 0.0) {
+                faults.push(UrdfError::NoInertia { link, joint, found });
+            } else if mass > 0.0 {
                 notes.extend(self.negative_masses(k));
                 notes.extend(consistent(&mut self.bodies[k]));
             } else if mass < 0.0 {
-                faults.push(UrdfError::NegativeMass { link: moved.link, joint: moved.joint, mass });
+                faults.push(UrdfError::NegativeMass { link, joint, mass });
             } else if inertias == Inertias::Required {
-                let has_inertial =
-                    self.links[k].iter().any(|link| self.description.links[*link].has_inertial);
-                let found = if has_inertial { "its <mass> is 0" } else { "<inertial> is missing" };
-                faults.push(UrdfError::NoInertia { link: moved.link, joint: moved.joint, found });
+                notes.extend(faults.take(self.massless(k)).flatten());
             }
         }
+    }
+
+    /// Reason why the inertia of a body is not known.
+    fn unknown(&self, k: usize) -> Option<String> {
+        self.links[k].iter().find_map(|link| self.description.links[*link].unknown.clone())
+    }
+
+    /// Returns a note on a body without mass that carries mass, unless it only stands between two joints of an MJCF body;
+    /// refuses one that carries none.
+    fn massless(&self, k: usize) -> Result<Option<DescriptionNote>, UrdfError> {
+        let body = moved(&self.bodies[k]);
+        let carried = carried_mass(&self.bodies, k);
+        let mut links = self.links[k].iter().map(|link| &self.description.links[*link]);
+        if carried > 0.0 {
+            let note = DescriptionNote::Massless { body, carried };
+            return Ok(links.any(|link| !link.at.is_empty()).then_some(note));
+        }
+        let found =
+            if links.any(|link| link.has_inertial) { "its <mass> is 0" } else { "<inertial> is missing" };
+        Err(UrdfError::NoInertia { link: body.link, joint: body.joint, found: found.to_owned() })
     }
 
     fn negative_masses(&self, k: usize) -> impl Iterator<Item = DescriptionNote> {
@@ -129,6 +159,17 @@ impl Bodies<'_> {
             total,
         })
     }
+}
+
+/// Mass of all bodies that a body carries, kg.
+pub(crate) fn carried_mass(bodies: &[Body], k: usize) -> f64 {
+    let mut is_carried = vec![false; bodies.len()];
+    let mut mass = 0.0;
+    for (i, body) in bodies.iter().enumerate().skip(k + 1) {
+        is_carried[i] = body.parent.is_some_and(|parent| parent == k || is_carried[parent]);
+        mass += if is_carried[i] { body.inertia.mass().max(0.0) } else { 0.0 };
+    }
+    mass
 }
 
 /// Names of a body and its joint.

@@ -2,7 +2,9 @@
 
 use super::error::UrdfError;
 use super::faults::Faults;
+use super::note::DescriptionNote;
 use super::parts::{JointElement, Link};
+use nalgebra::Vector3;
 use std::collections::{HashMap, VecDeque};
 
 /// Links and joints that hang from one root.
@@ -10,6 +12,12 @@ pub(super) struct Description {
     pub links: Vec<Link>,
     pub joints: Vec<JointElement>,
     pub root: usize,
+    /// Gravity in the base frame, m/s², if the file has it.
+    pub gravity: Option<Vector3<f64>>,
+    /// Whether coordinates are in the order of a depth-first walk, as in MuJoCo.
+    pub is_depth_first: bool,
+    /// Notes on what the file has beside links and joints.
+    pub notes: Vec<DescriptionNote>,
     /// Joints on every link, each with the link that it moves.
     carried: Vec<Vec<(usize, usize)>>,
 }
@@ -50,14 +58,15 @@ impl Description {
             let [first, second] = [root, second].map(|link| links[link].name.clone());
             return Err(UrdfError::TwoRoots { first, second });
         }
-        Ok(Self { links, joints, root, carried })
+        let (gravity, is_depth_first, notes) = (None, false, Vec::new());
+        Ok(Self { links, joints, root, gravity, is_depth_first, notes, carried })
     }
 
     /// Joints in the order of the coordinates, each after those that carry it. What is held still does not change it.
     pub fn walk(&self) -> Result<Vec<Met>, UrdfError> {
         let mut met = Vec::with_capacity(self.joints.len());
         let mut is_met = vec![false; self.links.len()];
-        // Links still to be visited, with the fixed joint that carries them.
+        // Links still to be visited, with the joint that carries them unless it was met with its parent.
         let mut open = VecDeque::from([(self.root, None)]);
         while let Some((parent, fixed)) = open.pop_back() {
             is_met[parent] = true;
@@ -67,8 +76,8 @@ impl Description {
                 parent,
                 child: *child,
             });
-            let (held, moving): (Vec<Met>, Vec<Met>) =
-                each.partition(|met| self.joints[met.joint].kind == "fixed");
+            let is_next = |met: &Met| self.is_depth_first || self.joints[met.joint].kind == "fixed";
+            let (held, moving): (Vec<Met>, Vec<Met>) = each.partition(is_next);
             // The last link pushed is visited first, so the order is reversed.
             open.extend(held.into_iter().rev().map(|met| (met.child, Some(met))));
             for joint in moving {

@@ -24,9 +24,19 @@ pub enum UrdfError {
     /// More links than any robot has.
     #[error("{0} links; at most {MOST_LINKS} are read")]
     Links(usize),
-    /// The outermost element is not `<robot>`.
-    #[error("the outermost element is <{0}>, not <robot>; a xacro file must be expanded first")]
+    /// The outermost element is neither `<robot>` nor `<mujoco>`.
+    #[error(
+        "the outermost element is <{0}>, neither <robot> (URDF) nor <mujoco> (MJCF); a xacro file must be expanded first"
+    )]
     NotRobot(String),
+    /// An element of an MJCF file that cannot be read.
+    #[error("line {line}: {message}")]
+    Mjcf {
+        /// Line in the file, from 1.
+        line: u32,
+        /// Element and reason, in words.
+        message: String,
+    },
     /// A file that xacro has not expanded.
     #[error(
         "line {line}: {what} belongs to xacro, which has not expanded this file; expand it first: `xacro in.urdf.xacro > out.urdf` (ROS 2)"
@@ -142,14 +152,14 @@ pub enum UrdfError {
         mass: f64,
     },
     /// A moving link without mass.
-    #[error("link {link}, moved by joint {joint}, has no mass ({found}), and nothing fixed to it has")]
+    #[error("link {link}, moved by joint {joint}, has no mass ({found}), and nothing that it carries has")]
     NoInertia {
         /// Name of the link.
         link: String,
         /// Name of its joint.
         joint: String,
-        /// Reason, in words: no `<inertial>`, or a mass of 0.
-        found: &'static str,
+        /// Reason, in words: no `<inertial>`, a mass of 0, or a shape that is not read.
+        found: String,
     },
     /// A joint that follows itself, if by way of others.
     #[error("joint {0} follows itself: the joints that follow each other (<mimic>) go round in a circle")]
@@ -165,7 +175,7 @@ pub const MOST_BYTES: usize = 1 << 24;
 pub const MOST_LINKS: usize = 4096;
 
 /// Number of faults that one error writes out.
-const MOST_WRITTEN: usize = 20;
+pub(super) const MOST_WRITTEN: usize = 20;
 
 impl UrdfError {
     /// Whether bodies without mass are among the faults.

@@ -1,6 +1,6 @@
 //! Collection of faults, so that one run reports all of them.
 
-use super::error::UrdfError;
+use super::error::{MOST_WRITTEN, UrdfError};
 
 /// Faults found so far.
 #[derive(Default)]
@@ -9,6 +9,11 @@ pub(super) struct Faults(Vec<UrdfError>);
 impl Faults {
     pub fn push(&mut self, fault: UrdfError) {
         self.0.push(fault);
+    }
+
+    /// Whether more would not be written out.
+    pub fn are_many(&self) -> bool {
+        self.0.len() > MOST_WRITTEN
     }
 
     /// Returns the value, or keeps the fault.

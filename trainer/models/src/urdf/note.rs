@@ -47,6 +47,27 @@ pub enum DescriptionNote {
         /// Radius of the ball, m.
         radius: f64,
     },
+    /// A body has no mass, but one that it carries has.
+    Massless {
+        /// The body.
+        body: Moved,
+        /// Mass of the bodies that it carries, kg.
+        carried: f64,
+    },
+    /// A body without mass got a ball, since training needs one.
+    Speck {
+        /// The body.
+        body: Moved,
+        /// Mass of the ball, kg.
+        mass: f64,
+        /// Radius of the ball, m.
+        radius: f64,
+    },
+    /// Part of an MJCF file that acts on the robot is not read.
+    NotRead {
+        /// The part, in words.
+        what: String,
+    },
     /// A link with a mass below 0 is part of a body of positive mass.
     NegativeMass {
         /// Name of the link.
@@ -122,6 +143,18 @@ impl fmt::Display for DescriptionNote {
                  a radius of {radius} m is guessed ([model] radius); give it an inertia to have another",
                 short(*mass)
             ),
+            Self::Massless { body, carried } => write!(
+                f,
+                "{body}: it has no mass, and none is given to it; the bodies that it carries have {} kg",
+                short(*carried)
+            ),
+            Self::Speck { body, mass, radius } => write!(
+                f,
+                "{body}: it has no mass, but training needs one: it has a ball of {} kg with a radius of {radius} m, and \
+                 is not learned",
+                short(*mass)
+            ),
+            Self::NotRead { what } => write!(f, "NOT READ, and not part of the model: {what}"),
             Self::NegativeMass { link, mass, body, total } => write!(
                 f,
                 "link {link}: its mass is {mass} kg; together with the links fixed to it ({body}) it has {} kg",

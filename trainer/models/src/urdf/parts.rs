@@ -4,6 +4,7 @@ use super::error::UrdfError;
 use crate::tree::{Inertia, Limits, Pose};
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
+use std::ops::Range;
 
 /// A link.
 pub(super) struct Link {
@@ -11,6 +12,10 @@ pub(super) struct Link {
     /// Inertial numbers; zeros without an `<inertial>`.
     pub inertia: Inertia,
     pub has_inertial: bool,
+    /// Reason why the inertia is not known, in words.
+    pub unknown: Option<String>,
+    /// Place of its element in the text; empty for a link that has none.
+    pub at: Range<usize>,
 }
 
 /// A joint.
@@ -24,6 +29,10 @@ pub(super) struct JointElement {
     pub limits: Limits,
     /// Name of the joint that it follows, with multiplier and offset.
     pub mimic: Option<(String, f64, f64)>,
+    /// Position at which a constraint holds it, rad or m.
+    pub rests: Option<f64>,
+    /// Inertia of its rotor, kg m² or kg.
+    pub armature: f64,
 }
 
 /// An element with its name in messages.
@@ -97,7 +106,19 @@ impl Link {
         let (element, name) = Element::named(node)?;
         let inertial = element.child("inertial");
         let inertia = inertial.as_ref().map(Self::inertia).transpose()?;
-        Ok(Self { has_inertial: inertial.is_some(), inertia: inertia.unwrap_or_default(), name })
+        let has_inertial = inertial.is_some();
+        Ok(Self { has_inertial, inertia: inertia.unwrap_or_default(), ..Self::empty(&name, node.range()) })
+    }
+
+    /// Creates a link without mass.
+    pub fn empty(name: &str, at: Range<usize>) -> Self {
+        let inertia = Inertia::default();
+        Self { name: name.to_owned(), inertia, has_inertial: false, unknown: None, at }
+    }
+
+    /// Returns the link in a frame in which its present frame has this position.
+    pub fn shifted(self, position: Vector3<f64>) -> Self {
+        Self { inertia: self.inertia.placed(&Matrix3::identity(), &position), ..self }
     }
 
     fn inertia(inertial: &Element) -> Result<Inertia, UrdfError> {
@@ -129,9 +150,30 @@ impl JointElement {
             axis: Vector3::from(axis.unwrap_or([1.0, 0.0, 0.0])),
             limits: Self::limits(&element, &kind)?,
             mimic: mimic.transpose()?,
-            name,
-            kind,
+            ..Self::new(name, &kind)
         })
+    }
+
+    /// Creates a joint without links, in the frame of what carries it.
+    pub fn new(name: String, kind: &str) -> Self {
+        Self {
+            name,
+            kind: kind.to_owned(),
+            parent: String::new(),
+            child: String::new(),
+            pose: Pose::identity(),
+            axis: Vector3::x(),
+            limits: Limits::none(),
+            mimic: None,
+            rests: None,
+            armature: 0.0,
+        }
+    }
+
+    /// Creates a fixed joint, named by the link that it carries.
+    pub fn fixed([parent, child]: [&str; 2], pose: Pose) -> Self {
+        let own = Self::new(format!("{child} (fixed)"), "fixed");
+        Self { parent: parent.to_owned(), child: child.to_owned(), pose, ..own }
     }
 
     fn limits(element: &Element, kind: &str) -> Result<Limits, UrdfError> {

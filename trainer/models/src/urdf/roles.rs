@@ -163,7 +163,7 @@ impl<'d> Roles<'d> {
                 Role::Held(0.0)
             }
             Kind::Single if self.follows(k) => Role::Held(0.0),
-            Kind::Single => self.chosen(joint).map_or(Role::Moves, Role::Held),
+            Kind::Single => joint.rests.or_else(|| self.chosen(joint)).map_or(Role::Moves, Role::Held),
         }
     }
 

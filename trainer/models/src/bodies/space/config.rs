@@ -51,15 +51,15 @@ impl Default for LearnedBodies {
     }
 }
 
-/// An arm from its robot description (URDF).
+/// An arm from its robot description (URDF or MJCF).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "family", rename = "arm")]
 pub struct ArmConfig {
-    /// Robot description; the path is relative to the configuration file.
+    /// Robot description, URDF or MJCF; the path is relative to the configuration file.
     pub urdf: PathBuf,
-    /// Gravity γ in the frame of the base, m/s².
-    #[serde(default = "gravity")]
-    pub gravity: [f64; 3],
+    /// Gravity γ in the frame of the base, m/s²; by default that of an MJCF file, and (0, 0, −9.81) with a URDF file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<[f64; 3]>,
     /// Names of the joints that are coordinates; all others are held still. By default all joints that are not locked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<String>>,
@@ -79,7 +79,8 @@ pub struct ArmConfig {
     /// there.
     #[serde(default)]
     pub bodies: LearnedBodies,
-    /// Whether the inertias of the rotors are learned; a known inertia is that of `start_from`, or else 0.
+    /// Whether the inertias of the rotors are learned; a known inertia is that of `start_from`, or else of the description
+    /// (`armature` of MJCF), or else 0.
     #[serde(default)]
     pub rotors: Learning,
     /// Friction of the joints.
@@ -91,10 +92,6 @@ pub struct ArmConfig {
     /// Network that is added to the potential.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub potential: Option<PotentialConfig>,
-}
-
-fn gravity() -> [f64; 3] {
-    [0.0, 0.0, -9.81]
 }
 
 fn radius() -> f64 {
@@ -111,7 +108,7 @@ impl ArmConfig {
     pub fn new(urdf: impl Into<PathBuf>) -> Self {
         Self {
             urdf: urdf.into(),
-            gravity: gravity(),
+            gravity: None,
             joints: None,
             lock: BTreeMap::new(),
             mass: None,
@@ -133,7 +130,7 @@ impl ArmConfig {
                 return Err(Problem::OutOfRange { key, value, range }.at([key.into()]));
             }
         }
-        if let Some(value) = self.gravity.into_iter().find(|x| !x.is_finite()) {
+        if let Some(value) = self.gravity.into_iter().flatten().find(|x| !x.is_finite()) {
             return Err(Problem::OutOfRange { key: "gravity", value, range: "finite" }.at(["gravity".into()]));
         }
         Ok(())
@@ -220,8 +217,8 @@ impl ArmConfig {
         let letters = letters_of_joints(tree.bodies().iter().map(kind));
         let origin = Origin::start_from(self.start_from.as_ref(), &letters, open)?;
         let tree = origin.as_ref().map(|origin| self.begun(&tree, origin)).transpose()?.unwrap_or(tree);
-        let learned = self.learned_bodies(&tree)?;
-        let (tree, thickened) = self.with_extents(&tree, &learned);
+        let mut learned = self.learned_bodies(&tree)?;
+        let (tree, thickened) = self.with_extents(&tree, &mut learned)?;
         notes.extend(thickened);
         let family = self.family(&tree, &learned)?;
         let mut friction = self.friction.assemble(family.n(), "joint")?;

@@ -4,8 +4,10 @@ use super::config::{ArmConfig, Learning};
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
 use crate::limits::MAX_TREE_COORDINATES;
-use crate::tree::Tree;
-use crate::urdf::{self, Described, DescriptionNote, Followers, Inertias, Options, UrdfError, with_extent};
+use crate::tree::{Inertia, Tree};
+use crate::urdf::{self, Described, DescriptionNote, Followers, Inertias, Moved, Options, UrdfError};
+use crate::urdf::{carried_mass, moved, with_extent};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 impl ArmConfig {
     /// Returns the tree of the description, with guessed bodies if a mass is given.
@@ -16,7 +18,7 @@ impl ArmConfig {
         if let Some(mass) = self.mass {
             described.tree = described.tree.with_guessed_inertias(mass, self.radius);
         }
-        described.tree.gravity = self.gravity.into();
+        described.tree.gravity = self.gravity.map_or(described.tree.gravity, Into::into);
         let found = described.tree.coordinates();
         if found > MAX_TREE_COORDINATES {
             return Err(self.at_urdf(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
@@ -33,7 +35,7 @@ impl ArmConfig {
 
     fn refused(&self, error: &UrdfError) -> ShapeError {
         let advice = if error.lacks_mass() {
-            "; [model] mass = … guesses bodies for links without mass"
+            "; [model] mass = … guesses bodies for links without mass, lock = { joint = 0 } holds them still"
         } else {
             ""
         };
@@ -42,20 +44,47 @@ impl ArmConfig {
     }
 
     /// Returns the tree with an extent for every body that needs one, and notes on these: all that are learned, and
-    /// known ones whose joint would otherwise move nothing that resists.
-    pub(super) fn with_extents(&self, tree: &Tree, learned: &[bool]) -> (Tree, Vec<DescriptionNote>) {
+    /// known ones whose joint would otherwise move nothing that resists. Bodies without mass are not learned.
+    pub(super) fn with_extents(
+        &self,
+        tree: &Tree,
+        learned: &mut [bool],
+    ) -> Result<(Tree, Vec<DescriptionNote>), ShapeError> {
+        self.check_massless(tree)?;
         let resistance = self.resistance(tree);
+        let is_fitted = learned.contains(&true);
         let (mut parameters, mut notes) = (tree.parameters(), Vec::new());
         let (numbers, _) = parameters.as_chunks_mut();
         for (k, (numbers, body)) in numbers.iter_mut().zip(tree.bodies()).enumerate() {
+            let is_massless = body.inertia.mass() == 0.0;
+            learned[k] &= !is_massless;
             let least = RESISTS * body.inertia.mass() * self.radius * self.radius;
-            if learned[k] || resistance[k] <= least {
+            if is_massless && is_fitted {
+                let (inertia, note) = speck(tree, k, self.radius);
+                *numbers = inertia.0;
+                notes.push(note);
+            } else if !is_massless && (learned[k] || resistance[k] <= least) {
                 let (inertia, note) = with_extent(body, self.radius);
                 *numbers = inertia.0;
                 notes.extend(note);
             }
         }
-        (tree.with_parameters(&parameters), notes)
+        Ok((tree.with_parameters(&parameters), notes))
+    }
+
+    /// Refuses bodies without mass that some force would move without bound.
+    fn check_massless(&self, tree: &Tree) -> Result<(), ShapeError> {
+        let mut massless = tree.bodies().iter().filter(|body| body.inertia.mass() == 0.0);
+        let Some(body) = massless.next() else { return Ok(()) };
+        if self.rotors == Learning::Learned || resists(&tree.mass_matrix(&turned(tree))) {
+            return Ok(());
+        }
+        let Moved { link, joint } = moved(body);
+        let message = format!(
+            "link {link}, moved by joint {joint}, has no mass, and what it carries does not make up for it: some \
+             acceleration needs no force; give the link an inertia, or set rotors = \"learned\", or mass = …"
+        );
+        Err(self.at_urdf(Problem::Description { file: self.urdf.clone(), message }))
     }
 
     /// Inertia that every joint moves at a position without special angles, its rotor included.
@@ -63,10 +92,38 @@ impl ArmConfig {
         if self.rotors == Learning::Learned {
             return vec![f64::INFINITY; tree.coordinates()];
         }
-        let q: Vec<f64> = (0..tree.coordinates()).map(|k| 0.3 + 0.7 * k as f64).collect();
-        tree.mass_matrix(&q).iter().enumerate().map(|(k, row)| row[k]).collect()
+        tree.mass_matrix(&turned(tree)).iter().enumerate().map(|(k, row)| row[k]).collect()
     }
 }
 
 /// Least inertia of a joint relative to that of its body's mass at the guessed radius.
 const RESISTS: f64 = 1e-9;
+/// Mass of the ball of a body without mass, relative to what it carries.
+const SPECK: f64 = 1e-9;
+
+/// Least eigenvalue of a mass matrix, scaled to a unit diagonal, that can be relied on.
+const REGULAR: f64 = 1e-9;
+
+/// Position without special angles.
+fn turned(tree: &Tree) -> Vec<f64> {
+    (0..tree.coordinates()).map(|k| 0.3 + 0.7 * k as f64).collect()
+}
+
+/// Whether every acceleration needs a force.
+fn resists(mass: &[Vec<f64>]) -> bool {
+    let n = mass.len();
+    let scale: Vec<f64> = (0..n).map(|k| mass[k][k].sqrt()).collect();
+    if !scale.iter().all(|x| *x > 0.0) {
+        return false;
+    }
+    let scaled = DMatrix::from_fn(n, n, |i, j| mass[i][j] / (scale[i] * scale[j]));
+    scaled.symmetric_eigenvalues().min() > REGULAR
+}
+
+/// Small ball for a body without mass, with a note.
+fn speck(tree: &Tree, k: usize, radius: f64) -> (Inertia, DescriptionNote) {
+    let body = &tree.bodies()[k];
+    let mass = SPECK * carried_mass(tree.bodies(), k);
+    let ball = Inertia::of_centre(mass, Vector3::zeros(), Matrix3::zeros()).as_ball(radius);
+    (body.inertia.with(&ball), DescriptionNote::Speck { body: moved(body), mass, radius })
+}
