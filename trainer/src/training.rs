@@ -55,22 +55,38 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let validation =
             self.validation_loss.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
+        let unit = if self.report.is_some() && self.torques.is_none() { "windows" } else { "samples" };
         let known = self.parameters - self.learned_parameters;
         let known = if known > 0 { format!(" ({known} of them known)") } else { String::new() };
         writeln!(
             f,
-            "{} parameters{known}, {} + {} samples",
-            self.parameters, self.training_samples, self.validation_samples
+            "{} parameters{known}, {} + {} {}",
+            self.parameters, self.training_samples, self.validation_samples, unit
         )?;
+        if self.iterations == 0 && self.torques.is_some() {
+            writeln!(
+                f,
+                "fitted to the torques in {:.1} s: training loss {:.3e}{validation}",
+                self.seconds, self.train_loss
+            )?;
+        } else {
+            self.iterations(f, &validation)?;
+        }
+        self.torques.iter().try_for_each(|torques| writeln!(f, "torques: {torques}"))?;
+        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
+        self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
+    }
+}
+
+impl Report {
+    /// Writes how training went on and ended.
+    fn iterations(&self, f: &mut fmt::Formatter, validation: &str) -> fmt::Result {
         writeln!(f, "{} iterations in {:.1} s, ended by: {}", self.iterations, self.seconds, self.ending)?;
         writeln!(
             f,
             "best at iteration {}: training loss {:.3e}{validation}",
             self.best_iteration, self.train_loss
-        )?;
-        self.torques.iter().try_for_each(|torques| writeln!(f, "torques: {torques}"))?;
-        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
-        self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
+        )
     }
 }
 

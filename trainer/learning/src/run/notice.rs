@@ -130,7 +130,9 @@ pub(super) fn advice(notices: &[Notice]) -> String {
     let doubts = notices.iter().filter(|notice| matches!(notice, Notice::Doubtful(_)));
     let doubts: Vec<String> = doubts.map(Notice::to_string).collect();
     if doubts.is_empty() {
-        "raise [training] warm_up, or change the seed".to_owned()
+        "a network may begin elsewhere: raise [training] warm_up, or change the seed; a model of bodies needs inertias above 0 and \
+         forces in the units of the log"
+            .to_owned()
     } else {
         format!("look at the data first: {}", doubts.join("; "))
     }

@@ -24,6 +24,7 @@ mod note;
 mod parts;
 mod roles;
 mod xacro;
+mod zero_limits;
 
 pub(crate) use bodies::{carried_mass, moved, with_extent};
 pub use error::{MOST_BYTES, MOST_LINKS, UrdfError};
@@ -117,7 +118,10 @@ pub fn parse(text: &str, inertias: Inertias) -> Result<Tree, UrdfError> {
 /// [`UrdfError`].
 pub fn parse_with(text: &str, options: &Options) -> Result<Described, UrdfError> {
     let document = document(text)?;
-    description(document.root_element())?.tree(options)
+    let root = document.root_element();
+    let mut described = description(root)?.tree(options)?;
+    described.notes.extend(zero_limits::note(root));
+    Ok(described)
 }
 
 /// Parses the text of a description.

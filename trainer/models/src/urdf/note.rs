@@ -95,6 +95,11 @@ pub enum DescriptionNote {
         /// Limits of the joint, rad or m.
         limits: [f64; 2],
     },
+    /// Joints that could not move between their limits of 0, which are taken as not given.
+    ZeroLimits {
+        /// Names of the joints.
+        joints: Vec<String>,
+    },
     /// Joints that follow another one are held still.
     Followers {
         /// Name of the joint that they follow.
@@ -169,6 +174,11 @@ impl fmt::Display for DescriptionNote {
             Self::OutsideLimits { joint, at, limits: [lower, upper] } => {
                 write!(f, "joint {joint} is held still at {at}, outside its limits of {lower} to {upper}")
             }
+            Self::ZeroLimits { joints } => write!(
+                f,
+                "limits of 0 (position, velocity or effort) are taken as not given: {}",
+                joints.join(", ")
+            ),
             Self::Followers { leader, is_there, joints } => write!(
                 f,
                 "joint {leader} {} (<mimic>); these are HELD STILL, and their motion is not modelled: {}; lock sets \

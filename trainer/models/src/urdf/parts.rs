@@ -1,6 +1,7 @@
 //! Links and joints as written in the file.
 
 use super::error::UrdfError;
+use super::zero_limits::without_zeros;
 use crate::tree::{Inertia, Limits, Pose};
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
@@ -187,6 +188,6 @@ impl JointElement {
             (_, lower, upper) => [lower.unwrap_or(0.0), upper.unwrap_or(0.0)],
         };
         let of = |what| Ok::<_, UrdfError>(limit.number(what)?.unwrap_or(none));
-        Ok(Limits { position, velocity: of("velocity")?, effort: of("effort")? })
+        Ok(without_zeros(Limits { position, velocity: of("velocity")?, effort: of("effort")? }))
     }
 }
