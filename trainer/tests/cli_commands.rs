@@ -40,6 +40,8 @@ mod named_columns;
 mod on_a_board;
 #[path = "cli_commands/on_chip.rs"]
 mod on_chip;
+#[path = "cli_commands/readings.rs"]
+mod readings;
 #[path = "cli_commands/replaced.rs"]
 mod replaced;
 #[path = "cli_commands/resume.rs"]

@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 /// A column of a log, with its conversion to SI units: value = scale × number + offset, plus multiples of other columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Name in the header line of a `.csv` file, or `#2` for its second column; or the name of the array in an `.npz` file. `name[i]` is
-    /// column i of a two-dimensional array; without an index the array gives all its columns. In an `.mcap` file,
+    /// Name in the header line of a `.csv` file, or `#2` for its second column; or the name of the array in an `.npz` or `.mat` file. `name[i]` is
+    /// column i of a two-dimensional array; without an index the array gives all its columns. In a bag,
     /// `topic/joint/position`, `velocity` or `effort`; the time is `t`.
     pub name: String,
     /// Scale factor, finite and not 0; negative to reverse the sign.

@@ -1,4 +1,4 @@
-//! Logged motion: trajectories in memory and in `.npz`, `.csv` and `.mcap` files.
+//! Logged motion: trajectories in memory and in `.npz`, `.csv`, `.mat`, `.mcap` and `.db3` files.
 //!
 //! | name | `.npz` array | `.csv` columns | unit |
 //! |---|---|---|---|
@@ -19,7 +19,10 @@
 //! read unless the file suggests that they separate thousands. The text is UTF-8, or UTF-16 with a byte order mark. A
 //! name that begins with `_` is ignored; any other unknown name is an error, so that a misspelt name is noticed.
 //!
-//! **Bags of ROS 2** (`.mcap`, `sensor_msgs/JointState`) are read only with named columns: `topic/joint/position`,
+//! **MATLAB files** (`.mat`, version 5 to 7) have the arrays of an `.npz` file, without `control`; a structure's are `name.field`. Time runs
+//! along the longer axis.
+//!
+//! **Bags of ROS 2** (`.mcap`, `.db3`, or the folder of a bag; `sensor_msgs/JointState`) are read only with named columns: `topic/joint/position`,
 //! `velocity` or `effort`, at the stamps of their messages, in s from the first message. Columns of several topics, or
 //! of several files of one recording ([`Join`]), are joined at the samples of the first coordinate. Positions,
 //! velocities and linear controls of other clocks are interpolated linearly; held controls are averaged from sample to
@@ -53,8 +56,10 @@
 
 mod angles;
 mod archive;
+mod array_columns;
 pub mod atomic;
 mod bag;
+mod bag_problem;
 mod bridge;
 pub mod checksummed;
 mod column_problem;
@@ -75,13 +80,15 @@ mod layout_note;
 mod left_out;
 pub mod lock;
 mod logs;
+mod mat;
+mod mat_elements;
+mod mat_problem;
 mod measured;
 pub mod modlanet;
 mod note;
 mod npy;
 mod npy_text;
 mod npz;
-mod npz_columns;
 mod place;
 mod problem;
 mod resample;
@@ -95,6 +102,8 @@ mod time;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+pub use bag::{JointSample, JointTopic};
+pub use bag_problem::BagProblem;
 pub use column_problem::ColumnProblem;
 pub use columns::{Column, Columns, Term, UNITS, unit};
 pub use control::{CONTROL_KINDS, control_name, control_of_name};
@@ -103,6 +112,7 @@ pub use doubts::Doubt;
 pub use error::DataError;
 pub use layout_note::LayoutNote;
 pub use logs::{Join, LeftOut, Reading, files, read_as, read_logs};
+pub use mat_problem::MatProblem;
 pub use measured::{Measured, read_measured};
 pub use note::{Note, Resampled};
 pub use place::Place;
@@ -112,7 +122,7 @@ pub use rows::Rows;
 use error::Fault;
 use source::{Format, Source, format_of};
 
-/// Reads a log in the format of its extension, `.npz` or `.csv`, with notes on the handling of gaps.
+/// Reads a log in the format of its extension, `.npz`, `.csv` or `.mat`, with notes on the handling of gaps.
 ///
 /// # Errors
 /// [`DataError`] with the file, the place in it and the problem.
@@ -175,12 +185,21 @@ pub fn write(path: impl AsRef<Path>, dataset: &Dataset) -> Result<(), DataError>
         let write = match format_of(path) {
             Ok(Format::Npz) => npz::write,
             Ok(Format::Csv) => csv_file::write,
-            Ok(Format::Mcap) | Err(_) => return Err((Place::File, Problem::NotWritten)),
+            Ok(_) | Err(_) => return Err((Place::File, Problem::NotWritten)),
         };
         dataset.check()?;
         let bytes = write(dataset)?;
         store(path, &bytes)
     })
+}
+
+/// Writes joint states as an `.mcap` file of ROS 2, with messages of `sensor_msgs/msg/JointState` in CDR; the file is replaced atomically.
+///
+/// # Errors
+/// [`DataError`]; also for a time that a stamp of ROS 2 cannot hold.
+pub fn write_bag(path: impl AsRef<Path>, topics: &[JointTopic]) -> Result<(), DataError> {
+    let path = path.as_ref();
+    located(path, || store(path, &bag::encoded(topics)?))
 }
 
 fn store(path: &Path, bytes: &[u8]) -> Result<(), Fault> {

@@ -25,9 +25,16 @@ pub enum Place {
         /// Index along the first axis.
         row: usize,
     },
-    /// A message of an MCAP file, counted from 1 over all topics; in a damaged file the first that cannot be read.
+    /// A message of a bag, counted from 1 over all topics; in a damaged file the first that cannot be read.
     Message(u64),
-    /// A number in a message of an MCAP file.
+    /// A message of one of several files of a bag, counted over all of them.
+    PartOfBag {
+        /// Name of the file.
+        file: String,
+        /// Message, from 1; 0 for the file as a whole.
+        message: u64,
+    },
+    /// A number in a message of a bag.
     Value {
         /// Message, from 1, over all topics.
         message: u64,
@@ -47,6 +54,8 @@ impl fmt::Display for Place {
             Self::Key(key) => write!(f, ", key {key}"),
             Self::Row { key, row } => write!(f, ", key {key}, row {row}"),
             Self::Message(message) => write!(f, ", message {message}"),
+            Self::PartOfBag { file, message: 0 } => write!(f, ", file {file}"),
+            Self::PartOfBag { file, message } => write!(f, ", file {file}, message {message}"),
             Self::Value { message, column } => write!(f, ", message {message}, {column}"),
             Self::Trajectory(id) => write!(f, ", trajectory {id}"),
         }
@@ -54,6 +63,16 @@ impl fmt::Display for Place {
 }
 
 impl Place {
+    /// The place in one of several files of a bag.
+    pub(crate) fn within(self, file: &std::path::Path) -> Self {
+        let file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        match self {
+            Self::File => Self::PartOfBag { file, message: 0 },
+            Self::Message(message) => Self::PartOfBag { file, message },
+            other => other,
+        }
+    }
+
     /// The place without the name of the column.
     pub(crate) fn without_column(self) -> Self {
         match self {

@@ -1,6 +1,8 @@
 //! Problems in a file of logged motion.
 
+use crate::bag_problem::BagProblem;
 use crate::column_problem::ColumnProblem;
+use crate::mat_problem::MatProblem;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -11,59 +13,18 @@ pub enum Problem {
     /// The operating system reported an error.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// A file that is neither `.npz`, `.csv` nor `.mcap`.
-    #[error("unknown kind of file; name it .npz, .csv or .mcap")]
+    /// A file that is neither `.npz`, `.csv`, `.mat`, `.mcap` nor `.db3`.
+    #[error("unknown kind of file; name it .npz, .csv, .mat, .mcap or .db3")]
     Extension,
     /// A file to be written that is neither `.npz` nor `.csv`.
     #[error("logs are not written to files of this kind; name it .npz or .csv")]
     NotWritten,
-    /// An `.mcap` file without column names.
-    #[error(
-        "which joints are the coordinates? Name them under [data.columns]; `leastaction look` lists them and writes a configuration"
-    )]
-    Unnamed,
-    /// An unreadable MCAP file.
-    #[error(
-        "not a readable .mcap file: {0}; what is sound of a recording that was cut off can be saved by `mcap recover`"
-    )]
-    NotMcap(String),
-    /// A chunk of an MCAP file that states too large an unpacked size.
-    #[error(
-        "a chunk says that it unpacks to {bytes} bytes; at most {most} are read: write the file with smaller chunks"
-    )]
-    LargeChunk {
-        /// Stated size.
-        bytes: u64,
-        /// Limit.
-        most: u64,
-    },
-    /// An MCAP file that unpacks to more than is plausible for its size.
-    #[error(
-        "its chunks unpack to {bytes} bytes up to here, more than the {most} that are read of a file of its size"
-    )]
-    Unpacked {
-        /// Unpacked size so far.
-        bytes: u64,
-        /// Limit.
-        most: u64,
-    },
-    /// A chunk of an MCAP file with an unknown compression.
-    #[error("a chunk is compressed by {0:?}; zstd, lz4 and none are read: `mcap compress` writes them")]
-    Compression(String),
-    /// A message that does not match its schema.
-    #[error("not a sensor_msgs/JointState in CDR: {0}")]
-    NotJointState(&'static str),
-    /// An MCAP file without joint states.
-    #[error("no messages of sensor_msgs/JointState in CDR, as ROS 2 writes them; the file has {}", list(.0))]
-    NoJointStates(Vec<String>),
-    /// A message with only some of the wanted joints of its topic.
-    #[error(
-        "{0} is missing, though other columns of this topic are there; name joints that are sent together"
-    )]
-    MissingJoint(String),
-    /// A time of recording out of range.
-    #[error("it was recorded {0} ns after 1970, which no clock says")]
-    BadTime(u64),
+    /// A problem with a bag of ROS 2.
+    #[error(transparent)]
+    Bag(#[from] BagProblem),
+    /// A problem with a MATLAB file.
+    #[error(transparent)]
+    Mat(#[from] MatProblem),
     /// A file whose name lacks the text to be replaced for a join.
     #[error("{part:?} is not in its name, so that nothing says which file {name:?} is; see [data.join]")]
     NoPartner {

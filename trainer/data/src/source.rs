@@ -1,38 +1,42 @@
 //! Files of all formats, as tables.
 
-use crate::bag::Bag;
+use crate::archive::Archive;
+use crate::bag::{Bag, BagSource};
+use crate::bag_problem::BagProblem;
 use crate::column_problem::ColumnProblem;
 use crate::columns::Columns;
 use crate::error::Fault;
+use crate::mat::MatFile;
 use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::table::Table;
-use crate::{csv_columns, csv_file, join, npz, npz_columns};
+use crate::{array_columns, csv_columns, csv_file, join, npz};
 use leastaction_core::forces::ControlKind;
 use std::borrow::Cow;
-use std::fs::{self, File};
-use std::io::{BufReader, Read};
+use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
-/// The content of a file; an `.mcap` file is read sequentially.
+/// The content of a file; bags are read piece by piece.
 pub(crate) enum Source<'a> {
     Npz(Cow<'a, [u8]>),
     Csv(Cow<'a, [u8]>),
-    Mcap(Box<dyn Read + 'a>),
+    Mat(Cow<'a, [u8]>),
+    Bag(BagSource<'a>),
 }
 
 impl Source<'static> {
     pub(crate) fn open(path: &Path) -> Result<Self, Fault> {
-        let fault = |error: std::io::Error| (Place::File, error.into());
-        match format_of(path)? {
-            Format::Npz => fs::read(path).map(|bytes| Self::Npz(bytes.into())).map_err(fault),
-            Format::Csv => fs::read(path).map(|bytes| Self::Csv(bytes.into())).map_err(fault),
-            Format::Mcap => {
-                let file = File::open(path).map_err(fault)?;
-                Ok(Self::Mcap(Box::new(BufReader::with_capacity(1 << 20, file))))
-            }
-        }
+        let whole = || fs::read(path).map(Cow::Owned).map_err(|error| (Place::File, error.into()));
+        Ok(match format_of(path)? {
+            Format::Npz => Self::Npz(whole()?),
+            Format::Csv => Self::Csv(whole()?),
+            Format::Mat => Self::Mat(whole()?),
+            Format::Mcap => Self::Bag(BagSource::mcap(path)?),
+            Format::Db3 => Self::Bag(BagSource::db3(path)?),
+            Format::Folder => Self::Bag(BagSource::folder(path)?),
+        })
     }
 }
 
@@ -41,7 +45,9 @@ impl<'a> Source<'a> {
         match format {
             Format::Npz => Self::Npz(bytes.into()),
             Format::Csv => Self::Csv(bytes.into()),
-            Format::Mcap => Self::Mcap(Box::new(bytes)),
+            Format::Mat => Self::Mat(bytes.into()),
+            Format::Mcap | Format::Folder => Self::Bag(BagSource::Mcap(Box::new(bytes))),
+            Format::Db3 => Self::Bag(BagSource::Db3(Box::new(Cursor::new(bytes)))),
         }
     }
 
@@ -50,7 +56,8 @@ impl<'a> Source<'a> {
         match self {
             Self::Npz(bytes) => npz::read(&bytes).map(|table| (table, Vec::new())),
             Self::Csv(bytes) => csv_file::read(&bytes),
-            Self::Mcap(_) => Err((Place::File, Problem::Unnamed)),
+            Self::Mat(bytes) => Ok((MatFile::read(&bytes)?.table()?, Vec::new())),
+            Self::Bag(_) => Err((Place::File, BagProblem::Unnamed.into())),
         }
     }
 
@@ -62,12 +69,13 @@ impl<'a> Source<'a> {
         rate: Option<f64>,
     ) -> Result<(Table, Vec<Note>), Fault> {
         match self {
-            Self::Npz(bytes) => npz_columns::read(&bytes, columns, rate),
+            Self::Npz(bytes) => array_columns::read(&Archive::open(&bytes)?, columns, rate),
+            Self::Mat(bytes) => array_columns::read(&MatFile::read(&bytes)?, columns, rate),
             Self::Csv(bytes) => csv_columns::read(&bytes, columns, control, rate),
-            Self::Mcap(_) if rate.is_some() => {
+            Self::Bag(_) if rate.is_some() => {
                 Err((Place::File, ColumnProblem::RateAndTime("t".to_owned()).into()))
             }
-            Self::Mcap(mut source) => {
+            Self::Bag(mut source) => {
                 let mut bag = Bag::read(&mut source)?;
                 let (columns, mut notes) = bag.without_dead_velocities(columns);
                 let (parts, more) = bag.parts(&columns)?;
@@ -80,23 +88,32 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Format of a file.
+/// Format of a file, or a folder with the files of a bag.
+#[derive(Clone, Copy)]
 pub(crate) enum Format {
     Npz,
     Csv,
+    Mat,
     Mcap,
+    Db3,
+    Folder,
 }
+
+/// Formats by extension.
+const EXTENSIONS: [(&str, Format); 5] = [
+    ("npz", Format::Npz),
+    ("csv", Format::Csv),
+    ("mat", Format::Mat),
+    ("mcap", Format::Mcap),
+    ("db3", Format::Db3),
+];
 
 /// The format given by the extension.
 pub(crate) fn format_of(path: &Path) -> Result<Format, Fault> {
     let extension = path.extension().unwrap_or_default();
-    if extension.eq_ignore_ascii_case("npz") {
-        Ok(Format::Npz)
-    } else if extension.eq_ignore_ascii_case("csv") {
-        Ok(Format::Csv)
-    } else if extension.eq_ignore_ascii_case("mcap") {
-        Ok(Format::Mcap)
-    } else {
-        Err((Place::File, Problem::Extension))
+    match EXTENSIONS.into_iter().find(|(known, _)| extension.eq_ignore_ascii_case(known)) {
+        _ if path.is_dir() => Ok(Format::Folder),
+        Some((_, format)) => Ok(format),
+        None => Err((Place::File, Problem::Extension)),
     }
 }

@@ -5,7 +5,9 @@ mod bag;
 use bag::{Chunks, Joints, bag};
 use leastaction_core::forces::ControlKind;
 use leastaction_data::survey::{Guess, RawLog};
-use leastaction_data::{Column, Columns, DataError, Dataset, Note, Place, Problem, Reading, decode_as};
+use leastaction_data::{
+    BagProblem, Column, Columns, DataError, Dataset, Note, Place, Problem, Reading, decode_as,
+};
 
 const JOINTS: [&str; 2] = ["shoulder", "elbow"];
 
@@ -186,7 +188,7 @@ fn other_bags_are_refused_in_words() {
     let recording = recording();
     let bytes = bag(&messages(&recording), Chunks::Plain);
     let unnamed = leastaction_data::decode("a.mcap", &bytes).unwrap_err();
-    assert!(matches!(unnamed.problem, Problem::Unnamed));
+    assert!(matches!(unnamed.problem, Problem::Bag(BagProblem::Unnamed)));
     let mut other = reading();
     other.columns.as_mut().unwrap().q[0].name = "/joint_states/wrist/position".to_owned();
     let error = decode_as("a.mcap", &bytes, &other).unwrap_err().to_string();

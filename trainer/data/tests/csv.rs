@@ -185,7 +185,10 @@ fn trajectories_are_whole_and_long_enough() {
 fn the_kind_of_file_and_its_absence_are_told() {
     let path = std::path::Path::new("/nowhere/log");
     let unknown = data::read(path.with_extension("txt")).unwrap_err();
-    assert_eq!(unknown.to_string(), "/nowhere/log.txt: unknown kind of file; name it .npz, .csv or .mcap");
+    assert_eq!(
+        unknown.to_string(),
+        "/nowhere/log.txt: unknown kind of file; name it .npz, .csv, .mat, .mcap or .db3"
+    );
     let absent = data::read(path.with_extension("CSV")).unwrap_err();
     assert!(
         matches!(&absent.problem, Problem::Io(e) if e.kind() == std::io::ErrorKind::NotFound),

@@ -4,7 +4,7 @@ mod bag;
 
 use bag::{Chunks, Joints, bag};
 use leastaction_data::{
-    Column, Columns, DataError, Dataset, MIN_SAMPLES, Note, Place, Problem, Reading, decode_as,
+    BagProblem, Column, Columns, DataError, Dataset, MIN_SAMPLES, Note, Place, Problem, Reading, decode_as,
 };
 use rayon::prelude::*;
 
@@ -105,7 +105,8 @@ fn a_chunk_that_unpacks_to_too_much_is_refused() {
     };
     let error = with(1 << 40);
     assert!(
-        matches!(error.problem, Problem::LargeChunk { .. }) && error.place == Place::Message(1),
+        matches!(error.problem, Problem::Bag(BagProblem::LargeChunk { .. }))
+            && error.place == Place::Message(1),
         "{error}"
     );
     assert!(with(17).to_string().contains("unpacks to another size"));
@@ -153,7 +154,7 @@ fn files_that_unpack_to_more_than_their_size_allows_are_refused() {
     }
     assert!(bytes.len() < 1 << 21, "{}", bytes.len());
     let error = read(&bytes).unwrap_err();
-    assert!(matches!(error.problem, Problem::Unpacked { .. }), "{error}");
+    assert!(matches!(error.problem, Problem::Bag(BagProblem::Unpacked { .. })), "{error}");
 }
 
 #[test]

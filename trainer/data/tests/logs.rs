@@ -162,7 +162,7 @@ fn files_of_mixed_columns_are_refused_with_file_and_line() {
         read_logs(&[first, unknown], &reading())
             .unwrap_err()
             .to_string()
-            .contains("name it .npz, .csv or .mcap")
+            .contains("name it .npz, .csv, .mat, .mcap or .db3")
     );
 }
 

@@ -10,6 +10,7 @@ mod horizons_tests;
 pub mod prediction;
 pub mod rollouts;
 pub mod states;
+mod successive;
 
 use crate::data::{Dataset, Trajectory};
 use crate::training::{Samples, Solved};

@@ -3,7 +3,7 @@
 use crate::errors::{Kind, failure, input};
 use crate::model::Model;
 use leastaction::cli::{Failure, FileKind, replaceable};
-use leastaction::evaluation::{Evaluation, is_page, log_config, write_page};
+use leastaction::evaluation::{Evaluation, LogReading, is_page, write_page};
 use leastaction::look::Look;
 use leastaction::models::{Loaded, encoded, of_file_or_run};
 use leastaction_core::discrete::Order;
@@ -11,7 +11,7 @@ use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
 use leastaction_ground_truth::{ManyBody, Mechanism};
-use leastaction_learning::config::{Config, DataConfig};
+use leastaction_learning::config::{Config, LogFiles};
 use leastaction_learning::data::{control_name, control_of_name};
 use leastaction_learning::import::{self, Imported};
 use leastaction_models::file::{self, Precision};
@@ -59,6 +59,9 @@ pub struct LogRequest {
     config: Option<PathBuf>,
     #[pyo3(item)]
     files: Option<Vec<PathBuf>>,
+    /// Whether the files have leastaction's own names.
+    #[pyo3(item)]
+    native: bool,
     #[pyo3(item)]
     order: Option<u8>,
     #[pyo3(item)]
@@ -66,13 +69,12 @@ pub struct LogRequest {
 }
 
 impl LogRequest {
-    fn config(&self) -> Result<DataConfig, Failure> {
-        let named = self.files.as_ref().map(|files| {
-            let mut config = DataConfig::new(files.first().cloned().unwrap_or_default());
-            config.file.0.clone_from(files);
-            config
-        });
-        log_config(self.config.as_deref(), named)
+    /// The log, and how it is read; the model is a file or the folder of a run.
+    fn reading(&self, model: &Path) -> Result<LogReading, Failure> {
+        match self.files.clone().map(LogFiles) {
+            Some(files) if self.native => Ok(LogReading::native(files)),
+            files => LogReading::new(self.config.as_deref(), files, model),
+        }
     }
 }
 
@@ -99,7 +101,7 @@ pub fn evaluate(
             let mut notes = Vec::new();
             let tell = &mut |sentence| notes.push(sentence);
             let evaluation = Evaluation { file: &file, model, order: request.order, control };
-            let log = evaluation.read(request.config()?, tell)?;
+            let log = evaluation.read(&request.reading(&file)?, tell)?;
             let report = evaluation.measure(&log, None, tell)?;
             if let Some(page) = &page {
                 let other = beside.as_ref().map(|path| of_file_or_run(path, part.as_deref())).transpose()?;

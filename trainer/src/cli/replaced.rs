@@ -30,6 +30,8 @@ pub enum FileKind {
     Picture,
     /// A page of HTML.
     Page,
+    /// A bag of ROS 2.
+    Bag,
 }
 
 /// First words of a configuration from `leastaction look`.
@@ -50,6 +52,7 @@ impl FileKind {
             Self::Table(_) => "table of this command",
             Self::Picture => "picture (SVG)",
             Self::Page => "page (HTML)",
+            Self::Bag => "bag (MCAP)",
         }
     }
 
@@ -68,6 +71,7 @@ impl FileKind {
             Self::Table(head) => Some(head.as_bytes()),
             Self::Picture => Some(b"<svg"),
             Self::Page => Some(b"<!DOCTYPE html>"),
+            Self::Bag => Some(b"\x89MCAP0\r\n"),
         }
     }
 

@@ -3,12 +3,13 @@
 use super::system::{Kind, System};
 use clap::Args;
 use leastaction::cli::arguments::{control, order, positive, seed};
-use leastaction::cli::{Done, Failure, Output, refuse};
-use leastaction::evaluation::{Evaluation, LongTermRequest, Scalable, is_page, log_config, write_page};
+use leastaction::cli::{Done, Failure, FileKind, Output, refuse, replaceable};
+use leastaction::evaluation::{
+    Evaluation, LogReading, LongTermRequest, Scalable, is_page, write_joint_bag, write_page,
+};
 use leastaction::models::of_file_or_run;
 use leastaction_core::forces::ControlKind;
 use leastaction_ground_truth::Mechanism;
-use leastaction_learning::config::DataConfig;
 use leastaction_models::Model;
 use std::path::{Path, PathBuf};
 
@@ -31,12 +32,15 @@ use std::path::{Path, PathBuf};
 ///
 /// Example: leastaction evaluate run --config robot.toml --data test.csv -o page.html
 ///
+/// Example: leastaction evaluate run --data new.csv --mcap compared.mcap
+///
 /// Example: leastaction evaluate m.postcard --data triple.npz --tree triple --system n-pendulum -o prediction
 #[derive(Args)]
 pub struct Evaluate {
     /// The model file, or the folder of a training run.
     model: PathBuf,
-    /// The log, .npz or .csv; *, ? and ** match several files.
+    /// The log, .npz, .csv, .mat, .mcap, .db3 or the folder of a bag; *, ? and ** match several files. With a run it is read as the run's own logs were, unless it has
+    /// leastaction's own names alone.
     #[arg(long, value_name = "FILE", required_unless_present = "config")]
     data: Option<PathBuf>,
     /// A configuration whose [data] gives names and units of columns, step and control of the log, and without --data the log itself.
@@ -70,19 +74,24 @@ pub struct Evaluate {
     /// prediction.csv and prediction.svg.
     #[arg(short, long, value_name = "PAGE.html|FOLDER")]
     output: Option<PathBuf>,
+    /// A bag of ROS 2 with the topics /measured, /predicted and /residual, to be shown by Foxglove, PlotJuggler or Rerun. Predictions are
+    /// over windows of 1 s, one after the other.
+    #[arg(long, value_name = "FILE.mcap")]
+    mcap: Option<PathBuf>,
 }
 
 impl Evaluate {
     /// Reads the model and the log, and measures.
     pub fn run(self, output: Output) -> Done {
         let page = self.page()?;
+        self.mcap.iter().try_for_each(|path| replaceable(path, FileKind::Bag))?;
         let model = self.load(&self.model)?;
         let beside = self.beside(page, &model)?;
-        let config = self.log()?;
+        let reading = self.log()?;
         let (order, control) = (self.order, self.control);
         let evaluation = Evaluation { file: &self.model, model: &model, order, control };
         let tell = &mut |sentence: String| output.note(&format!("note: {sentence}"));
-        let log = evaluation.read(config, tell)?;
+        let log = evaluation.read(&reading, tell)?;
         let system = self.system.map(|system| self.exact(system, &model)).transpose()?;
         let symo = match system {
             Some(Exact::Symo(mechanism)) => Some(mechanism),
@@ -92,6 +101,10 @@ impl Evaluate {
         if let Some(Exact::Scalable(system)) = system {
             let folder = self.output.as_deref().filter(|_| page.is_none());
             report.prediction = Some(self.request(&model, system).run(folder)?);
+        }
+        if let Some(path) = &self.mcap {
+            write_joint_bag(path, (&self.model, &model), &log, tell)?;
+            output.note(&format!("bag in {}", path.display()));
         }
         if let Some(path) = page {
             let beside = self.beside.as_deref().zip(beside.as_ref());
@@ -133,8 +146,8 @@ impl Evaluate {
     }
 
     /// The log, and the settings for reading it.
-    fn log(&self) -> Result<DataConfig, Failure> {
-        log_config(self.config.as_deref(), self.data.as_ref().map(DataConfig::new))
+    fn log(&self) -> Result<LogReading, Failure> {
+        LogReading::new(self.config.as_deref(), self.data.clone().map(Into::into), &self.model)
     }
 
     /// The exact mechanism of a system, with as many coordinates as the model.

@@ -1,22 +1,25 @@
 //! Evaluation of a model on logged motion.
 
+mod joint_bag;
 mod long_term;
 mod on_chip;
 mod page;
+mod reading;
 mod report;
 
+pub use joint_bag::write as write_joint_bag;
 pub use long_term::{LongTerm, Request as LongTermRequest, Scalable};
 pub use page::{is_page, write as write_page};
+pub use reading::LogReading;
 pub use report::{Acceleration, Report, Steps, Torques};
 
 use crate::cli::Failure;
 use crate::models::{chip_file, meant};
-use crate::notes::sentences;
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::Mechanism;
-use leastaction_learning::config::{Config, DataConfig, TrainingConfig};
+use leastaction_learning::config::TrainingConfig;
 use leastaction_learning::data::{Dataset, control_name};
 use leastaction_learning::evaluate::{acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse};
 use leastaction_learning::torque_numbers::torque_numbers;
@@ -45,20 +48,8 @@ pub struct Log {
     pub file: PathBuf,
     /// Contents of the log.
     pub data: Dataset,
-}
-
-/// The log on which to evaluate, and the settings for reading it. This is the named log, read by the `[data]` of the
-/// configuration, or else the configuration's own log.
-///
-/// # Errors
-/// [`Failure::Input`] if neither is given, or if the configuration cannot be read.
-pub fn log_config(config: Option<&Path>, named: Option<DataConfig>) -> Result<DataConfig, Failure> {
-    let configured = config.map(Config::read).transpose()?.map(|config| config.data);
-    match (configured, named) {
-        (Some(configured), Some(named)) => Ok(DataConfig { file: named.file, ..configured }),
-        (Some(one), None) | (None, Some(one)) => Ok(one),
-        (None, None) => Err(Failure::Input("name the log with --data".to_owned())),
-    }
+    /// Names of the coordinates in the log; empty if they have none but q0, q1, …
+    pub names: Vec<String>,
 }
 
 impl Evaluation<'_> {
@@ -66,17 +57,14 @@ impl Evaluation<'_> {
     ///
     /// # Errors
     /// [`Failure::Input`] if the log cannot be read, or belongs to another mechanism.
-    pub fn read(&self, config: DataConfig, tell: Tell) -> Result<Log, Failure> {
+    pub fn read(&self, reading: &LogReading, tell: Tell) -> Result<Log, Failure> {
         let trained = self.model.facts.trained_step.map(|step| step.control);
-        let control = self.control.or(config.control).or(trained);
-        let config = DataConfig { control, ..config };
-        let (mut data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
-        sentences(&notes).into_iter().for_each(&mut *tell);
-        let file = PathBuf::from(config.file.to_string());
+        let mut data = reading.read((self.control, trained), tell)?;
+        let file = reading.file();
         self.check((&file, &data), tell)?;
         self.take_control((&file, &mut data), tell)?;
         prepare(&mut data, &self.model.architecture.coordinates(), tell);
-        Ok(Log { file, data })
+        Ok(Log { file, data, names: reading.names() })
     }
 
     /// Measures the model on a log, and compares it with an exact mechanism if one is given; reports what could not be measured.

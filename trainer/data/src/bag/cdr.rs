@@ -1,5 +1,6 @@
 //! Parser of `sensor_msgs/JointState` in CDR, as ROS 2 sends it: XCDR version 1, either byte order.
 
+use crate::bag_problem::BagProblem;
 use crate::problem::Problem;
 use std::collections::BTreeSet;
 
@@ -47,7 +48,7 @@ impl<'a> JointState<'a> {
 }
 
 fn no(reason: &'static str) -> Problem {
-    Problem::NotJointState(reason)
+    BagProblem::NotJointState(reason).into()
 }
 
 /// The unread part of a message. Fields are aligned to their size, counted from the end of the header.

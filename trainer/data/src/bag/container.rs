@@ -4,9 +4,9 @@
 //! file, and chunks unpack to at most the size that they state.
 
 use super::record::{self, CHANNEL, CHUNK, Channel, Chunk, Damage, FOOTER, MAGIC, MESSAGE, SCHEMA, Schema};
+use crate::bag_problem::BagProblem;
 use crate::error::Fault;
 use crate::place::Place;
-use crate::problem::Problem;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -25,7 +25,7 @@ static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
 /// A message on any topic.
 pub(super) struct Message<'a> {
-    /// Number of the message in the file, from 1.
+    /// Number of the message in the bag, from 1.
     pub number: u64,
     /// Bytes of the file read so far.
     pub read: u64,
@@ -40,15 +40,26 @@ pub(super) struct Message<'a> {
 /// Callback for every message.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(&Message<'_>) -> Result<(), Fault>;
 
-/// Passes every message of a file to `visit`.
-pub(super) fn messages(source: &mut dyn Read, visit: Visit<'_>) -> Result<(), Fault> {
-    let mut scan = Scan::new(visit);
+/// Passes every message of a file to `visit`, numbered from `before` + 1 on; returns the number of the last.
+pub(super) fn messages(source: &mut dyn Read, before: u64, visit: Visit<'_>) -> Result<u64, Fault> {
+    let mut scan = Scan { messages: before, ..Scan::new(visit) };
     let done = scan.file(source);
-    done.map_err(|fault| scan.located(fault))
+    done.map_err(|fault| scan.located(fault))?;
+    Ok(scan.messages)
+}
+
+/// The time of recording of the first message, ns; `None` if there is none that can be read.
+pub(super) fn first_time(source: &mut dyn Read) -> Option<u64> {
+    let mut first = None;
+    let _stopped = messages(source, 0, &mut |message| {
+        first = Some(message.log_time);
+        Err(damaged("the first message is enough"))
+    });
+    first
 }
 
 fn damaged(reason: Damage) -> Fault {
-    (Place::File, Problem::NotMcap(reason.to_owned()))
+    (Place::File, BagProblem::NotMcap(reason.to_owned()).into())
 }
 
 const CUT: Damage = "it ends in the middle of a record";
@@ -122,7 +133,7 @@ impl<'v> Scan<'v> {
         self.unpacked = self.unpacked.saturating_add(chunk.size);
         let most = MOST_PER_BYTE.saturating_mul(self.read).saturating_add(MOST_ANYWAY);
         if self.unpacked > most && chunk.size <= LARGEST_CHUNK {
-            return Err((Place::File, Problem::Unpacked { bytes: self.unpacked, most }));
+            return Err((Place::File, BagProblem::Unpacked { bytes: self.unpacked, most }.into()));
         }
         let content = unpacked(&chunk)?;
         let mut rest = &content[..];
@@ -182,16 +193,19 @@ fn keep<T: PartialEq>(all: &mut HashMap<u16, T>, id: u16, new: T, twice: Damage)
 fn unpacked<'a>(chunk: &Chunk<'a>) -> Result<Cow<'a, [u8]>, Fault> {
     let (size, data) = (chunk.size, chunk.content);
     if size > LARGEST_CHUNK {
-        return Err((Place::File, Problem::LargeChunk { bytes: size, most: LARGEST_CHUNK }));
+        return Err((Place::File, BagProblem::LargeChunk { bytes: size, most: LARGEST_CHUNK }.into()));
     }
     let content = match chunk.compression {
         "" => Cow::Borrowed(data),
         "zstd" => {
             let decoder = ruzstd::decoding::StreamingDecoder::new(data);
-            read_whole(decoder.map_err(|error| (Place::File, Problem::NotMcap(error.to_string())))?, size)?
+            read_whole(
+                decoder.map_err(|error| (Place::File, BagProblem::NotMcap(error.to_string()).into()))?,
+                size,
+            )?
         }
         "lz4" => read_whole(lz4_flex::frame::FrameDecoder::new(data), size)?,
-        other => return Err((Place::File, Problem::Compression(other.to_owned()))),
+        other => return Err((Place::File, BagProblem::Compression(other.to_owned()).into())),
     };
     if content.len() as u64 != size {
         return Err(damaged("a chunk unpacks to another size than it says"));
@@ -206,6 +220,6 @@ fn unpacked<'a>(chunk: &Chunk<'a>) -> Result<Cow<'a, [u8]>, Fault> {
 fn read_whole<'a>(from: impl Read, size: u64) -> Result<Cow<'a, [u8]>, Fault> {
     let mut content = Vec::new();
     let read = from.take(size + 1).read_to_end(&mut content);
-    let problem = |error: io::Error| (Place::File, Problem::NotMcap(error.to_string()));
+    let problem = |error: io::Error| (Place::File, BagProblem::NotMcap(error.to_string()).into());
     read.map(|_| Cow::Owned(content)).map_err(problem)
 }

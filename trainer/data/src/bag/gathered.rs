@@ -3,6 +3,7 @@
 use super::cdr::JointState;
 use super::container::Message;
 use super::{FIELDS, Stream, Time};
+use crate::bag_problem::BagProblem;
 use crate::error::Fault;
 use crate::place::Place;
 use crate::problem::Problem;
@@ -14,8 +15,13 @@ const MOST_ANYWAY: u64 = 1 << 23;
 /// Further count of numbers that may be read per byte of the file: stamps and noise do not compress to a hundredth.
 const MOST_PER_BYTE: u64 = 12;
 
-/// Key of a stream: channel, joints in alphabetical order, fields.
-type Key = (u16, String, [bool; 3]);
+/// Key of a stream: topic, joints in alphabetical order, fields.
+type Key = (String, String, [bool; 3]);
+
+/// Whether a type, as ROS names it, is of joints.
+pub(super) fn is_of_joints(schema: &str) -> bool {
+    matches!(schema, "sensor_msgs/msg/JointState" | "sensor_msgs/JointState")
+}
 
 /// A message that cannot be read; it matters only to those who ask for its joints.
 pub(super) struct Bad {
@@ -42,8 +48,7 @@ pub(super) struct Gathered {
 impl Gathered {
     pub fn take(&mut self, message: &Message<'_>) -> Result<(), Fault> {
         let channel = message.channel;
-        let joints = matches!(message.schema, "sensor_msgs/msg/JointState" | "sensor_msgs/JointState");
-        if !joints || channel.encoding != "cdr" {
+        if !is_of_joints(message.schema) || channel.encoding != "cdr" {
             if !self.others.contains(&channel.topic) {
                 self.others.insert(channel.topic.clone());
             }
@@ -56,7 +61,8 @@ impl Gathered {
                 return Ok(());
             }
         };
-        let logged = i64::try_from(message.log_time).map_err(|_| Problem::BadTime(message.log_time));
+        let logged =
+            i64::try_from(message.log_time).map_err(|_| BagProblem::BadTime(message.log_time).into());
         match state.check().and(logged) {
             Ok(logged) => {
                 let time = Time { stamp: state.stamp, logged, message: message.number };
@@ -91,7 +97,7 @@ impl Gathered {
         }
         let mut sorted = state.names.clone();
         sorted.sort_unstable();
-        let key = (message.channel.id, sorted.join("\0"), present);
+        let key = (message.channel.topic.clone(), sorted.join("\0"), present);
         let at = *self.of.entry(key).or_insert_with(|| {
             self.streams.push(Stream::new(&message.channel.topic, state, present));
             self.streams.len() - 1

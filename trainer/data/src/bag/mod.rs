@@ -1,4 +1,4 @@
-//! Bags of ROS 2: `.mcap` files with `sensor_msgs/JointState` messages in CDR.
+//! Bags of ROS 2: `.mcap` and `.db3` files, and folders of them, with `sensor_msgs/JointState` messages in CDR.
 //!
 //! A column is a joint of a topic: `/joint_states/shoulder/position`, `…/velocity`, `…/effort`. Its time is the stamp in the message
 //! headers; if any message of a topic lacks a stamp, the whole topic uses the time of recording, and a note says so. Time counts in s from
@@ -6,10 +6,16 @@
 
 mod cdr;
 mod container;
+mod db3;
+mod files;
 mod gathered;
 mod record;
+mod sqlite;
+mod writing;
+mod written_message;
 
 use crate::Rows;
+use crate::bag_problem::BagProblem;
 use crate::columns::{Column, Columns};
 use crate::error::Fault;
 use crate::join::{Part, Wanted};
@@ -18,9 +24,11 @@ use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::table::Origin;
+pub(crate) use files::BagSource;
 use gathered::{Bad, Gathered};
 use std::collections::BTreeSet;
-use std::io::Read;
+pub(crate) use writing::encoded;
+pub use writing::{JointSample, JointTopic};
 
 /// Fields of a message, in its order.
 const FIELDS: [&str; 3] = ["position", "velocity", "effort"];
@@ -55,10 +63,10 @@ struct Time {
 }
 
 impl Bag {
-    /// Reads a file sequentially.
-    pub fn read(source: &mut dyn Read) -> Result<Self, Fault> {
+    /// Reads all files of a bag.
+    pub fn read(source: &mut BagSource<'_>) -> Result<Self, Fault> {
         let mut gathered = Gathered::default();
-        container::messages(source, &mut |message| gathered.take(message))?;
+        source.messages(0, &mut |message| gathered.take(message))?;
         let Gathered { streams, others, bad, .. } = gathered;
         let others: Vec<String> = others.into_iter().collect();
         if !streams.is_empty() {
@@ -66,7 +74,7 @@ impl Bag {
         }
         Err(match bad.into_iter().next() {
             Some(bad) => (Place::Message(bad.message), bad.problem),
-            None => (Place::File, Problem::NoJointStates(others)),
+            None => (Place::File, BagProblem::NoJointStates(others).into()),
         })
     }
 
@@ -177,7 +185,7 @@ impl Bag {
                 wanted.iter().find(|(_, column)| column.names().any(|name| at(name).is_none()))
             {
                 let message = stream.times.first().map_or(1, |time| time.message);
-                return Err((Place::Message(message), Problem::MissingJoint(missing.name.clone())));
+                return Err((Place::Message(message), BagProblem::MissingJoint(missing.name.clone()).into()));
             }
             for (time, row) in stream.samples() {
                 let value = |((_, column), places): (&(usize, Column), &Vec<Option<usize>>)| {

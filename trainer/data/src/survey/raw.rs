@@ -2,10 +2,12 @@
 
 use super::Guess;
 use crate::archive::Archive;
+use crate::array_columns::Named;
 use crate::bag::{Bag, Clock, Stream};
 use crate::csv_sheet::Sheet;
 use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
+use crate::mat::MatFile;
 use crate::place::Place;
 use crate::problem::Problem;
 use crate::source::{Source, format_of};
@@ -15,7 +17,7 @@ use std::path::Path;
 /// The numeric columns of one clock in a file, unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawLog {
-    /// Topic, for an MCAP file; its stamps are the column `t` (s).
+    /// Topic, for a bag; its stamps are the column `t` (s).
     pub topic: Option<String>,
     /// Names of the columns; `name[i]` for a two-dimensional array.
     pub names: Vec<String>,
@@ -31,7 +33,7 @@ pub struct RawLog {
 const NUMBERS: f64 = 0.5;
 
 impl RawLog {
-    /// Reads a file: one log, or for an MCAP file one log per topic with joints.
+    /// Reads a file: one log, or for a bag one log per topic with joints.
     ///
     /// # Errors
     /// [`DataError`] with the file, the place in it and the problem.
@@ -75,8 +77,12 @@ impl RawLog {
 fn of_source(source: Source) -> Result<Vec<RawLog>, Fault> {
     match source {
         Source::Csv(bytes) => Ok(vec![of_csv(&bytes)?]),
-        Source::Npz(bytes) => Ok(vec![of_npz(&bytes)?]),
-        Source::Mcap(mut source) => Ok(of_bag(&Bag::read(&mut source)?)),
+        Source::Npz(bytes) => Ok(vec![of_arrays(&Archive::open(&bytes)?, &[])?]),
+        Source::Mat(bytes) => {
+            let file = MatFile::read(&bytes)?;
+            Ok(vec![of_arrays(&file, file.others())?])
+        }
+        Source::Bag(mut source) => Ok(of_bag(&Bag::read(&mut source)?)),
     }
 }
 
@@ -106,31 +112,27 @@ fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
     if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
 }
 
-fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
-    let archive = Archive::open(bytes)?;
-    let mut parts: Vec<(String, Rows)> = Vec::new();
-    let mut others = Vec::new();
-    for key in archive.keys() {
-        let rows = archive.get(key).ok().flatten().and_then(|array| {
-            let (_, width) = array.samples_and_columns()?;
-            Rows::from_flat(width, array.reals().ok()?)
-        });
-        match rows {
-            Some(rows) => parts.push((key.clone(), rows)),
-            None => others.push(key.clone()),
+/// The arrays of an archive or a MATLAB file; `others` are not arrays of numbers.
+fn of_arrays(arrays: &dyn Named, others: &[String]) -> Result<RawLog, Fault> {
+    let mut parts: Vec<(&String, Rows)> = Vec::new();
+    let mut others = others.to_vec();
+    for name in arrays.names() {
+        match arrays.rows(name).ok().flatten() {
+            Some(rows) => parts.push((name, rows)),
+            None => others.push(name.clone()),
         }
     }
     // The most common length is taken as the length of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
     let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others, dates: None };
-    for (key, rows) in &parts {
+    for (name, rows) in parts {
         if Some(rows.len()) != samples {
-            log.others.push(key.clone());
+            log.others.push(name.clone());
             continue;
         }
         for i in 0..rows.width() {
-            log.names.push(if rows.width() == 1 { key.clone() } else { format!("{key}[{i}]") });
+            log.names.push(if rows.width() == 1 { name.clone() } else { format!("{name}[{i}]") });
             log.columns.push(rows.column(i).collect());
         }
     }

@@ -24,7 +24,7 @@ const STRIDE: f64 = 0.25;
 /// Largest number of predictions.
 const MOST: usize = 2000;
 /// Samples on each side of a start that determine its state.
-const HALF: usize = 3;
+pub(super) const HALF: usize = 3;
 /// Longest integration step, s.
 const STEP: f64 = 0.0025;
 /// Quantile of the errors that is reported.
@@ -110,7 +110,11 @@ impl Predictor<'_> {
     }
 
     /// Predicts from (log, sample) starts over at most `most` seconds.
-    fn predict_from(&self, starts: Vec<(usize, usize)>, most: f64) -> Result<Vec<Prediction>, ModelError> {
+    pub(super) fn predict_from(
+        &self,
+        starts: Vec<(usize, usize)>,
+        most: f64,
+    ) -> Result<Vec<Prediction>, ModelError> {
         let h = self.logs.h;
         let system = self.model.system()?;
         let (integrator, order) = Integrator::of_trained(self.model.facts.trained_step, h);

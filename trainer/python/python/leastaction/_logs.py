@@ -174,7 +174,8 @@ def evaluate(
 
     model    Model, Run, or the name of a model file or of a run's folder
     data     Log or files; by default the files of the configuration
-    config   configuration whose [data] gives names and units of the columns, step and control of the log
+    config   configuration whose [data] gives names and units of the columns, step and control of the log; without it, files for a
+             run are read as the run's own logs were
     order    order of the steps, 2 or 4; by default that of the model, else 4
     control  course of u between samples, "held" or "linear"; by default that of the log, else of the model, else held
     page     .html file to write: horizons, residuals, friction
@@ -182,7 +183,8 @@ def evaluate(
     """
     with tempfile.TemporaryDirectory(prefix="leastaction-") as folder:
         files = _names(_as_file(data, folder)) if data is not None else None
-        request = {"config": _name(config), "files": files, "order": order, "control": control}
+        native = isinstance(data, Log)
+        request = {"config": _name(config), "files": files, "native": native, "order": order, "control": control}
         file, part = _as_model(model, folder, "model")
         other = None if beside is None else _as_model(beside, folder, "beside")[0]
         report, text, notes = _core.evaluate(file, part, request, _name(page), other)

@@ -93,8 +93,10 @@ class Run:
         return file if file.exists() else None
 
     def evaluate(self, data: Any = None, **options: Any) -> Evaluation:
-        """Evaluates this run like `leastaction.evaluate`; by default on the log that it was trained on, read in the same way."""
-        return evaluate(self, data, config=self.folder / "config.toml", **options)
+        """Evaluates this run like `leastaction.evaluate`; by default on the log that it was trained on. Files are read as that one was."""
+        if data is None:
+            options.setdefault("config", self.folder / "config.toml")
+        return evaluate(self, data, **options)
 
     def __repr__(self) -> str:
         loss = self.train_loss

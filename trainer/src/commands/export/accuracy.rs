@@ -2,8 +2,8 @@
 
 use super::Precision;
 use leastaction::cli::{Failure, Output};
+use leastaction::evaluation::LogReading;
 use leastaction_core::model::ModelError;
-use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::{acceleration_mse, integration_errors, one_step_mse};
 use leastaction_learning::training::Solved;
@@ -52,26 +52,27 @@ impl Compared {
         precision: Precision,
         output: Output,
     ) -> Result<Option<Accuracy>, Failure> {
-        let config = match data {
-            Some(file) => DataConfig::new(file),
-            None => Config::read(&run.join("config.toml"))?.data,
-        };
-        let log = PathBuf::from(config.file.to_string());
-        let mut set = match config.read() {
-            Ok((set, _)) => set,
-            Err(error) if data.is_some() => return Err(Failure::Input(error.to_string())),
-            Err(error) => {
+        let own = run.join("config.toml");
+        let reading = LogReading::new(data.is_none().then_some(&own), data.map(Into::into), run)?;
+        let log = reading.file();
+        let trained = self.trained.facts.trained_step.map(|step| step.control);
+        let mut said = Vec::new();
+        let mut set = match reading.read((None, trained), &mut |sentence| said.push(sentence)) {
+            Ok(set) => set,
+            Err(Failure::Input(error)) if data.is_none() => {
                 output.note(&format!(
                     "note: what 16 bits cost is not known: {error}; name the log with --data"
                 ));
                 return Ok(None);
             }
+            Err(failure) => return Err(failure),
         };
+        // Training has already reported on its own log.
+        said.iter().filter(|_| data.is_some()).for_each(|sentence| output.note(&format!("note: {sentence}")));
         if set.n != self.trained.n() {
             let message = format!("q has {} coordinates, the model {}", set.n, self.trained.n());
             return Err(Failure::input(&log, message));
         }
-        set.control = set.control.or(self.trained.facts.trained_step.map(|step| step.control));
         // Training has already reported the seams.
         let _ = set.unwrap_angles(&self.trained.architecture.coordinates());
         let failed = |error: ModelError| Failure::input(run, error);

@@ -42,7 +42,7 @@ pub struct Export {
     /// Storage format of the weights in the file.
     #[arg(long, value_enum, default_value_t = Weights::F32)]
     weights: Weights,
-    /// The log to measure errors on [default: the one that the run learned from].
+    /// The log to measure errors on, read as the run's own logs were [default: the one that the run learned from].
     #[arg(long, value_name = "FILE")]
     data: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! NPZ archives with array names of their own.
+//! Columns in arrays with names of their own, of an NPZ archive or a MATLAB file.
 
 use crate::Rows;
 use crate::archive::Archive;
@@ -12,10 +12,36 @@ use crate::problem::Problem;
 use crate::table::{Origin, Table};
 use std::collections::HashMap;
 
+/// Arrays of numbers with names.
+pub(crate) trait Named {
+    /// The names of all arrays.
+    fn names(&self) -> &[String];
+
+    /// The array with this name, a row for every sample; `None` if there is none.
+    fn rows(&self, name: &str) -> Result<Option<Rows>, Fault>;
+}
+
+impl Named for Archive<'_> {
+    fn names(&self) -> &[String] {
+        self.keys()
+    }
+
+    fn rows(&self, name: &str) -> Result<Option<Rows>, Fault> {
+        let Some(array) = self.get(name)? else { return Ok(None) };
+        let Some((_, width)) = array.samples_and_columns() else {
+            return Err(array.wrong_shape("[samples] or [samples, columns]".to_owned()));
+        };
+        Ok(Rows::from_flat(width, array.reals()?))
+    }
+}
+
 /// Reads the named columns; with a `rate` (Hz) there are no stamps.
-pub(crate) fn read(bytes: &[u8], columns: &Columns, rate: Option<f64>) -> Result<(Table, Vec<Note>), Fault> {
-    let archive = Archive::open(bytes)?;
-    let mut arrays = Arrays { archive, read: HashMap::new() };
+pub(crate) fn read(
+    arrays: &dyn Named,
+    columns: &Columns,
+    rate: Option<f64>,
+) -> Result<(Table, Vec<Note>), Fault> {
+    let mut arrays = Arrays { arrays, read: HashMap::new() };
     let t = arrays.time(&columns.t, rate)?;
     let q = arrays.rows(&columns.q, t.as_ref().map(Vec::len))?.ok_or((Place::File, Problem::Empty))?;
     let samples = Some(q.len());
@@ -38,16 +64,16 @@ fn living(v: Option<Rows>, columns: &[Column]) -> (Option<Rows>, Option<Note>) {
     }
 }
 
-/// The arrays of an archive, each unpacked at most once.
+/// The arrays of a file, each unpacked at most once.
 struct Arrays<'a> {
-    archive: Archive<'a>,
+    arrays: &'a dyn Named,
     read: HashMap<String, Rows>,
 }
 
 impl Arrays<'_> {
     /// Stamps (s), unless the samples are at a `rate`.
     fn time(&mut self, t: &Column, rate: Option<f64>) -> Result<Option<Vec<f64>>, Fault> {
-        let has_time = self.archive.keys().contains(&t.name);
+        let has_time = self.arrays.names().contains(&t.name);
         match rate {
             Some(_) if has_time => {
                 return Err((Place::File, ColumnProblem::RateAndTime(t.name.clone()).into()));
@@ -56,7 +82,7 @@ impl Arrays<'_> {
             None if !has_time && *t == Column::si("t") => {
                 return Err((
                     Place::File,
-                    ColumnProblem::NoTime { known: self.archive.keys().to_vec() }.into(),
+                    ColumnProblem::NoTime { known: self.arrays.names().to_vec() }.into(),
                 ));
             }
             None => {}
@@ -117,14 +143,11 @@ impl Arrays<'_> {
     }
 
     fn unpack(&self, key: &str, name: &str) -> Result<Rows, Fault> {
-        let Some(array) = self.archive.get(key)? else {
-            let known = self.archive.keys().to_vec();
+        if !self.arrays.names().iter().any(|known| known == key) {
+            let known = self.arrays.names().to_vec();
             return Err((Place::File, Problem::NoColumn { name: name.to_owned(), known }));
-        };
-        let Some((_, width)) = array.samples_and_columns() else {
-            return Err(array.wrong_shape("[samples] or [samples, columns]".to_owned()));
-        };
-        Rows::from_flat(width, array.reals()?).ok_or((Place::Key(key.to_owned()), Problem::Empty))
+        }
+        self.arrays.rows(key)?.ok_or((Place::Key(key.to_owned()), Problem::Empty))
     }
 }
 
