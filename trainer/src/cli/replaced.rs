@@ -5,6 +5,7 @@ use super::Failure;
 use leastaction_core::model::MAGIC;
 use leastaction_learning::data;
 use leastaction_models::file::{C_HEAD, RUST_HEAD};
+use leastaction_models::urdf::MARK;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -26,6 +27,8 @@ pub enum FileKind {
     Motion,
     /// A table whose header begins with these names.
     Table(&'static str),
+    /// A robot description that `leastaction export` wrote.
+    Description,
     /// A picture.
     Picture,
     /// A page of HTML.
@@ -50,6 +53,7 @@ impl FileKind {
             Self::Configuration => "configuration of `leastaction look`",
             Self::Motion => "motion of `leastaction excite`",
             Self::Table(_) => "table of this command",
+            Self::Description => "description of `leastaction export`",
             Self::Picture => "picture (SVG)",
             Self::Page => "page (HTML)",
             Self::Bag => "bag (MCAP)",
@@ -67,7 +71,7 @@ impl FileKind {
             Self::Log if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) => {
                 Some(b"PK\x03\x04")
             }
-            Self::Log => None,
+            Self::Log | Self::Description => None,
             Self::Table(head) => Some(head.as_bytes()),
             Self::Picture => Some(b"<svg"),
             Self::Page => Some(b"<!DOCTYPE html>"),
@@ -77,6 +81,9 @@ impl FileKind {
 
     /// Whether a file is of this kind, or empty.
     fn is_of(self, path: &Path) -> io::Result<bool> {
+        if self == Self::Description {
+            return Ok(std::fs::read(path)?.windows(MARK.len()).any(|part| part == MARK.as_bytes()));
+        }
         let Some(head) = self.head(path) else { return Ok(data::read(path).is_ok()) };
         let mut begin = Vec::new();
         File::open(path)?.take(head.len() as u64).read_to_end(&mut begin)?;

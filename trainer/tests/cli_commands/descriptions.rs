@@ -1,7 +1,7 @@
 //! Robot descriptions with joints that the log does not have and bodies that cannot be: notes and errors.
 
 use crate::support::Bench;
-use leastaction_models::urdf::{Options, parse_with};
+use leastaction_models::urdf::{Inertias, Options, parse, parse_with};
 use std::fmt::Write;
 use std::fs;
 
@@ -78,4 +78,77 @@ fn a_motion_is_found_for_some_joints() {
     assert!(text.contains("trajectory,t,q0,v0\n"), "{text:.60}");
     bench.run("excite robot.urdf -o e.csv --joints wrist").bad(2, &["wrist", "yaw, elbow, finger"]);
     bench.run("excite robot.urdf -o e.csv --lock elbow").bad(2, &["joint=0.5"]);
+}
+
+/// The description with bodies that can be, and without the finger that follows.
+fn plain() -> String {
+    ROBOT.replace("izz=\"0.5\"", "izz=\"0.01\"").replace("<mimic joint=\"elbow\" multiplier=\"0.01\"/>", "")
+}
+
+#[test]
+fn what_was_identified_is_written_into_descriptions() {
+    let config = CONFIG.replace("[model]\n", "[model]\nfriction = \"learned\"\n");
+    let bench = bench(&config);
+    fs::write(bench.at("robot.urdf"), plain()).unwrap();
+    bench.run("train robot.toml -o run").good();
+    let exported = bench.run("export run -o a.postcard --urdf found.urdf --mjcf found.xml").good();
+    assert!(
+        exported.stdout.contains("found.urdf: ") && exported.stdout.contains("written anew"),
+        "{}",
+        exported.stdout
+    );
+    assert!(exported.stderr.contains("URDF has no inertia of a joint's rotor"), "{}", exported.stderr);
+    assert!(exported.stderr.contains("no place in a description"), "{}", exported.stderr);
+    let [urdf, mjcf] = ["found.urdf", "found.xml"].map(|file| fs::read_to_string(bench.at(file)).unwrap());
+    assert!(urdf.contains("<dynamics damping=") && mjcf.contains(" frictionloss="), "{urdf}\n{mjcf}");
+    let joints = Some(vec!["yaw".to_owned()]);
+    let options = Options { joints, lock: [("elbow".to_owned(), 0.5)].into(), ..Options::default() };
+    let held = parse_with(&urdf, &options).unwrap().tree;
+    let alone = parse(&mjcf, Inertias::Required).unwrap();
+    let with_rotor = |q: f64| held.inverse_dynamics(&[q], &[0.3], &[0.9])[0] + alone.rotors[0] * 0.9;
+    for q in [-1.0, 0.2, 2.0] {
+        let [found, expected] = [alone.inverse_dynamics(&[q], &[0.3], &[0.9])[0], with_rotor(q)];
+        assert!((found - expected).abs() < 1e-11 * expected.abs().max(1.0), "{found} {expected}");
+    }
+    // The log is that of the description with another inertia, so the description's own torques differ.
+    let described = parse_with(&plain(), &options).unwrap().tree.mass_matrix(&[0.2])[0][0];
+    assert!((alone.mass_matrix(&[0.2])[0][0] - described).abs() > 1e-2 * described);
+    bench.run("export run -o a.postcard --urdf found.urdf --mjcf found.xml").good();
+    bench.run("export run -o a.postcard --urdf robot.urdf").bad(2, &["robot.urdf", "would be lost"]);
+    bench.run("export run -o a.postcard --urdf a.postcard").bad(2, &["name the same file"]);
+    fs::write(bench.at("notes.xml"), "<notes/>").unwrap();
+    bench.run("export run -o a.postcard --mjcf notes.xml").bad(2, &["notes.xml", "would be lost"]);
+    fs::remove_file(bench.at("robot.urdf")).unwrap();
+    bench.run("export run -o a.postcard --urdf found.urdf").bad(2, &["robot.urdf"]);
+}
+
+const CONFIG_OF_PENDULUM: &str =
+    "[data]\nfile = \"log.csv\"\n[model]\ncoordinates = \"a\"\nhidden = [4]\n[training]\niterations = 2\n";
+
+#[test]
+fn a_run_without_a_description_has_none_to_write() {
+    let bench = Bench::new();
+    bench.run("generate pendulum -o log.csv --seed 1").good();
+    fs::write(bench.at("train.toml"), CONFIG_OF_PENDULUM).unwrap();
+    bench.run("train train.toml -o run --accept-poor").good();
+    bench.run("export run -o a.postcard --urdf a.urdf").bad(2, &["not learned from a robot description"]);
+}
+
+#[test]
+fn a_model_of_mujoco_is_a_description() {
+    let body = "<inertial pos=\"0 0.1 0.2\" mass=\"2\" diaginertia=\"0.03 0.02 0.015\"/>";
+    let robot = format!(
+        "<mujoco><option gravity=\"0 0 -9.7\"/><worldbody><body name=\"upper\" pos=\"0 0 0.3\">{body}\
+         <joint name=\"yaw\" axis=\"0 0.6 0.8\" range=\"-170 170\" armature=\"0.2\" actuatorfrcrange=\"-9 9\"/>\
+         </body></worldbody></mujoco>"
+    );
+    let bench = bench(&CONFIG.replace("robot.urdf", "robot.xml").replace("lock = { elbow = 0.5 }\n", ""));
+    fs::write(bench.at("robot.xml"), &robot).unwrap();
+    bench.run("train robot.toml -o run").good();
+    bench.run("export run -o a.postcard --mjcf found.xml").good();
+    let shown = bench.run("inspect a.postcard").good().stdout;
+    assert!(shown.contains("-9.7"), "{shown}");
+    let found = fs::read_to_string(bench.at("found.xml")).unwrap();
+    assert!(found.contains("actuatorfrcrange=\"-9 9\"") && !found.contains("armature=\"0.2\""), "{found}");
+    bench.run("excite robot.xml -o e.csv --velocity 2 --starts 1 --trials 2 --period 5 --h 0.01").good();
 }

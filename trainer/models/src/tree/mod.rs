@@ -66,6 +66,14 @@ pub enum Joint {
 }
 
 impl Joint {
+    /// Unit vector along the axis, in the joint's frame.
+    #[must_use]
+    pub fn axis(&self) -> Vector3<f64> {
+        match self {
+            Self::Revolute(axis) | Self::Prismatic(axis) => axis.into_inner(),
+        }
+    }
+
     /// Returns the pose that the joint gives to what it moves at the position q, rad or m.
     #[must_use]
     pub fn pose(&self, q: f64) -> Pose {
@@ -123,6 +131,20 @@ pub struct Body {
     pub inertia: Inertia,
     /// Limits of the joint itself.
     pub limits: Limits,
+}
+
+/// Tolerance within which two frames or axes belong to the same joint, m or 1.
+const SAME: f64 = 1e-4;
+
+impl Body {
+    /// Whether the joints of both bodies differ at most by the rounding of single precision.
+    #[must_use]
+    pub fn has_joint_of(&self, other: &Self) -> bool {
+        let rotation = (self.pose.rotation - other.pose.rotation).amax();
+        let place = (self.pose.translation - other.pose.translation).amax();
+        let axis = (self.joint.axis() - other.joint.axis()).amax();
+        self.parent == other.parent && rotation.max(place).max(axis) < SAME
+    }
 }
 
 /// A tree of rigid bodies with rotors, on a resting base.

@@ -31,9 +31,23 @@ struct Bodies<'d> {
     places: Vec<(Option<usize>, Pose)>,
 }
 
+/// A tree, with the parts of the description that became its bodies.
+pub(super) struct Assembled {
+    pub described: Described,
+    /// Links of every body, the one that its joint moves first.
+    pub links: Vec<Vec<usize>>,
+    /// Joint of every body.
+    pub joints: Vec<usize>,
+}
+
 impl Description {
     /// Returns the tree of the moving bodies.
     pub fn tree(&self, options: &Options) -> Result<Described, UrdfError> {
+        Ok(self.assembled(options)?.described)
+    }
+
+    /// Returns the tree of the moving bodies, with their parts.
+    pub fn assembled(&self, options: &Options) -> Result<Assembled, UrdfError> {
         let walk = self.walk()?;
         let mut roles = Roles::new(&self.joints, options, &self.links[self.root].name);
         roles.check()?;
@@ -54,7 +68,11 @@ impl Description {
         all.judge(options.inertias, &mut faults, &mut notes);
         faults.end()?;
         all.give_coordinates();
-        Ok(Described { tree: all.tree()?, notes })
+        let mut joints: Vec<(usize, usize)> = all.moved.iter().map(|(joint, body)| (*body, *joint)).collect();
+        joints.sort_unstable();
+        let joints = joints.into_iter().map(|(_, joint)| joint).collect();
+        let links = all.links.clone();
+        Ok(Assembled { described: Described { tree: all.tree()?, notes }, links, joints })
     }
 }
 

@@ -138,6 +138,11 @@ pub enum UrdfError {
         /// Reason, in words.
         why: String,
     },
+    /// A description with other joints than the numbers that are to be written into it.
+    #[error(
+        "the description no longer has the joints that the model was learned with; restore the file, or train again"
+    )]
+    OtherJoints,
     /// An axis without direction.
     #[error("joint {0}: its axis is zero")]
     Axis(String),

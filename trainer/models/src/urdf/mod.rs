@@ -23,6 +23,7 @@ mod mjcf;
 mod note;
 mod parts;
 mod roles;
+mod write;
 mod xacro;
 mod zero_limits;
 
@@ -30,6 +31,7 @@ pub(crate) use bodies::{carried_mass, moved, with_extent};
 pub use error::{MOST_BYTES, MOST_LINKS, UrdfError};
 pub use note::{DescriptionNote, GROSS, Moved};
 pub use roles::Followers;
+pub use write::{Format, Identified, JointNumbers, MARK, WriteNote, Written, write_back};
 
 use crate::tree::Tree;
 use connections::Description;

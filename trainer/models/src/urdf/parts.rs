@@ -17,6 +17,8 @@ pub(super) struct Link {
     pub unknown: Option<String>,
     /// Place of its element in the text; empty for a link that has none.
     pub at: Range<usize>,
+    /// Position of the link's frame in the frame of its element, m.
+    pub origin: Vector3<f64>,
 }
 
 /// A joint.
@@ -34,6 +36,8 @@ pub(super) struct JointElement {
     pub rests: Option<f64>,
     /// Inertia of its rotor, kg m² or kg.
     pub armature: f64,
+    /// Place of its element in the text.
+    pub at: Range<usize>,
 }
 
 /// An element with its name in messages.
@@ -113,13 +117,13 @@ impl Link {
 
     /// Creates a link without mass.
     pub fn empty(name: &str, at: Range<usize>) -> Self {
-        let inertia = Inertia::default();
-        Self { name: name.to_owned(), inertia, has_inertial: false, unknown: None, at }
+        let (inertia, origin) = (Inertia::default(), Vector3::zeros());
+        Self { name: name.to_owned(), inertia, has_inertial: false, unknown: None, at, origin }
     }
 
-    /// Returns the link in a frame in which its present frame has this position.
-    pub fn shifted(self, position: Vector3<f64>) -> Self {
-        Self { inertia: self.inertia.placed(&Matrix3::identity(), &position), ..self }
+    /// Returns the link in a frame whose position in the present one is `origin`.
+    pub fn seen_from(self, origin: Vector3<f64>) -> Self {
+        Self { inertia: self.inertia.placed(&Matrix3::identity(), &-origin), origin, ..self }
     }
 
     fn inertia(inertial: &Element) -> Result<Inertia, UrdfError> {
@@ -151,12 +155,12 @@ impl JointElement {
             axis: Vector3::from(axis.unwrap_or([1.0, 0.0, 0.0])),
             limits: Self::limits(&element, &kind)?,
             mimic: mimic.transpose()?,
-            ..Self::new(name, &kind)
+            ..Self::new(name, &kind, node.range())
         })
     }
 
     /// Creates a joint without links, in the frame of what carries it.
-    pub fn new(name: String, kind: &str) -> Self {
+    pub fn new(name: String, kind: &str, at: Range<usize>) -> Self {
         Self {
             name,
             kind: kind.to_owned(),
@@ -168,12 +172,13 @@ impl JointElement {
             mimic: None,
             rests: None,
             armature: 0.0,
+            at,
         }
     }
 
     /// Creates a fixed joint, named by the link that it carries.
     pub fn fixed([parent, child]: [&str; 2], pose: Pose) -> Self {
-        let own = Self::new(format!("{child} (fixed)"), "fixed");
+        let own = Self::new(format!("{child} (fixed)"), "fixed", 0..0);
         Self { parent: parent.to_owned(), child: child.to_owned(), pose, ..own }
     }
 

@@ -8,6 +8,7 @@ mod choice;
 mod inertias;
 mod massless;
 mod mjcf;
+mod written;
 
 const BODY: &str = "<inertial><origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/><mass value='2'/>\
     <inertia ixx='0.03' ixy='0.001' ixz='0.002' iyy='0.04' iyz='0.003' izz='0.05'/></inertial>";

@@ -1,9 +1,11 @@
 //! `leastaction export`.
 
 mod accuracy;
+mod description;
 
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
+use description::Description;
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::models::encoded;
 use leastaction_learning::atomic;
@@ -23,9 +25,15 @@ use std::path::PathBuf;
 /// With --weights f16 the weights take half the flash, and the program reports the loss: the model's errors on the log that it learned
 /// from, with the weights as trained and as shipped. A chip computes in single precision in either case.
 ///
+/// With --urdf or --mjcf the description of an arm is written as well, with the identified inertias of its moving bodies, its rotors
+/// (armature), viscous and Coulomb friction. The description's own text is edited where it can be, so names of meshes stay as they are: write
+/// the file beside it.
+///
 /// Example: leastaction export run -o model.postcard --rust model.rs
 ///
 /// Example: leastaction export run -o model.postcard --weights f16
+///
+/// Example: leastaction export run -o model.postcard --urdf identified.urdf --mjcf identified.xml
 #[derive(Args)]
 pub struct Export {
     /// The folder of the run.
@@ -39,6 +47,12 @@ pub struct Export {
     /// Write the Rust source as constants, without the file and its reader.
     #[arg(long, requires = "rust")]
     constants: bool,
+    /// A robot description (URDF) to write as well, with the identified numbers.
+    #[arg(long, value_name = "FILE")]
+    urdf: Option<PathBuf>,
+    /// A model of MuJoCo (MJCF) to write as well, with the identified numbers.
+    #[arg(long, value_name = "FILE")]
+    mjcf: Option<PathBuf>,
     /// Storage format of the weights in the file.
     #[arg(long, value_enum, default_value_t = Weights::F32)]
     weights: Weights,
@@ -74,6 +88,7 @@ struct Report {
     weight_bits: u8,
     provenance: String,
     rust: Option<PathBuf>,
+    descriptions: Vec<Description>,
     accuracy: Option<Accuracy>,
 }
 
@@ -83,6 +98,7 @@ impl fmt::Display for Report {
         writeln!(f, "{}: {bytes} bytes, {parameters} parameters of {weight_bits} bits", model.display())?;
         writeln!(f, "{}", self.provenance)?;
         self.rust.iter().try_for_each(|file| writeln!(f, "{}: the same as Rust source", file.display()))?;
+        self.descriptions.iter().try_for_each(|description| write!(f, "{description}"))?;
         self.accuracy.iter().try_for_each(|accuracy| write!(f, "{accuracy}"))
     }
 }
@@ -94,11 +110,13 @@ impl Export {
         self.check()?;
         let (trained, bytes) = encoded(&self.run, precision)?;
         let accuracy = self.accuracy(&trained, &bytes, output)?;
+        let descriptions = self.descriptions(&trained, output)?;
         let source = self.rust.as_ref().map(|_| self.source(&bytes)).transpose()?;
         atomic::write(&self.output, &bytes).map_err(|error| Failure::file(&self.output, error))?;
         if let (Some(file), Some(source)) = (&self.rust, source) {
             atomic::write(file, source.as_bytes()).map_err(|error| Failure::file(file, error))?;
         }
+        descriptions.iter().try_for_each(Description::write)?;
         output.report(&Report {
             model: self.output,
             bytes: bytes.len(),
@@ -106,6 +124,7 @@ impl Export {
             weight_bits: precision.bits(),
             provenance: trained.provenance,
             rust: self.rust,
+            descriptions,
             accuracy,
         })
     }
@@ -121,8 +140,17 @@ impl Export {
 
     /// Refuses to overwrite other files.
     fn check(&self) -> Done {
-        if self.rust.as_ref() == Some(&self.output) {
-            return Err(Failure::input(&self.output, "--output and --rust name the same file; name two"));
+        let options = [("--rust", &self.rust), ("--urdf", &self.urdf), ("--mjcf", &self.mjcf)];
+        let named: Vec<(&str, &PathBuf)> = std::iter::once(("--output", &self.output))
+            .chain(options.into_iter().filter_map(|(option, file)| Some((option, file.as_ref()?))))
+            .collect();
+        for (k, (option, file)) in named.iter().enumerate() {
+            if let Some((other, _)) = named[..k].iter().find(|(_, other)| other == file) {
+                return Err(Failure::input(
+                    file,
+                    format!("{other} and {option} name the same file; name two"),
+                ));
+            }
         }
         replaceable(&self.output, FileKind::Model)?;
         self.rust.iter().try_for_each(|file| replaceable(file, FileKind::RustModule))

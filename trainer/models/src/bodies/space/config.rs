@@ -100,8 +100,6 @@ fn radius() -> f64 {
 
 /// Initial inertia of a learned rotor, kg m².
 pub(super) const FIRST_ROTOR: f64 = 1e-3;
-/// Tolerance within which two frames or axes belong to the same joint, m or 1.
-const SAME: f64 = 1e-4;
 
 impl ArmConfig {
     /// Returns an arm with this description, the usual gravity, and everything learned.
@@ -180,7 +178,7 @@ impl ArmConfig {
         };
         let arm = origin.0.architecture.family.arm().ok_or_else(other)?;
         let own = arm.host_tree(&origin.0.weights).ok_or_else(other)?;
-        let is_same = own.bodies().iter().zip(tree.bodies()).all(|(a, b)| is_same_joint(a, b));
+        let is_same = own.bodies().iter().zip(tree.bodies()).all(|(a, b)| a.has_joint_of(b));
         if !is_same {
             return Err(other());
         }
@@ -234,19 +232,5 @@ fn kind(body: &Body) -> JointKind {
     match body.joint {
         Joint::Revolute(_) => JointKind::Revolute,
         Joint::Prismatic(_) => JointKind::Prismatic,
-    }
-}
-
-/// Whether two joints differ at most by the rounding of single precision.
-fn is_same_joint(a: &Body, b: &Body) -> bool {
-    let (axis_a, axis_b) = (axis(a), axis(b));
-    let rotation = (a.pose.rotation - b.pose.rotation).amax();
-    let place = (a.pose.translation - b.pose.translation).amax();
-    a.parent == b.parent && rotation.max(place).max((axis_a - axis_b).amax()) < SAME
-}
-
-fn axis(body: &Body) -> nalgebra::Vector3<f64> {
-    match body.joint {
-        Joint::Revolute(axis) | Joint::Prismatic(axis) => axis.into_inner(),
     }
 }

@@ -26,7 +26,8 @@ impl ArmConfig {
         Ok(described)
     }
 
-    fn options(&self) -> Options {
+    /// Choice that the configuration makes among what the description has.
+    pub fn options(&self) -> Options {
         let inertias = if self.mass.is_some() { Inertias::Optional } else { Inertias::Required };
         let (joints, lock) = (self.joints.clone(), self.lock.clone());
         // Each joint of a model has a coordinate of its own.

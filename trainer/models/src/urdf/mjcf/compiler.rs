@@ -66,6 +66,12 @@ impl Compiler {
         if self.is_degrees { angle.to_radians() } else { angle }
     }
 
+    /// Whether masses and inertias can be other than those of `<inertial>`.
+    pub fn changes_inertials(&self) -> bool {
+        let bounds = self.balances || self.least_mass > 0.0 || self.least_inertia > 0.0;
+        bounds || self.total_mass > 0.0 || self.from_geoms == FromGeoms::Always
+    }
+
     /// Inertia within the bounds, and balanced if that is asked for.
     pub fn bounded(&self, given: Inertia) -> Inertia {
         let is_free = !self.balances && self.least_inertia <= 0.0;
@@ -92,7 +98,7 @@ impl Compiler {
 }
 
 /// Gravity in the base frame, m/s².
-pub(super) fn gravity(root: Node) -> Result<Vector3<f64>, UrdfError> {
+pub(in crate::urdf) fn gravity(root: Node) -> Result<Vector3<f64>, UrdfError> {
     let flag = root.descendants().filter(|node| node.has_tag_name("flag"));
     if flag.filter_map(|node| node.attribute("gravity")).any(|value| value == "disable") {
         return Ok(Vector3::zeros());

@@ -24,7 +24,7 @@ impl Settings<'_> {
         let node = member.node;
         let kind = self.kind(member)?;
         let name = node.attribute("name").map_or_else(|| format!("joint {k}"), str::to_owned);
-        let mut joint = JointElement::new(name, kind);
+        let mut joint = JointElement::new(name, kind, node.range());
         if kind == "floating" {
             return Ok(Anchored { joint, anchor: Vector3::zeros(), zero: 0.0 });
         }

@@ -17,6 +17,7 @@ mod left_out;
 mod pose;
 mod values;
 
+pub(super) use compiler::gravity;
 pub(super) use include::with_included;
 
 use super::connections::Description;
@@ -62,6 +63,11 @@ struct Found {
     zeros: HashMap<String, f64>,
     faults: Faults,
     notes: Vec<DescriptionNote>,
+}
+
+/// Whether masses and inertias can be other than those of `<inertial>`.
+pub(super) fn changes_inertials(root: Node) -> Result<bool, UrdfError> {
+    Ok(Compiler::read(root)?.changes_inertials())
 }
 
 /// Reads the links and joints below `<mujoco>`.
@@ -122,7 +128,7 @@ impl Found {
         let pose = body.pose.then(&body.member.frame).then(&settings.pose(node, None)?);
         let anchor = self.read_joints(&name, &members, (&body.parent, pose), settings);
         let own = settings.link((node, &name), &members)?;
-        self.links.push(own.shifted(-anchor));
+        self.links.push(own.seen_from(anchor));
         let shift = Pose { translation: -anchor, ..Pose::identity() };
         let carried = members.into_iter().filter(|member| member.node.has_tag_name("body"));
         Ok(carried.map(|member| Waiting { member, parent: name.clone(), pose: shift }).collect())
