@@ -258,9 +258,12 @@ fn what_cannot_be_is_said() {
     let text = error(path, "bodies = \"guessed\"");
     assert!(text.contains("names of the joints"), "{text}");
     assert!(error(path, "friction = [1]").contains("friction"));
+    // A link without mass is refused at the end of the arm, and not where it carries mass.
     write(path, &description(0.0));
+    assert!(config_of(path, "").is_ok());
+    write(path, &description(2.0).replace("<mass value=\"1\"/>", "<mass value=\"0\"/>"));
     let text = error(path, "");
-    assert!(text.contains("link1") && text.contains("[model] mass = "), "{text}");
+    assert!(text.contains("link3") && text.contains("[model] mass = "), "{text}");
     write(path, &description(2.0).replace("</robot>", "<link name=\"f\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" \
         ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><joint name=\"j\" type=\"revolute\"><parent link=\"link1\"/><child \
         link=\"f\"/><mimic joint=\"joint1\"/></joint></robot>"));
