@@ -3,13 +3,13 @@
 #   load        model files of every family, their checksum corrected
 #   steps       like load, then accelerations and ten steps of either order
 #   link        bytes and requests sent to a processor
-#   csv npz mcap toml urdf safetensors checkpoint   the other readers
+#   csv npz mcap db3 mat toml urdf safetensors checkpoint   the other readers
 # A target begins with inputs from our own writers and from earlier runs (corpus/TARGET, which grows), and ends with a line of executions,
 # seconds, covered branches and peak memory. It fails, with the input in found/, if a reader panics, takes longer than 10 s or uses more
 # than 1 GB (`MEMORY`, in MB). Further options are libFuzzer's: `run.sh load 60 -jobs=2`.
 set -euo pipefail
 cd "$(dirname "$0")"
-targets=(load steps link csv npz mcap toml urdf safetensors checkpoint)
+targets=(load steps link csv npz mcap db3 mat toml urdf safetensors checkpoint)
 target=${1:-all} seconds=${2:-60}
 shift $(($# < 2 ? $# : 2))
 
@@ -23,7 +23,7 @@ export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-co
 features_of() {
     case $1 in
         link | steps) echo "$1" ;;
-        csv | npz | mcap) echo logs ;;
+        csv | npz | mcap | db3 | mat) echo logs ;;
         urdf) echo arms ;;
         toml | safetensors | checkpoint) echo learning ;;
     esac
@@ -37,6 +37,7 @@ longest() {
         load | steps | checkpoint) echo 4096 ;;
         link) echo 1024 ;;
         csv) echo 512 ;;
+        db3) echo 16384 ;;
         *) echo 8192 ;;
     esac
 }

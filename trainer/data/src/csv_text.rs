@@ -19,7 +19,36 @@ pub(crate) fn decoded(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
         [0xFE, 0xFF, text @ ..] => Cow::Owned(from_utf16(text, u16::from_be_bytes)?),
         text => Cow::Borrowed(text),
     };
-    if text.contains(&0) { Err(not_text("it contains bytes that are zero")) } else { Ok(text) }
+    if text.contains(&0) { Err(not_text("it contains bytes that are zero")) } else { Ok(with_header(text)) }
+}
+
+/// The text with its header as a line of cells where that is a comment, as `numpy.savetxt` writes it: the last comment above a line of
+/// numbers, with as many names, of which none is a number.
+fn with_header(text: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
+    let lines = text.split_inclusive(|byte| *byte == b'\n');
+    let above: Vec<&[u8]> = lines.take_while(|line| line.starts_with(b"#")).collect();
+    let (start, rest) = text.split_at(above.iter().map(|line| line.len()).sum());
+    let samples = rest.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    match above.last() {
+        Some(header) if names_columns(header, samples) => {
+            let mut headed = [start, rest].concat();
+            headed[start.len() - header.len()] = b' ';
+            Cow::Owned(headed)
+        }
+        _ => text,
+    }
+}
+
+/// Whether a comment has a name for every number of a line.
+fn names_columns(comment: &[u8], samples: &[u8]) -> bool {
+    let is_separator = |byte: &u8| b",;\t ".contains(byte) || byte.is_ascii_whitespace();
+    let cells = |line: &'_ [u8]| -> Vec<Vec<u8>> {
+        line.split(is_separator).filter(|cell| !cell.is_empty()).map(<[u8]>::to_vec).collect()
+    };
+    let (names, numbers) = (cells(comment.get(1..).unwrap_or_default()), cells(samples));
+    let are_numbers = !numbers.is_empty() && numbers.iter().all(|cell| is_number(cell));
+    let are_names = names.iter().all(|cell| !is_number(cell) && !cell.contains(&b'='));
+    are_numbers && are_names && names.len() == numbers.len()
 }
 
 fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Vec<u8>, Fault> {

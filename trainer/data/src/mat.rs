@@ -128,7 +128,7 @@ impl MatFile {
         Ok(())
     }
 
-    /// What is in the file besides arrays of real numbers.
+    /// Names of everything in the file that is no array of real numbers.
     pub fn others(&self) -> &[String] {
         &self.others
     }

@@ -30,6 +30,29 @@ fn refused(text: &str, reading: &Reading) -> String {
 
 const PLAIN: &str = "time,pos,tau\n0.00,1,4\n0.01,2,5\n0.02,3,6\n";
 
+/// `numpy.savetxt` writes its header as a comment, separated as the numbers are.
+#[test]
+fn a_header_in_a_comment_names_the_columns() {
+    let plain = read(PLAIN).0;
+    for text in [
+        "# a note\n# time,pos,tau\n0.00,1,4\n0.01,2,5\n0.02,3,6\n",
+        "# time pos tau\n0.00 1 4\n0.01 2 5\n0.02 3 6\n",
+        "#time\tpos\ttau\n0.00\t1\t4\n0.01\t2\t5\n0.02\t3\t6\n",
+    ] {
+        assert_eq!(read(text).0, plain, "{text}");
+    }
+    let numbered = reading(columns("#1", "#2", "#3"));
+    for comment in ["# h = 0.05", "# written in three words more", "# 1 2 3"] {
+        let text = PLAIN.replace("time,pos,tau", comment);
+        let stated = read_as(&text, &numbered);
+        assert!(stated.is_ok() || comment.contains('='), "{comment}: {stated:?}");
+        assert!(refused(&text, &reading(columns("time", "pos", "tau"))).contains("no header"), "{comment}");
+    }
+    // A header that is none of a comment stays.
+    let both = read(&format!("# x,y,z\n{PLAIN}")).0;
+    assert_eq!(both, plain);
+}
+
 #[test]
 fn cells_after_the_last_column_are_blank_or_refused() {
     let plain = read(PLAIN).0;

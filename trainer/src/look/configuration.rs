@@ -1,9 +1,10 @@
 //! Writing of a first configuration.
 
 use super::mechanism::Mechanism;
-use super::report::{File, Report};
+use super::report::{Column, File, Report};
 use crate::cli::CONFIGURATION_HEAD;
 use leastaction_learning::data::survey::Guess;
+use leastaction_learning::data::unit;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,7 @@ pub fn of(
         "{CONFIGURATION_HEAD}: check the columns and their units, and what each coordinate is.\n[data]\n"
     );
     let files_seen: BTreeSet<&PathBuf> = report.files.iter().map(|file| &file.file).collect();
-    line(&mut text, format_args!("file = {}", list(&relative(files, at), true)));
+    line(&mut text, format_args!("file = {}", list(&relative(files, at))));
     let held_back = if files_seen.len() >= 3 { 0.2 } else { 0.0 };
     line(
         &mut text,
@@ -50,11 +51,11 @@ pub fn of(
     stamps(&mut text, report, guess);
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
         if !names.is_empty() {
-            line(&mut text, format_args!("{letter} = {}", list(names, false)));
+            line(&mut text, format_args!("{letter} = {}", columns(names, report)));
         }
     }
     if !guess.other_u.is_empty() {
-        let others: Vec<String> = guess.other_u.iter().map(|names| list(names, false)).collect();
+        let others: Vec<String> = guess.other_u.iter().map(|names| columns(names, report)).collect();
         line(
             &mut text,
             format_args!(
@@ -95,7 +96,10 @@ fn stamps(text: &mut String, report: &Report, guess: &Guess) {
         line(text, format_args!("t = {{ sec = {}, nanosec = {} }}", quoted(t), quoted(nanosec)));
         return;
     }
-    match report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit) {
+    let stated = report.columns.iter().find(|column| column.column == *t).and_then(|column| column.unit);
+    let stated = stated.filter(|unit| ["s", "ms", "us", "ns"].contains(unit));
+    let guessed = report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit);
+    match guessed.map(|guessed| stated.unwrap_or(guessed)) {
         Some(unit) if unit != "s" && !guess.is_date => {
             line(text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)));
         }
@@ -159,9 +163,21 @@ fn relative(files: &[PathBuf], at: &Path) -> Vec<String> {
     files.iter().map(|file| seen(file).display().to_string()).collect()
 }
 
-fn list(names: &[String], one_alone: bool) -> String {
+/// A list of texts; a single one needs no brackets.
+fn list(names: &[String]) -> String {
     let all: Vec<String> = names.iter().map(|name| quoted(name)).collect();
-    if one_alone && all.len() == 1 { all.concat() } else { format!("[{}]", all.join(", ")) }
+    if all.len() == 1 { all.concat() } else { format!("[{}]", all.join(", ")) }
+}
+
+/// A list of columns, each with its unit where the log has one that is not of the SI.
+fn columns(names: &[String], report: &Report) -> String {
+    let column = |name: &String| match report.columns.iter().find(|column| column.column == *name) {
+        Some(Column { unit: Some(of), .. }) if unit(of) != Some(1.0) => {
+            format!("{{ name = {}, unit = \"{of}\" }}", quoted(name))
+        }
+        _ => quoted(name),
+    };
+    format!("[{}]", names.iter().map(column).collect::<Vec<_>>().join(", "))
 }
 
 /// A TOML string; JSON strings are valid TOML.

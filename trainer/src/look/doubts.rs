@@ -25,7 +25,7 @@ impl Report {
 
 fn far(it: &Column) -> Option<String> {
     let most = it.greatest.abs().max(it.least.abs());
-    (it.is('q') && most > FAR).then(|| {
+    (it.is('q') && most > FAR && it.unit.is_none()).then(|| {
         let column = &it.column;
         format!(
             "{column} reaches {most:.4}; if it is in degrees or counts, give its unit under [data.columns]"

@@ -15,6 +15,7 @@ use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal, is_of_ang
 use leastaction_learning::data::{self, DataError, Dataset, Problem};
 use leastaction_learning::run::error_at_start;
 use mechanism::{MOST_JOINTS, Mechanism};
+use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
 /// Surveyed logs of one machine.
@@ -83,7 +84,9 @@ impl Look {
             let note = self.refusal(&text(Path::new(""), Some(&links))?);
             return Ok(Proposal { text: text(at, Some(&links))?, note });
         };
-        Ok(Proposal { text: text(at, Some(&found.mechanism))?, note: found.sentence() })
+        let refusal = self.refusal(&text(Path::new(""), Some(&found.mechanism))?);
+        let note = found.sentence().into_iter().chain(refusal).reduce(|a, b| format!("{a}; {b}"));
+        Ok(Proposal { text: text(at, Some(&found.mechanism))?, note })
     }
 
     /// The step that the configuration gives (s): one for files whose steps differ, as the reader sees them.
@@ -105,14 +108,30 @@ impl Look {
         Some(format!("training will refuse the configuration as it stands: {said}"))
     }
 
-    /// Whether each coordinate is an angle by its name or its jumps by whole turns.
+    /// Whether each coordinate is an angle by its unit, its name, its jumps by whole turns or its range.
     fn angles(&self, report: &Report) -> Vec<bool> {
         let turns = |name: &String| {
             let coordinate = report.coordinates.iter().find(|coordinate| coordinate.column == *name);
             coordinate.is_some_and(|coordinate| coordinate.turns + coordinate.turns_of_360 > 0)
         };
-        self.guess.q.iter().map(|name| is_of_angle(name) || turns(name)).collect()
+        let column = |name: &String| report.columns.iter().find(|column| column.column == *name);
+        let is_angle = |name: &String| match column(name).and_then(|column| column.unit) {
+            Some("rad" | "deg" | "rev") => true,
+            Some(_) => false,
+            None => is_of_angle(name) || turns(name) || column(name).is_some_and(ranges_as_angle),
+        };
+        self.guess.q.iter().map(is_angle).collect()
     }
+}
+
+/// Range within a turn beyond which a coordinate is an angle, and no slide, which is seldom longer (rad or m).
+const FAR: f64 = 2.5;
+
+/// Whether a column moves far, but within one turn, as encoders give angles.
+fn ranges_as_angle(column: &Column) -> bool {
+    let Column { least, greatest, .. } = *column;
+    let is_within = |low: f64, high: f64| least >= low - 1e-6 && greatest <= high + 1e-6;
+    greatest - least > FAR && (is_within(-PI, PI) || is_within(0.0, TAU))
 }
 
 /// Trouble with a configuration.
@@ -141,7 +160,7 @@ fn tried(text: &str) -> Result<(), Trouble> {
 pub struct Proposal {
     /// The text of the file.
     pub text: String,
-    /// Reason for a mechanism other than a chain of links.
+    /// Reason for a mechanism other than a chain of links, and for which training would refuse the configuration.
     pub note: Option<String>,
 }
 
@@ -225,7 +244,9 @@ fn of_column(name: &str, seen: &[Seen], guess: &Guess) -> Option<Column> {
         grid: a.grid.into_iter().chain(b.grid).min_by(f64::total_cmp),
         noise: a.noise.max(b.noise),
     })?;
-    Some(Column::new(name, signal, role(name, guess)))
+    let units = || seen.iter().flat_map(|seen| &seen.log.units);
+    let unit = units().find(|(column, _)| column == name).map(|(_, unit)| *unit);
+    Some(Column { unit, ..Column::new(name, signal, role(name, guess)) })
 }
 
 /// Assumed role of a column, such as q0 or v1.

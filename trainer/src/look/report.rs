@@ -88,12 +88,15 @@ pub struct Column {
     pub noise: f64,
     /// Number of cells without a number.
     pub missing: usize,
+    /// Unit in a line of units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<&'static str>,
 }
 
 impl Column {
     pub(super) fn new(name: &str, signal: Signal, taken_for: Option<String>) -> Self {
         let Signal { least, greatest, missing, grid, noise } = signal;
-        Self { column: name.to_owned(), taken_for, least, greatest, grid, noise, missing }
+        Self { column: name.to_owned(), taken_for, least, greatest, grid, noise, missing, unit: None }
     }
 
     pub(super) fn is(&self, letter: char) -> bool {

@@ -70,3 +70,26 @@ fn steps_that_differ_a_little_become_one() {
     std::fs::write(bench.at("c.toml"), written + "iterations = 1\n").unwrap();
     bench.run("train c.toml -o run").good();
 }
+
+/// A pendulum in degrees and milliseconds, as a line under the header says, over most of a turn.
+#[test]
+fn units_of_the_log_are_those_of_the_configuration() {
+    let bench = Bench::new();
+    bench.run("generate pendulum -o data.npz --trajectories 3 --samples 80 --control held").good();
+    let (log, _) = leastaction_learning::data::read(bench.at("data.npz")).unwrap();
+    for (k, trajectory) in log.trajectories.iter().enumerate() {
+        let mut text = "time,pos,tau\nms,[°],N*m\n".to_owned();
+        for (j, t) in log.times(trajectory).enumerate() {
+            let torque = trajectory.u.as_ref().unwrap()[j][0];
+            text += &format!("{:?},{:?},{torque:?}\n", 1e3 * t, trajectory.q[j][0].to_degrees());
+        }
+        bench.write(&format!("log-{k}.csv"), &text);
+    }
+    let done = bench.run("look log-*.csv -o robot.toml --json").good();
+    let text = bench.text("robot.toml");
+    assert!(text.contains("t = { name = \"time\", unit = \"ms\" }"), "{text}");
+    assert!(text.contains("q = [{ name = \"pos\", unit = \"deg\" }]\nu = [\"tau\"]"), "{text}");
+    assert!(!done.stderr.contains("if it is in degrees"), "{}", done.stderr);
+    assert_eq!(done.json()["columns"][1]["unit"], "deg");
+    bench.run("train robot.toml -o run -q").good();
+}

@@ -2,7 +2,8 @@
 
 use super::container::{Message, Visit};
 use super::record::Channel;
-use super::sqlite::{Database, Row, Source, Table, Value, damaged, values};
+use super::sqlite::{Database, Row, Source, Table, damaged};
+use super::sqlite_record::{Value, values};
 use crate::error::Fault;
 use crate::place::Place;
 use std::collections::HashMap;

@@ -11,6 +11,7 @@ mod files;
 mod gathered;
 mod record;
 mod sqlite;
+mod sqlite_record;
 mod writing;
 mod written_message;
 

@@ -168,6 +168,7 @@ mod tests {
         RawLog {
             topic: None,
             dates: None,
+            units: Vec::new(),
             columns: names.iter().map(column).collect(),
             names: names.iter().map(|name| (*name).to_owned()).collect(),
             others: Vec::new(),

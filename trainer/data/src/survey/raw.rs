@@ -1,12 +1,14 @@
 //! All numeric columns of a file.
 
 use super::Guess;
+use super::words::unit_in;
 use crate::archive::Archive;
 use crate::array_columns::Named;
 use crate::bag::{Bag, Clock, Stream};
 use crate::csv_sheet::Sheet;
 use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
+use crate::layout_note::LayoutNote;
 use crate::mat::MatFile;
 use crate::place::Place;
 use crate::problem::Problem;
@@ -27,6 +29,8 @@ pub struct RawLog {
     pub others: Vec<String>,
     /// Column of dates, here in s since 1970.
     pub dates: Option<String>,
+    /// Units of a line under the header, each with its column, as far as [`crate::unit`] knows them.
+    pub units: Vec<(String, &'static str)>,
 }
 
 /// Least fraction of numbers among a column's cells for the column to count as numeric.
@@ -94,7 +98,7 @@ fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
     let mut columns = vec![Vec::new(); names.len()];
     let mut numbers = Numbers::default();
     let mut dates = vec![0; names.len()];
-    sheet.samples(|record, _| {
+    let layout = sheet.samples(|record, _| {
         let cells = record.iter().chain(std::iter::repeat(&b""[..]));
         for ((column, dates), cell) in columns.iter_mut().zip(&mut dates).zip(cells) {
             let cell = text(cell);
@@ -108,8 +112,20 @@ fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
     let samples = columns.first().map_or(0, Vec::len);
     let of_dates = names.iter().zip(dates).find(|(_, dates)| 2 * dates > samples);
     let dates = of_dates.map(|(name, _)| name.clone());
-    let log = RawLog { topic: None, names, columns, others: Vec::new(), dates }.of_numbers();
+    let log =
+        RawLog { units: units(&names, &layout), topic: None, names, columns, others: Vec::new(), dates }
+            .of_numbers();
     if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+}
+
+/// Units of the columns in a line of units, as far as they are known.
+fn units(names: &[String], layout: &[LayoutNote]) -> Vec<(String, &'static str)> {
+    let line = layout.iter().find_map(|note| match note {
+        LayoutNote::UnitsLine { units, .. } => Some(units.split(", ")),
+        _ => None,
+    });
+    let pairs = names.iter().zip(line.into_iter().flatten());
+    pairs.filter_map(|(name, text)| Some((name.clone(), unit_in(text)?))).collect()
 }
 
 /// The arrays of an archive or a MATLAB file; `others` are not arrays of numbers.
@@ -125,7 +141,14 @@ fn of_arrays(arrays: &dyn Named, others: &[String]) -> Result<RawLog, Fault> {
     // The most common length is taken as the length of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
-    let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others, dates: None };
+    let mut log = RawLog {
+        topic: None,
+        names: Vec::new(),
+        columns: Vec::new(),
+        others,
+        dates: None,
+        units: Vec::new(),
+    };
     for (name, rows) in parts {
         if Some(rows.len()) != samples {
             log.others.push(name.clone());
@@ -155,14 +178,18 @@ fn of_stream(stream: &Stream, clock: &Clock, others: &[String]) -> RawLog {
         columns: columns.collect(),
         others: others.to_vec(),
         dates: None,
+        units: Vec::new(),
     }
 }
 
 impl RawLog {
     /// Moves the columns that are mostly text to `others`.
-    fn of_numbers(self) -> Self {
-        let (mut names, mut columns, mut others) = (Vec::new(), Vec::new(), self.others);
-        for (name, column) in self.names.into_iter().zip(self.columns) {
+    fn of_numbers(mut self) -> Self {
+        let (mut names, mut columns) = (Vec::new(), Vec::new());
+        let mut others = std::mem::take(&mut self.others);
+        for (name, column) in
+            std::mem::take(&mut self.names).into_iter().zip(std::mem::take(&mut self.columns))
+        {
             let numbers = column.iter().filter(|x| x.is_finite()).count();
             if numbers as f64 >= NUMBERS * column.len() as f64 && !name.is_empty() {
                 names.push(name);
@@ -171,6 +198,6 @@ impl RawLog {
                 others.push(name);
             }
         }
-        Self { topic: self.topic, names, columns, others, dates: self.dates }
+        Self { names, columns, others, ..self }
     }
 }

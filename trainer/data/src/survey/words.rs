@@ -1,5 +1,7 @@
 //! Words in names of columns, and what they say of a column.
 
+use crate::columns::UNITS;
+
 /// Words of positions, velocities, forces, and of other quantities, which are none of these.
 const POSITIONS: [&str; 7] = ["q", "pos", "position", "angle", "theta", "enc", "encoder"];
 const VELOCITIES: [&str; 8] = ["v", "vel", "velocity", "qd", "dq", "qdot", "speed", "omega"];
@@ -101,6 +103,29 @@ pub(super) fn qualifier(word: &str) -> Option<Qualifier> {
 pub fn is_of_angle(name: &str) -> bool {
     const ANGLES: [&str; 8] = ["angle", "theta", "phi", "deg", "rad", "degrees", "radians", "angles"];
     words(name).iter().any(|word| ANGLES.contains(&word.as_str()))
+}
+
+/// The known unit that a text stands for, such as `deg` for `[°]`.
+pub(super) fn unit_in(text: &str) -> Option<&'static str> {
+    const OTHERS: [(&str, &str); 14] = [
+        ("°", "deg"),
+        ("degree", "deg"),
+        ("degrees", "deg"),
+        ("degs", "deg"),
+        ("°/s", "deg/s"),
+        ("radian", "rad"),
+        ("radians", "rad"),
+        ("sec", "s"),
+        ("seconds", "s"),
+        ("µs", "us"),
+        ("N*m", "Nm"),
+        ("N·m", "Nm"),
+        ("N.m", "Nm"),
+        ("N m", "Nm"),
+    ];
+    let text = text.trim().trim_matches(['[', ']', '(', ')']).trim();
+    let known = UNITS.into_iter().map(|(unit, _)| (unit, unit)).chain(OTHERS);
+    known.into_iter().find(|(name, _)| *name == text).map(|(_, unit)| unit)
 }
 
 /// Whether a word stands for the nanoseconds beside a column of whole seconds.

@@ -9,6 +9,17 @@ use std::path::Path;
 #[path = "../../../../../trainer/data/tests/bag/mod.rs"]
 mod bag;
 
+/// Bags of SQLite.
+const DATABASES: [&[u8]; 2] = [
+    include_bytes!("../../../../../trainer/data/tests/golden/bag_0.db3"),
+    include_bytes!("../../../../../trainer/data/tests/golden/bag_1.db3"),
+];
+/// MATLAB files.
+const ARRAYS: [&[u8]; 2] = [
+    include_bytes!("../../../../../trainer/data/tests/golden/compressed.mat"),
+    include_bytes!("../../../../../trainer/data/tests/golden/plain.mat"),
+];
+
 /// Motions of a pendulum under two pushes.
 pub fn motions(samples: usize) -> Done<Dataset> {
     let rows = |f: &dyn Fn(f64) -> f64| {
@@ -40,6 +51,12 @@ pub fn logs(corpus: &Path) -> Done {
         "# h = 0.05\n# control = held\nq0,u0,trajectory\n1,0,1\n2,0.5,1\n3,1e-3,1\n4,0,2\n5,0,2\n6,0,2\n",
         "t\tq\tv\n0\t0,5\t1\n0,1\t0,6\t1\n0,2\t0,7\t1\n",
         "time,enc,tau\n0,1,2\n1,2,3\n2,3,4\n9,9,9\n10,9,9\n11,9,9\n",
+        "time,enc,tau,\ns,deg,Nm,\n0,1,2,\n1,2,3,\n2,3,4,\n3,4,5,\ntime,enc,tau,\n4,1,2,\n5,2,3,\n6,3,4,\n7,4",
+        "0.00 1.0 2\n0.01 1.1 2\n0.02  1.3 -1\n0.03 1.4 -1\n0.04 1.6 2\n",
+        "time,enc,tau\n2026-01-02T03:04:05.00Z,1,2\n2026-01-02T03:04:05.01Z,2,3\n2026-01-02T03:04:05.02Z,3,4\n2026-01-02T03:04:05.03Z,4,5\n",
+        "time,enc,tau\n0.000,1,\n0.001,,2\n0.010,2,\n0.011,,3\n0.020,3,\n0.021,,4\n0.030,4,\n0.031,,5\n0.040,5,\n",
+        "# enc tau\n1.0 2\n1.1 2\n1.3 -1\n1.4 -1\n1.6 2\n",
+        "enc,tau\n1,2\n2,3\n3,4\n",
     ] {
         csv.add(text.as_bytes())?;
         let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -47,6 +64,15 @@ pub fn logs(corpus: &Path) -> Done {
     }
     for arrays in arrays() {
         npz.add(&[&[1], &arrays[..]].concat())?;
+    }
+    let (mut db3, mut mat) = (Seeds::of(corpus, "db3")?, Seeds::of(corpus, "mat")?);
+    for bytes in DATABASES {
+        db3.add(&[&[0], bytes].concat())?;
+        db3.add(&[&[1], &bytes[24..]].concat())?;
+    }
+    for bytes in ARRAYS {
+        mat.add(&[&[0], bytes].concat())?;
+        mat.add(&[&[2], &bytes[128..]].concat())?;
     }
     for chunks in [bag::Chunks::No, bag::Chunks::Plain, bag::Chunks::Zstd, bag::Chunks::Lz4] {
         let (stamps, names) = ([0_i64, 10_000_000, 20_000_000, 31_000_000, 90_000_000], ["a"]);
