@@ -150,12 +150,16 @@ pub fn read_log<'py>(
     config: Option<PathBuf>,
     files: Option<Vec<PathBuf>>,
 ) -> PyResult<ReadLog<'py>> {
-    let request = LogRequest { config, files, order: None, control: None };
-    let read = py.detach(|| {
-        let config = request.config()?;
-        config.read().map_err(|error| Failure::Input(error.to_string()))
-    });
-    let (log, notes) = read.map_err(failure)?;
+    let native = config.is_none();
+    let request = LogRequest { config, files, native, order: None, control: None };
+    let (log, notes) = py
+        .detach(|| {
+            let mut notes = Vec::new();
+            let reading = request.reading(Path::new(""))?;
+            let log = reading.read((None, None), &mut |sentence| notes.push(sentence))?;
+            Ok((log, notes))
+        })
+        .map_err(failure)?;
     let motions = PyList::empty(py);
     for motion in &log.trajectories {
         let dictionary = PyDict::new(py);
@@ -173,7 +177,7 @@ pub fn read_log<'py>(
         }
         motions.append(dictionary)?;
     }
-    Ok((log.h, log.control.map(control_name), motions, leastaction::notes::sentences(&notes)))
+    Ok((log.h, log.control.map(control_name), motions, notes))
 }
 
 fn mechanism(name: &str) -> PyResult<Mechanism> {
