@@ -93,6 +93,7 @@ impl TorqueNumbers {
             certainty: Certainty {
                 numbers: found.estimates.iter().enumerate().map(number).collect(),
                 hidden: found.hidden,
+                combinations: Vec::new(),
                 clusters: found.blocks,
                 whole_logs: false,
             },

@@ -104,6 +104,11 @@ impl Bounds {
         self.ranges.is_empty() && self.bodies.is_empty()
     }
 
+    /// Whether the number at this position must be above 0.
+    pub fn is_positive(&self, position: usize) -> bool {
+        self.ranges.contains(&(position, Range::Positive))
+    }
+
     /// Returns the θ of a weight block. Numbers out of range or at a bound have the θ of the nearest number inside; a physically
     /// inconsistent body has θ = 0.
     pub fn free(&self, weights: &[f64]) -> Vec<f64> {

@@ -58,11 +58,7 @@ impl Fit {
     /// The standard errors are those of the learned numbers of `learned`, as these windows give them; without `learned`
     /// there are none.
     pub fn new(loss: &WindowLoss, shared: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
-        let mut weights = loss.enter(shared.to_vec());
-        for _ in 0..ROUNDS {
-            loss.settle(&mut weights);
-            let _ = loss.completed_loss(&mut weights);
-        }
+        let weights = settled(loss, shared);
         let deviations = loss.residual_scales(&weights);
         let scaled = loss.scaled_residuals(&weights, WINDOWS);
         let residuals =
@@ -71,6 +67,16 @@ impl Fit {
         let certainty = ranges.and_then(|ranges| certainty(loss, &weights, &ranges));
         Self { residuals, deviations, seconds, certainty: certainty.map(|of| (of, loss.layout())) }
     }
+}
+
+/// All parameters of a loss, with the start states and scales that fit these numbers best.
+pub(crate) fn settled(loss: &WindowLoss, shared: &[f64]) -> Vec<f64> {
+    let mut weights = loss.enter(shared.to_vec());
+    for _ in 0..ROUNDS {
+        loss.settle(&mut weights);
+        let _ = loss.completed_loss(&mut weights);
+    }
+    weights
 }
 
 /// Contents of a report page.

@@ -2,11 +2,15 @@
 
 use super::page::{escaped, folded, list, number, paragraph, section, table};
 use crate::torque_numbers::TorqueNumbers;
+use crate::training::Combination;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
 use leastaction_models::{Architecture, NumberName};
 
 /// Relative standard error above which a number counts as poorly determined.
 const HARDLY: f64 = 0.5;
+
+/// Largest number of numbers that are named in a combination.
+const MOST_NAMED: usize = 12;
 
 /// Names of all numbers by position, with the model's values where these differ from the estimates.
 pub(super) struct Names {
@@ -119,6 +123,20 @@ fn rows(numbers: &[&LearnedNumber], names: &Names) -> String {
     table(&head, &[0, 3, 5], &rows)
 }
 
+/// Sentence on a combination that the logs leave free.
+fn of_combination(combination: &Combination, names: &Names) -> String {
+    let change = |(position, part): &(usize, f64)| {
+        let name = names.of(*position).map_or_else(|| "a weight of a network".to_owned(), |(name, _)| name);
+        format!("{part:+.2}% {name}")
+    };
+    let changes: Vec<String> = combination.iter().take(MOST_NAMED).map(change).collect();
+    let rest = match combination.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        rest => format!(" and {rest} more"),
+    };
+    format!("Free together, without a change of what is predicted: {}{rest}.", escaped(&changes.join(", ")))
+}
+
 fn not_shown(certainty: &Certainty, names: &Names) -> String {
     let of = |shown: &dyn Fn(&LearnedNumber) -> bool| -> Vec<String> {
         let numbers = certainty.numbers.iter().filter(|of| shown(of));
@@ -128,11 +146,12 @@ fn not_shown(certainty: &Certainty, names: &Names) -> String {
     let together = of(&|of| of.shown == Shown::Together);
     if !together.is_empty() {
         items.push(format!(
-            "Only in combination, {} of which the logs leave free: {}. What is free stays near where it began.",
+            "Only in combination, {} of which the logs leave free: {}. What is free stays as near to where it began as it can.",
             certainty.hidden,
             together.join("; ")
         ));
     }
+    items.extend(certainty.combinations.iter().map(|combination| of_combination(combination, names)));
     let bounds = of(&|of| of.shown == Shown::AtBound);
     if !bounds.is_empty() {
         items.push(format!("At the end of its range: {}.", bounds.join("; ")));

@@ -1,8 +1,10 @@
 //! The end of a run, with its messages and its report.
 
-use super::{Monitor, Run, report, within};
+use super::error::stuck;
+use super::{Monitor, Run, RunError, report, within};
 use crate::report::ReportError;
 use crate::training::Objective;
+use crate::windows::Certainty;
 
 /// The reason why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,22 @@ impl Ending {
 }
 
 impl Run {
+    /// Precision of the best numbers, as the report states it; `None` if the run does not learn over windows.
+    pub fn certainty(&self) -> Option<Certainty> {
+        within(self.pool.as_ref(), || report::certainty(&self.plan, &self.state))
+    }
+
+    /// Moves the best numbers along what the logs leave free, back to where the run begins.
+    pub(super) fn hold_what_is_free(&mut self) {
+        let Self { plan, state, pool, .. } = self;
+        within(pool.as_ref(), || state.hold_what_is_free(plan));
+    }
+
+    /// The error of a loss that cannot be evaluated.
+    pub(super) fn stuck(&self) -> RunError {
+        stuck(&self.plan, self.stage().map_or("", |stage| stage.name), self.state.iteration)
+    }
+
     /// Writes the report page, if the run learned over windows.
     pub(super) fn write_report(&self) -> Result<(), ReportError> {
         match within(self.pool.as_ref(), || report::html(&self.plan, &self.state))? {

@@ -214,6 +214,9 @@ impl Run {
         let unsolved = self.unsolved();
         self.state.best.solves_nothing = unsolved.is_some_and(|(unsolved, samples)| unsolved == samples);
         let is_interrupted = matches!(ending, Ok(Ending::Interrupted));
+        if !is_interrupted {
+            self.hold_what_is_free();
+        }
         let is_a_model = self.state.best.is_a_model();
         if self.saved.is_some() || is_a_model && !(is_interrupted && self.state.iteration == 0) {
             self.save()?;
@@ -241,10 +244,6 @@ impl Run {
 
     fn stage(&self) -> Option<&Stage> {
         self.plan.stages.get(self.state.stage)
-    }
-
-    fn stuck(&self) -> RunError {
-        stuck(&self.plan, self.stage().map_or("", |stage| stage.name), self.state.iteration)
     }
 
     /// The reason to stop, if any; moves on to the next stage if this one is over.

@@ -30,6 +30,8 @@ pub struct Plan {
     pub(super) architecture: Architecture,
     /// Initial weights.
     pub(super) initial: Vec<f64>,
+    /// Numbers that the configuration begins with, before any fit: what the data leave free stays near them.
+    pub(super) given: Vec<f64>,
     pub(super) trained_step: Option<TrainedStep>,
     /// Range of the data, training and validation.
     pub(super) range: Vec<CoordinateRange>,
@@ -85,6 +87,7 @@ impl Plan {
         let loss = settle_loss(&mut config, &architecture, &data, &mut notices);
         check_state_noise(&config.training, loss)?;
         check_torque_calibration(&config, &architecture, loss)?;
+        let mut given = initial.clone();
         let training = match scope {
             Scope::Whole => {
                 split(&data, (config.data.validation, fewest_samples(&config, loss, data.h)), &mut notices)
@@ -120,11 +123,17 @@ impl Plan {
             let layout = windows.as_ref().map(|windows| windows.layout);
             initial.extend(layout.into_iter().flat_map(|layout| layout.initial_at(&origin.0.facts.actuator)));
         }
+        if origin.is_some() {
+            given.clone_from(&initial);
+        } else if let Some(windows) = &windows {
+            given.extend(windows.layout.initial());
+        }
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
         let TrainingConfig { order, integrator, .. } = config.training;
         let has_step = loss.is_discrete() || integrator == Some(Integrator::Del);
         Ok(Self {
             initial,
+            given,
             trained_step: Order::from_number(order).filter(|_| has_step).map(step),
             range: range::of(&architecture, &data),
             positions: ringing::positions(&data),
@@ -141,7 +150,9 @@ impl Plan {
 
     /// Trains in memory, without a folder, and returns the result; `None` if no stage reaches a finite loss.
     pub fn train(&self) -> Option<Trained> {
-        let trained = Trained::from(Checkpoint::new(self, &self.last_state()?));
+        let mut state = self.last_state()?;
+        state.hold_what_is_free(self);
+        let trained = Trained::from(Checkpoint::new(self, &state));
         trained.best.is_a_model().then_some(trained)
     }
 
@@ -251,7 +262,11 @@ fn begin_windows(
         initial.extend(windows.layout.initial_at(&fitted.actuator));
     } else if let Some(stage) = stages.first() {
         let logs = WindowLogs::new(&data.split(training).0);
-        initial = first_guess(architecture, &logs, initial, &*stage.objective)?;
+        let guess = first_guess(architecture, &logs, initial, &*stage.objective)?;
+        initial = guess.weights;
+        if !guess.shows_scale && !notices.contains(&Notice::UnknownScale) {
+            notices.push(Notice::UnknownScale);
+        }
     }
     if config.model.source() != Source::Weights {
         let numbers = architecture.corrections.without_effect();

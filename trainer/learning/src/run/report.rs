@@ -5,9 +5,9 @@ use super::stages::Windowed;
 use crate::checkpoint::State;
 use crate::config::{TrainingConfig, TrainingLoss};
 use crate::evaluate::horizons::Predictor;
-use crate::report::{Fit, Page, ReportError};
+use crate::report::{Fit, Page, ReportError, settled};
 use crate::torques::SplitErrors;
-use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
+use crate::windows::{self, Calibrated, CalibrationLayout, Certainty, WindowLogs};
 use leastaction_models::config::Origin;
 use leastaction_models::{Facts, Model};
 
@@ -53,6 +53,14 @@ pub(super) fn calibrated(plan: &Plan, state: &State) -> Option<(Model, Vec<Vec<f
     let shared = shared(state, layout);
     let calibrated = layout.read(shared);
     Some((model(plan, shared, (layout, &calibrated)), calibrated.zeros))
+}
+
+/// Precision of the best numbers of a run over windows; `None` for another loss.
+pub(super) fn certainty(plan: &Plan, state: &State) -> Option<Certainty> {
+    let windows = plan.windows.as_ref()?;
+    let loss = windows.loss(&plan.architecture).ok()?;
+    let weights = settled(&loss, shared(state, windows.layout));
+    windows::certainty(&loss, &weights, &plan.architecture.ranges())
 }
 
 /// The simpler physical model from which a run began.

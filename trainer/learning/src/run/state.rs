@@ -4,7 +4,7 @@ use super::plan::Plan;
 use super::stages::{NETWORKS, Stage};
 use crate::checkpoint::{Best, Optimiser, State};
 use crate::config::{AdamConfig, OptimiserKind, TrainingConfig};
-use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress, Schedule};
+use crate::training::{Adam, AdamSettings, Free, Levenberg, Objective, Progress, Schedule};
 
 impl Optimiser {
     fn new(stage: &Stage, weights: Vec<f64>, training: &TrainingConfig) -> Self {
@@ -121,6 +121,22 @@ impl State {
         (self.optimiser, self.best) = Self::enter(plan, stage, weights, before);
         (self.stage, self.in_stage) = (self.stage + 1, 0);
         true
+    }
+
+    /// Moves the best numbers of a loss over windows along what the logs leave free, back to where the plan begins.
+    pub(super) fn hold_what_is_free(&mut self, plan: &Plan) {
+        let (Some(windows), Some(stage)) = (&plan.windows, plan.stages.get(self.stage)) else { return };
+        // Numbers that were fitted to torques have a prior of their own.
+        if self.iteration == 0 || plan.torques().is_some() {
+            return;
+        }
+        let names = plan.architecture.number_names();
+        let named = (0..names.len()).filter(|position| names[*position].is_some());
+        let named: Vec<usize> = named.chain(names.len()..windows.layout.end()).collect();
+        let free = Free { objective: &*stage.objective, positions: &named, initial: &plan.given };
+        if let Some((weights, loss)) = free.least_motion(&self.best.weights) {
+            (self.best.weights, self.best.train) = (weights, loss);
+        }
     }
 
     /// Does one iteration; returns the new losses if it succeeded.

@@ -101,6 +101,11 @@ impl Blocks {
         Self { bounds, ..self }
     }
 
+    /// Whether the weight at this position is not held.
+    pub fn is_learned(&self, position: usize) -> bool {
+        !self.fixed.contains(&position)
+    }
+
     /// Evaluates the block from `start` on, padded with the last of `samples`. The residual of a sample that cannot be
     /// computed is that of a prediction by a constant velocity, whatever the weights.
     fn evaluate(

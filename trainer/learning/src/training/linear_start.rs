@@ -1,7 +1,8 @@
 //! Starting weights for rigid bodies: least squares on the torques of the logged motion.
 
+use super::balance::{Balance, HeldScale};
 use super::blocks::Blocks;
-use super::{Levenberg, Objective, Samples};
+use super::{Levenberg, NormalEquations, Objective, Samples};
 use crate::matrix::cholesky;
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
 use leastaction_core::model::{FrictionNumber, Law, ModelError};
@@ -17,9 +18,21 @@ const RIDGE: f64 = 1e-6;
 const ROUNDS: usize = 4;
 /// Gauss–Newton iterations on all learned numbers after each linear fit.
 const ITERATIONS: usize = 15;
+/// Largest part of the balance, relative to the sum of its squared terms, that is not proportional to learned numbers if
+/// nothing else acts.
+const HOMOGENEOUS: f64 = 1e-9;
 /// Lower bound in a linear fit: a number that must be positive keeps at least this fraction of its value. The moment of
 /// inertia of a body about its centre of mass is at least this fraction of its moment of inertia about the joint.
 const LEAST_PART: f64 = 0.05;
+
+/// Weights that balance logged torques.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearStart {
+    /// The weight block.
+    pub weights: Vec<f64>,
+    /// Whether the torques or a known number show the scale of the learned numbers.
+    pub shows_scale: bool,
+}
 
 /// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Any other
 /// family keeps its initial weights.
@@ -28,14 +41,17 @@ const LEAST_PART: f64 = 0.05;
 /// friction numbers b, c and c_load. These are fitted with lengths and the width of friction held fixed, and then
 /// modified where necessary so that masses and inertias are positive. Gauss–Newton iterations on the same balance then
 /// change all learned numbers. Both steps are repeated. Noise of v̇ makes inertias too small, so the result is a
-/// starting point, not an estimate.
+/// starting point, not an estimate. If the torques do not show the scale of the numbers, the ratio of I to m|c|² of a
+/// body of known mass or inertia stays.
 ///
 /// # Errors
 /// [`ModelError::Shape`] if a list does not have n numbers per sample; an error also if the shape is inconsistent.
-pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<Vec<f64>, ModelError> {
+pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<LinearStart, ModelError> {
     let initial = architecture.initial_weights(0);
-    let Some(bodies) = architecture.family.bodies() else { return Ok(initial) };
-    let objective = balance(architecture, states)?;
+    let Some(bodies) = architecture.family.bodies() else {
+        return Ok(LinearStart { weights: initial, shows_scale: true });
+    };
+    let objective = with_held_scale(balance(architecture, states)?, (architecture, bodies), &initial);
     let mut state = Levenberg::new(&objective, initial);
     for _ in 0..ROUNDS {
         let linear = linear_fit(architecture, bodies, &objective, &state.weights);
@@ -43,11 +59,11 @@ pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<
         let start = linear.unwrap_or(state.weights);
         state = Levenberg::new(&objective, start).run(&objective, ITERATIONS, |_, _| {});
     }
-    Ok(state.weights)
+    Ok(LinearStart { weights: state.weights, shows_scale: !objective.holds_scale() })
 }
 
 /// The mean squared residual of the balance, N or N m.
-fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<Blocks, ModelError> {
+fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<Balance, ModelError> {
     let n = architecture.n();
     for x in [q, v, a, tau] {
         if x.len() != q.len() || !x.len().is_multiple_of(n) {
@@ -65,13 +81,51 @@ fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<B
     let bounds = architecture.bounds();
     let blocks =
         Blocks::new(move || Box::new(TorqueLoss::new(&system)), place, samples, Box::new(|_: &mut [f64]| ()));
-    Ok(blocks.with_bounds(bounds))
+    Ok(Balance::new(blocks.with_bounds(bounds)))
 }
 
-/// A number in which the balance is linear: the derivatives of the weights with respect to it, and its size.
+/// The balance with its scale held if all its terms are proportional to learned numbers.
+fn with_held_scale(
+    balance: Balance,
+    (architecture, bodies): (&Architecture, &BodiesArchitecture),
+    initial: &[f64],
+) -> Balance {
+    let linear = linear_numbers(architecture, bodies, initial);
+    let equations = Objective::normal_equations(&balance, initial);
+    let weight = equations.and_then(|equations| homogeneous_size(&equations, &linear));
+    let (Some(weight), Some(body)) = (weight, Body::all(bodies, initial).iter().find_map(Body::of_scale))
+    else {
+        return balance;
+    };
+    balance.with_scale(HeldScale::new(body, initial, weight))
+}
+
+/// Σ x_i²(JᵀJ)_ii, the sum of the squared terms of the balance, if the residual is the sum of these terms alone: r = J x
+/// for the values x of the linear numbers. `None` if something else acts.
+fn homogeneous_size(equations: &NormalEquations, linear: &[Linear]) -> Option<f64> {
+    let gradient = |of: &Linear| of.slopes.iter().map(|(at, x)| x * equations.gradient[*at]).sum::<f64>();
+    let (mut terms, mut own, mut product) = (0.0, 0.0, 0.0);
+    for (i, a) in linear.iter().enumerate() {
+        terms += a.value * a.value * gram_of(equations, a, a);
+        product += a.value * gradient(a);
+        own += linear[..i].iter().map(|b| 2.0 * a.value * b.value * gram_of(equations, a, b)).sum::<f64>();
+    }
+    let rest = equations.squares - 2.0 * product + own + terms;
+    (terms > 0.0 && rest.abs() < HOMOGENEOUS * terms).then_some(terms)
+}
+
+/// Product of the derivatives of the residuals with respect to two linear numbers.
+fn gram_of(equations: &NormalEquations, a: &Linear, b: &Linear) -> f64 {
+    let pairs = a.slopes.iter().flat_map(|(i, x)| b.slopes.iter().map(move |(j, y)| (*i, *j, x * y)));
+    pairs.map(|(i, j, xy)| xy * equations.entry(i, j)).sum()
+}
+
+/// A number in which the balance is linear.
 struct Linear {
     /// Positions of weights, with their derivatives with respect to the number.
     slopes: Vec<(usize, f64)>,
+    value: f64,
+    /// Typical size.
     size: f64,
 }
 
@@ -101,6 +155,14 @@ impl Body {
         each.map_while(of).collect()
     }
 
+    /// Positions of m, c and I, if m or I is known and the other numbers are learned.
+    fn of_scale(&self) -> Option<[usize; 4]> {
+        let BodyParameters { mass, centre, inertia, .. } = self.learned;
+        let shows = mass != inertia && (centre[0] || centre[1]);
+        let places = [PLACES.mass, PLACES.centre[0], PLACES.centre[1], PLACES.inertia];
+        shows.then(|| places.map(|place| self.start + place))
+    }
+
     /// Moment of inertia about the joint, I + m|c|².
     fn about_joint(&self) -> f64 {
         let BodyParameters { mass, centre: [x, y], inertia, .. } = self.numbers;
@@ -124,18 +186,24 @@ impl Body {
                 inertia += if learned.centre[k] { c * c } else { -c * c };
             }
             slopes.extend(with_inertia(inertia));
-            all.push(Linear { slopes, size: numbers.mass });
+            all.push(Linear { slopes, value: numbers.mass, size: numbers.mass });
         }
         for k in (0..2).filter(|k| learned.centre[*k]) {
             let own = (at(PLACES.centre[k]), 1.0 / numbers.mass);
             let slopes = [Some(own), with_inertia(-2.0 * numbers.centre[k])].into_iter().flatten().collect();
-            all.push(Linear { slopes, size: (numbers.mass * about_joint).sqrt() });
+            let value = numbers.mass * numbers.centre[k];
+            all.push(Linear { slopes, value, size: (numbers.mass * about_joint).sqrt() });
         }
         if learned.inertia {
-            all.push(Linear { slopes: vec![(at(PLACES.inertia), 1.0)], size: about_joint });
+            all.push(Linear {
+                slopes: vec![(at(PLACES.inertia), 1.0)],
+                value: about_joint,
+                size: about_joint,
+            });
         }
         if learned.rotor {
-            all.push(Linear { slopes: vec![(at(PLACES.rotor), 1.0)], size: *usual_rotor });
+            let slopes = vec![(at(PLACES.rotor), 1.0)];
+            all.push(Linear { slopes, value: numbers.rotor, size: *usual_rotor });
         }
         all
     }
@@ -160,6 +228,14 @@ impl Body {
     }
 }
 
+/// All numbers in which the balance is linear: those of the bodies, then those of friction.
+fn linear_numbers(architecture: &Architecture, bodies: &BodiesArchitecture, weights: &[f64]) -> Vec<Linear> {
+    let mut linear: Vec<Linear> = Body::all(bodies, weights).iter().flat_map(Body::linear).collect();
+    let of = |(at, size): (usize, f64)| Linear { slopes: vec![(at, 1.0)], value: weights[at], size };
+    linear.extend(of_friction(architecture).into_iter().map(of));
+    linear
+}
+
 /// Positions and initial values of the learned b, c and c_load of friction.
 fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     let (laws, start) = (architecture.laws(), architecture.friction_start());
@@ -178,13 +254,11 @@ fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
 fn linear_fit(
     architecture: &Architecture,
     bodies: &BodiesArchitecture,
-    objective: &Blocks,
+    objective: &Balance,
     weights: &[f64],
 ) -> Option<Vec<f64>> {
+    let step = solved(objective, weights, &linear_numbers(architecture, bodies, weights))?;
     let (bodies, friction) = (Body::all(bodies, weights), of_friction(architecture));
-    let mut linear: Vec<Linear> = bodies.iter().flat_map(Body::linear).collect();
-    linear.extend(friction.iter().map(|(at, size)| Linear { slopes: vec![(*at, 1.0)], size: *size }));
-    let step = solved(objective, weights, &linear)?;
     let (mut steps, mut weights) = (step.into_iter(), weights.to_vec());
     for body in &bodies {
         let moved = body.moved(&mut steps).into_array();
@@ -198,13 +272,9 @@ fn linear_fit(
 }
 
 /// Least-squares steps of the linear numbers, with a ridge relative to their sizes.
-fn solved(objective: &Blocks, weights: &[f64], linear: &[Linear]) -> Option<Vec<f64>> {
+fn solved(objective: &Balance, weights: &[f64], linear: &[Linear]) -> Option<Vec<f64>> {
     let equations = Objective::normal_equations(objective, weights)?;
-    let gram = |i: usize, j: usize| equations.gram[(i.max(j), i.min(j))];
-    let product = |a: &Linear, b: &Linear| -> f64 {
-        let pairs = a.slopes.iter().flat_map(|(i, x)| b.slopes.iter().map(move |(j, y)| (*i, *j, x * y)));
-        a.size * b.size * pairs.map(|(i, j, xy)| xy * gram(i, j)).sum::<f64>()
-    };
+    let product = |a: &Linear, b: &Linear| a.size * b.size * gram_of(&equations, a, b);
     let k = linear.len();
     let mut matrix = DMatrix::from_fn(k, k, |i, j| product(&linear[i], &linear[j]));
     let ridge = RIDGE * (0..k).map(|i| matrix[(i, i)]).fold(0.0, f64::max);

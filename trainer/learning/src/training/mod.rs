@@ -4,10 +4,12 @@
 //! programs ([`objective_of`]), or through the model's [`Residuals`].
 
 mod adam;
+mod balance;
 mod blocks;
 #[cfg(test)]
 mod bounds_tests;
 mod free_states;
+mod gauge;
 mod levenberg;
 mod limits;
 mod linear_start;
@@ -20,9 +22,11 @@ mod shown;
 
 pub use adam::{Adam, AdamSettings, Schedule};
 pub use free_states::{StateNoise, free_states_objective};
+pub use gauge::Combination;
+pub(crate) use gauge::{Free, FreeDirections, size};
 pub use leastaction_models::bounds::{Bounds, LEAST, MARGIN, Range};
 pub use levenberg::{Levenberg, Progress};
-pub use linear_start::linear_start;
+pub use linear_start::{LinearStart, linear_start};
 pub use network_start::{Covered, inverse_dynamics, network_start};
 pub use normal::NormalEquations;
 pub use objective::{

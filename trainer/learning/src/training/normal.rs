@@ -64,6 +64,15 @@ impl NormalEquations {
         self.gradient[position] += c * difference;
     }
 
+    /// Adds the normal equations of c s², given s and its derivatives by position.
+    pub(super) fn add_square(&mut self, slopes: &[(usize, f64)], s: f64, c: f64) {
+        for (i, slope) in slopes.iter().copied() {
+            self.gradient[i] += c * slope * s;
+            let rows = slopes.iter().filter(|(j, _)| *j <= i);
+            rows.for_each(|(j, other)| self.gram[(i, *j)] += c * slope * other);
+        }
+    }
+
     /// Transforms the equations from weights to the unbounded numbers θ.
     pub(super) fn bring_to_free(&mut self, bounds: &Bounds, theta: &[f64]) {
         self.scale(bounds.slopes_at(theta));

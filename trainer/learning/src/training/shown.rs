@@ -33,6 +33,8 @@ pub fn student(free: usize) -> f64 {
 pub(crate) struct Directions {
     /// Orthonormal basis, as columns.
     basis: DMatrix<f64>,
+    /// Orthonormal basis of the directions that are not determined, as columns.
+    complement: DMatrix<f64>,
     /// Share of every number in the undetermined directions.
     free: Vec<f64>,
 }
@@ -43,13 +45,20 @@ impl Directions {
     pub fn of(scaled: &DMatrix<f64>, least: impl FnOnce(f64) -> f64) -> Self {
         let p = scaled.nrows();
         let Some(eigen) = singular(scaled) else {
-            return Self { basis: DMatrix::zeros(p, 0), free: vec![1.0; p] };
+            let [basis, complement] = [DMatrix::zeros(p, 0), DMatrix::identity(p, p)];
+            return Self { basis, complement, free: vec![1.0; p] };
         };
         let least = least(eigen.values.first().copied().unwrap_or(0.0));
         let shown = eigen.values.iter().filter(|value| **value > least).count();
         let basis = eigen.right.columns(0, shown).into_owned();
+        let complement = eigen.right.columns_range(shown..).into_owned();
         let free = (0..p).map(|i| 1.0 - basis.row(i).iter().map(|x| x * x).sum::<f64>()).collect();
-        Self { basis, free }
+        Self { basis, complement, free }
+    }
+
+    /// Orthonormal basis of the directions that the samples do not determine, as columns.
+    pub fn complement(&self) -> &DMatrix<f64> {
+        &self.complement
     }
 
     /// Number of directions that the samples do not determine.
@@ -74,13 +83,20 @@ impl Directions {
         self.inverse(rest).as_ref().unwrap_or(whole) * gradient
     }
 
-    /// The determined number that is most strongly correlated with number i by this covariance, and the correlation.
-    pub fn strongest(&self, covariance: &DMatrix<f64>, i: usize) -> Option<(usize, f64)> {
+    /// The determined number, among those that count, that is most strongly correlated with number i by this covariance,
+    /// and the correlation.
+    pub fn strongest(
+        &self,
+        covariance: &DMatrix<f64>,
+        i: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Option<(usize, f64)> {
         let correlation = |j: usize| {
             let both = covariance[(i, i)] * covariance[(j, j)];
             (j, covariance[(i, j)] / both.sqrt())
         };
-        let others = (0..self.free.len()).filter(|j| *j != i && self.shows(*j)).map(correlation);
+        let others =
+            (0..self.free.len()).filter(|j| *j != i && self.shows(*j) && counts(*j)).map(correlation);
         let known = others.filter(|(_, part)| part.is_finite() && self.shows(i));
         known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
     }

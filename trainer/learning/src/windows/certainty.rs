@@ -14,12 +14,16 @@
 //! its ends, so such residuals do not add up.
 //!
 //! Correlations are taken from H⁻¹, which is robust even with few logs.
+//!
+//! A number that changes along a combination that the logs leave free has no standard error, however small its residuals
+//! make it look: along the combination it takes any value.
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
 use crate::matrix::cholesky;
 use crate::training::{
-    Directions, LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of, student,
+    Combination, Directions, FreeDirections, LEAST, MARGIN, NormalEquations, Objective, Range, Residuals,
+    normal_equations_of, size, student,
 };
 use leastaction_models::parallel;
 use nalgebra::DMatrix;
@@ -62,6 +66,8 @@ pub struct Certainty {
     pub numbers: Vec<LearnedNumber>,
     /// Number of directions in the space of these numbers that the logs do not determine.
     pub hidden: usize,
+    /// Combinations of numbers that the logs leave free, by position, with relative changes; empty if they are not known.
+    pub combinations: Vec<Combination>,
     /// Number of logs, or parts of logs, taken as independent.
     pub clusters: usize,
     /// Whether these clusters are whole logs.
@@ -80,32 +86,71 @@ impl Certainty {
 /// matrix, or if the loss cannot be evaluated.
 pub fn certainty(loss: &WindowLoss, weights: &[f64], ranges: &[(usize, Range)]) -> Option<Certainty> {
     let learned = loss.learned();
-    let is_at_bound = |position: &usize| {
-        ranges.iter().any(|(of, range)| of == position && ends(*range, weights[*position]))
-    };
-    let positions: Vec<usize> = learned.iter().copied().filter(|position| !is_at_bound(position)).collect();
-    if positions.is_empty() || positions.len() > MOST_NUMBERS {
+    if learned.is_empty() || learned.len() > MOST_NUMBERS {
         return None;
     }
+    let equations = Equations::of(loss, weights)?;
+    let free = equations.free_directions(weights, &learned);
+    let moves =
+        |position: usize| learned.iter().position(|of| *of == position).is_some_and(|k| free.moves(k));
+    let is_at_bound = |position: usize| {
+        let ends = |(of, range): &(usize, Range)| *of == position && ends(*range, weights[position]);
+        ranges.iter().any(ends) && !moves(position)
+    };
+    let positions: Vec<usize> = learned.iter().copied().filter(|position| !is_at_bound(*position)).collect();
     let clusters = Clusters::of(loss);
-    let spread = parallel::within(|| Spread::of(loss, weights, &positions, &clusters))?;
+    let spread = parallel::within(|| Spread::of((loss, &equations), weights, &positions, &clusters))?;
+    let own = |k: usize| {
+        let shown = if moves(positions[k]) { Shown::Together } else { spread.shown(k) };
+        let strongest = spread.directions.strongest(&spread.inverse, k, |other| !moves(positions[other]));
+        (shown, strongest.filter(|_| shown != Shown::Together))
+    };
     let number = |position: usize| {
         let k = positions.iter().position(|of| *of == position);
-        LearnedNumber {
-            position,
-            value: weights[position],
-            shown: k.map_or(Shown::AtBound, |k| spread.shown(k)),
-            strongest: k
-                .and_then(|k| spread.directions.strongest(&spread.inverse, k))
-                .map(|(k, part)| (positions[k], part)),
-        }
+        let (shown, strongest) = k.map_or((Shown::AtBound, None), own);
+        let strongest = strongest.map(|(k, part)| (positions[k], part));
+        LearnedNumber { position, value: weights[position], shown, strongest }
     };
+    let named =
+        |combination: Combination| combination.into_iter().map(|(k, part)| (learned[k], part)).collect();
     Some(Certainty {
         numbers: learned.iter().map(|position| number(*position)).collect(),
-        hidden: spread.directions.hidden(),
+        hidden: free.count(),
+        combinations: free.combinations().into_iter().map(named).collect(),
         clusters: clusters.parts.len(),
         whole_logs: clusters.whole_logs,
     })
+}
+
+/// The normal equations of all windows, and those of the priors alone.
+struct Equations {
+    all: NormalEquations,
+    prior: NormalEquations,
+}
+
+impl Equations {
+    fn of(loss: &WindowLoss, weights: &[f64]) -> Option<Self> {
+        let all = loss.normal_equations(weights)?;
+        let mut prior = NormalEquations::zero(all.gradient.len());
+        loss.add_penalty(weights, &mut prior);
+        Some(Self { all, prior })
+    }
+
+    /// Entry (i, j) of JᵀJ without priors, by position.
+    fn data(&self, i: usize, j: usize) -> f64 {
+        self.all.entry(i, j) - self.prior.entry(i, j)
+    }
+
+    /// Directions that the windows leave free, for the numbers at these positions.
+    fn free_directions(&self, weights: &[f64], positions: &[usize]) -> FreeDirections {
+        let p = positions.len();
+        let gram = DMatrix::from_fn(p, p, |i, j| self.data(positions[i], positions[j]));
+        let variance = self.all.squares / self.all.rows.max(1) as f64;
+        let error = |k: usize| if gram[(k, k)] > 0.0 { (variance / gram[(k, k)]).sqrt() } else { 0.0 };
+        let sizes: Vec<f64> =
+            positions.iter().enumerate().map(|(k, of)| size(weights[*of], 0.0, error(k))).collect();
+        FreeDirections::of(&gram, &sizes)
+    }
 }
 
 /// Whether a number is at an end of its range.
@@ -149,20 +194,21 @@ struct Spread {
 }
 
 impl Spread {
-    fn of(loss: &WindowLoss, weights: &[f64], positions: &[usize], clusters: &Clusters) -> Option<Self> {
-        let p = positions.len();
-        let all = loss.normal_equations(weights)?;
-        let mut prior = NormalEquations::zero(all.gradient.len());
-        loss.add_penalty(weights, &mut prior);
-        let of = |equations: &NormalEquations, i, j| entry(equations, positions, i, j);
-        let data = |i, j| of(&all, i, j) - of(&prior, i, j);
+    fn of(
+        (loss, equations): (&WindowLoss, &Equations),
+        weights: &[f64],
+        positions: &[usize],
+        clusters: &Clusters,
+    ) -> Option<Self> {
+        let (p, Equations { all, prior }) = (positions.len(), equations);
+        let data = |i: usize, j: usize| equations.data(positions[i], positions[j]);
+        let of_prior = |i, j| entry(prior, positions, i, j);
         let size = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
         let sizes: Vec<f64> = (0..p).map(|i| size(data(i, i))).collect();
         let scaled = DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * data(i, j));
         let directions = Directions::of(&scaled, |_| RANK);
         let ratio = curvature_ratio(loss, weights);
-        let own =
-            DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of(&prior, i, j)));
+        let own = DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of_prior(i, j)));
         let inverse = directions.inverse(&own)?;
         let part = |of: &ops::Range<usize>| -> Option<(DMatrix<f64>, Vec<usize>)> {
             let log = normal_equations_of(loss, weights, of.clone())?;

@@ -115,6 +115,21 @@ fn what_is_only_shown_in_combination_is_said_to_be() {
     assert!(error(&certainty.numbers[3]) < 0.01 && certainty.numbers[3].strongest.is_none());
 }
 
+/// Free motion of a pendulum of known mass shows neither its centre nor its inertia, and friction only in their scale.
+#[test]
+fn friction_in_a_scale_that_nothing_shows_has_no_error() {
+    let mut architecture = pendulum(true);
+    let mut data = logs(&pendulum(false), 2);
+    data.trajectories.iter_mut().for_each(|trajectory| trajectory.u = None);
+    let of = |architecture: &Architecture| learned(architecture, &data, false);
+    let all = of(&architecture);
+    assert_eq!((all.hidden, all.combinations.len()), (2, 2));
+    assert!(all.numbers.iter().all(|of| of.shown == Shown::Together), "{:?}", all.numbers);
+    // With friction known, the scale is shown.
+    architecture.friction = FrictionArchitecture::new(vec![Number::known(0.03)], Vec::new());
+    assert_eq!(of(&architecture).hidden, 1);
+}
+
 #[test]
 fn few_logs_are_cut_into_parts() {
     let architecture = pendulum(false);
@@ -126,7 +141,10 @@ fn few_logs_are_cut_into_parts() {
 
 #[test]
 fn intervals_of_few_logs_are_wider() {
-    let of = |clusters| Certainty { numbers: Vec::new(), hidden: 0, clusters, whole_logs: true }.interval();
+    let of = |clusters| {
+        let (numbers, combinations) = (Vec::new(), Vec::new());
+        Certainty { numbers, hidden: 0, combinations, clusters, whole_logs: true }.interval()
+    };
     for (clusters, percentile) in [(5, 2.776), (10, 2.262), (26, 2.060), (64, 1.998)] {
         assert!((of(clusters) / percentile - 1.0).abs() < 3e-3, "{clusters}: {}", of(clusters));
     }

@@ -1,7 +1,7 @@
 //! Starting point of a fit over windows.
 
 use super::WindowLogs;
-use crate::training::{Objective, linear_start};
+use crate::training::{LinearStart, Objective, linear_start};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
 
@@ -15,11 +15,12 @@ pub fn first_guess(
     logs: &WindowLogs,
     initial: Vec<f64>,
     windows: &dyn Objective,
-) -> Result<Vec<f64>, ModelError> {
+) -> Result<LinearStart, ModelError> {
     if architecture.family.bodies().is_none() {
-        return Ok(initial);
+        return Ok(LinearStart { weights: initial, shows_scale: true });
     }
     let guess = linear_start(architecture, logs.smoothed().each_ref().map(Vec::as_slice))?;
     let loss = |weights: &[f64]| windows.held_back_loss(weights);
-    Ok(if loss(&guess) < loss(&initial) { guess } else { initial })
+    let weights = if loss(&guess.weights) < loss(&initial) { guess.weights } else { initial };
+    Ok(LinearStart { weights, ..guess })
 }

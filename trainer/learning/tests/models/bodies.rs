@@ -198,7 +198,7 @@ fn least_squares_of_torques_find_what_motion_shows() {
             v.extend(velocities);
             a.extend(of(&t.a));
         }
-        let found = linear_start(&architecture, [&q, &v, &a, &u]).unwrap();
+        let found = linear_start(&architecture, [&q, &v, &a, &u]).unwrap().weights;
         let expected = shown(&machine().initial_weights(0));
         for (found, expected) in shown(&found).iter().zip(expected) {
             let expected = scale * expected;
@@ -211,6 +211,36 @@ fn least_squares_of_torques_find_what_motion_shows() {
     }
     let short = linear_start(&architecture, [&[0.0; 4], &[0.0; 4], &[0.0; 4], &[0.0; 3]]);
     assert!(short.is_err(), "a torque is missing");
+}
+
+/// Free motion shows only ratios: J v̇ + b v + m g c sin q = 0. A body of known mass keeps its ratio of I to m c², and with
+/// it the scale of all others, where a least sum of squares would have them vanish.
+#[test]
+fn free_motion_keeps_the_scale_of_a_known_mass() {
+    let model = "[[model.bodies]]\nmass = 0.5\ncentre = [\"learned\", 0.0]\ninertia = \"learned\"\n\
+                 [model.friction]\nviscous = \"learned\"";
+    let architecture = parse(&config_of(model)).unwrap().beginning().unwrap().0;
+    let (gravity, damping) = (40.0, 0.3);
+    let [mut q, mut v, mut a] = [const { Vec::new() }; 3];
+    for k in 0..200 {
+        let own = [(0.37 * f64::from(k)).sin() * 2.0, (0.61 * f64::from(k)).cos() * 3.0];
+        q.push(own[0]);
+        v.push(own[1]);
+        a.push(-gravity * own[0].sin() - damping * own[1]);
+    }
+    let found = linear_start(&architecture, [&q, &v, &a, &vec![0.0; q.len()]]).unwrap();
+    assert!(!found.shows_scale);
+    let body = BodyParameters::from_array(*found.weights[2..].first_chunk().unwrap());
+    let square = body.mass * body.centre[0] * body.centre[0];
+    let about_joint = body.inertia + square;
+    let friction = architecture.friction_of_coordinates(&found.weights)[0].viscous;
+    let close =
+        |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    close(body.mass * 9.81 * body.centre[0] / about_joint, gravity);
+    close(friction / about_joint, damping);
+    close(body.inertia / square, 0.01 / 0.15_f64.powi(2));
+    let forced = linear_start(&architecture, [&q, &v, &a, &a]).unwrap();
+    assert!(forced.shows_scale);
 }
 
 #[test]

@@ -4,17 +4,20 @@ use super::selection::{Selection, cases, given};
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_papers::HARDWARE;
-use leastaction_papers::hardware::{ArmData, HardwareError, Machine, MachineData, Split, arm_tasks, tasks};
+use leastaction_papers::hardware::{
+    ArmData, HardwareError, Machine, MachineData, Split, arm_tasks, read_swings, swing_tasks, tasks,
+};
 use leastaction_papers::task::Task;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Real machines: a double pendulum, a pendulum and an arm, learned from some of their logs and predicted along the others.
+/// Real machines: pendulums of one to three arms and a robot's arm, learned from some of their logs and predicted along the others.
 ///
 /// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a
 /// tested log, for our models and for those that they are compared with. The logs are not part of this program: DIR has a folder of .csv
 /// files for each machine, double-pendulum, pendulum and panda. For the arm, whose log is panda/excitation.csv, the error is that of the
-/// torques along motion that was not learned from. With -o also writes a page.
+/// torques along motion that was not learned from. For multi-arm, whose logs are multi-arm/single_id.npz, double_id.npz and triple_id.npz,
+/// it is that of free swings. With -o also writes a page.
 ///
 /// Example: leastaction-papers hardware --data DIR --machine double-pendulum --test 1,3,5 --json
 #[derive(Args)]
@@ -52,9 +55,9 @@ impl Hardware {
             return Err(Failure::Input("--baseline is of the double pendulum; leave it out".to_owned()));
         }
         let is_there = |machine: &Machine| self.data.join(machine.name()).is_dir();
-        if !self.test.is_empty() && self.machine == Some(Machine::Panda) {
-            let what =
-                "--test names logs; of the arm one log is learned from and tested in parts, so leave it out";
+        let has_parts = |machine: Machine| matches!(machine, Machine::Panda | Machine::MultiArm);
+        if !self.test.is_empty() && self.machine.is_some_and(has_parts) {
+            let what = "--test names logs; of this machine a log is learned from and tested in parts, so leave it out";
             return Err(Failure::Input(what.to_owned()));
         }
         let machines = match self.machine {
@@ -75,6 +78,10 @@ impl Hardware {
         if machine == Machine::Panda {
             let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
             return Ok(arm_tasks(&Arc::new(ArmData::read(&self.data)?), &arguments));
+        }
+        if machine == Machine::MultiArm {
+            let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
+            return Ok(swing_tasks(&read_swings(&self.data)?, (self.selection.quick, &arguments)));
         }
         let data = MachineData::read(&self.data, machine, self.baseline.as_deref())?;
         let splits = match &self.test[..] {

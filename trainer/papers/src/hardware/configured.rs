@@ -10,7 +10,7 @@ use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{Column, Rows};
 use leastaction_learning::run::{Chosen, Monitor, Plan, Row, Run, choose};
-use leastaction_learning::windows::Calibrated;
+use leastaction_learning::windows::{Calibrated, Shown};
 use leastaction_programs::System;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -78,22 +78,49 @@ fn full(file: &Path) -> PathBuf {
 fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskError> {
     let mut config = Config::parse(text, &folder.join("machine.toml"))?;
     config.training.seed = training.seed;
-    if training.quick {
+    let end = trained(config, (folder, training.quick), training.tell)?;
+    let is_commanded = is_commanded(&end.config, training)?;
+    let Trained { architecture, best, calibrated, .. } = end.trained;
+    let system = System::new(&*architecture.energies()?);
+    let learned = Learned::new(&system, best.weights);
+    let predictor = Driven { learned, calibrated: calibrated.unwrap_or_default(), is_commanded };
+    Ok(Fitted { predictor: Box::new(predictor), parameters: end.parameters, seconds: end.seconds })
+}
+
+/// End of a training.
+pub(super) struct End {
+    /// The configuration with all choices.
+    pub config: Config,
+    /// The model.
+    pub trained: Trained,
+    /// Number of learned parameters.
+    pub parameters: usize,
+    /// Positions of the numbers that the logs leave free, alone or together with others.
+    pub free: Vec<usize>,
+    /// Training time, s.
+    pub seconds: f64,
+}
+
+/// Trains as `leastaction train` does, with choices of its own, in a folder.
+pub(super) fn trained(
+    mut config: Config,
+    (folder, quick): (&Path, bool),
+    tell: &Tell,
+) -> Result<End, TaskError> {
+    if quick {
         config.training.iterations = config.training.iterations.min(QUICK);
     }
     let clock = Instant::now();
     let Chosen { config, data, choices, .. } = choose(config)?;
-    choices.sentences().iter().for_each(|sentence| (training.tell)(sentence));
-    let is_commanded = is_commanded(&config, training)?;
-    let plan = Plan::new(config, &data)?;
+    choices.sentences().iter().for_each(|sentence| tell(sentence));
+    let plan = Plan::new(config.clone(), &data)?;
     let (parameters, folder) = (plan.learned_parameters(), folder.join("run"));
     let mut run = Run::begin(plan, &folder, false)?;
-    run.train(&mut Told(training.tell), &AtomicBool::new(false))?;
-    let Trained { architecture, best, calibrated, .. } = Trained::read(&folder)?;
-    let system = System::new(&*architecture.energies()?);
-    let learned = Learned::new(&system, best.weights);
-    let predictor = Driven { learned, calibrated: calibrated.unwrap_or_default(), is_commanded };
-    Ok(Fitted { predictor: Box::new(predictor), parameters, seconds: clock.elapsed().as_secs_f64() })
+    run.train(&mut Told(tell), &AtomicBool::new(false))?;
+    let (trained, seconds) = (Trained::read(&folder)?, clock.elapsed().as_secs_f64());
+    let certainty = run.certainty().map_or(Vec::new(), |certainty| certainty.numbers);
+    let free = certainty.into_iter().filter(|number| number.shown == Shown::Together);
+    Ok(End { config, trained, parameters, free: free.map(|number| number.position).collect(), seconds })
 }
 
 /// Maximum number of iterations for a first look.

@@ -13,6 +13,8 @@ pub enum Machine {
     Pendulum,
     /// Franka Panda: seven joints, judged by torques.
     Panda,
+    /// Pendulums of one to three arms that swing freely, judged by their own protocol.
+    MultiArm,
 }
 
 /// Value of cos q of a pendulum below which it is about to fall either way.
@@ -25,15 +27,17 @@ impl Machine {
             Self::DoublePendulum => "double-pendulum",
             Self::Pendulum => "pendulum",
             Self::Panda => "panda",
+            Self::MultiArm => "multi-arm",
         }
     }
 
-    /// Number of joints n.
+    /// Largest number of joints n.
     pub const fn joints(self) -> usize {
         match self {
             Self::DoublePendulum => 2,
             Self::Pendulum => 1,
             Self::Panda => 7,
+            Self::MultiArm => 3,
         }
     }
 
@@ -70,7 +74,7 @@ impl Machine {
     /// either way, whatever the model, so windows that pass it are left out. All windows of the double pendulum count.
     pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
         match self {
-            Self::DoublePendulum | Self::Panda => true,
+            Self::DoublePendulum | Self::Panda | Self::MultiArm => true,
             Self::Pendulum => positions.all(|q| q.iter().all(|q| q.cos() >= UPRIGHT)),
         }
     }

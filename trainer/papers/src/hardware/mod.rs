@@ -10,7 +10,7 @@
 //! Without calibration ("as is"), only the start states of a tested log are used. With calibration, the zero offsets of its
 //! encoders are estimated from its first 2 s.
 //!
-//! An arm of many joints is judged by its torques instead (`arm`).
+//! An arm of many joints is judged by its torques instead (`arm`), free swings by their own windows (`multi_arm`).
 //!
 //! Data flows one way: files → [`Log`] → windows → [`Predictor`] → summaries. The table is a list of entries.
 
@@ -25,6 +25,7 @@ mod grid;
 mod identified;
 mod log;
 mod machine;
+mod multi_arm;
 mod parameters;
 mod polynomial;
 mod predictor;
@@ -43,6 +44,7 @@ pub(super) use figures::overview;
 pub use identified::Identified;
 pub use log::Log;
 pub use machine::Machine;
+pub use multi_arm::{Swings, read_swings, swing_tasks};
 pub use predictor::Predictor;
 pub use split::Split;
 

@@ -28,7 +28,7 @@ pub(super) fn smoothed(logs: &[&Log]) -> Samples {
     let n = logs.first().map_or(1, |log| log.joints());
     let mut samples = Samples { n, h: STEP, ..Samples::default() };
     let (half, degree) = SMOOTHED;
-    let cubic = Polynomial::new(half, degree);
+    let cubic = Polynomial::new(half, degree, STEP);
     for log in logs {
         for start in 0..(log.samples() + 1).saturating_sub(cubic.samples()) {
             let state = cubic.at(&log.q, start);

@@ -1,5 +1,6 @@
 //! The error of predictions over windows of one second, by which every row is judged.
 
+use super::grid::STEP;
 use super::log::Log;
 use super::machine::Machine;
 use super::polynomial::Polynomial;
@@ -43,7 +44,7 @@ pub(super) struct Prediction {
 
 /// Returns the predictions of windows; the offsets z are subtracted from the logged positions.
 pub(super) fn predictions(log: &Log, windows: &[usize], offsets: &[f64]) -> Vec<Prediction> {
-    let quadratic = Polynomial::new(HALF, 2);
+    let quadratic = Polynomial::new(HALF, 2, STEP);
     let of = |window: &usize| {
         let [mut q, v, _] = quadratic.at(&log.q, *window);
         q.iter_mut().zip(offsets).for_each(|(q, z)| *q -= z);
@@ -81,7 +82,8 @@ pub(super) fn window_errors(
     paths.iter().zip(&predictions).map(errors).collect()
 }
 
-fn errors(differences: &[f64], n: usize) -> [f64; 3] {
+/// Errors to each horizon from the differences at the times of the grid, row by row.
+pub(super) fn errors(differences: &[f64], n: usize) -> [f64; 3] {
     HORIZONS.map(|steps| {
         let of = &differences[..(steps + 1) * n];
         let error = (of.iter().map(|x| x * x).sum::<f64>() / of.len() as f64).sqrt();
@@ -114,7 +116,6 @@ impl Summary {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::STEP;
     use super::super::predictor::ConstantVelocity;
     use super::*;
 

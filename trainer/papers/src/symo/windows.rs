@@ -106,7 +106,7 @@ impl Case {
             let loss = windows(recipe, data, of.clone(), steps)?;
             if k == 0 {
                 let logs = WindowLogs::new(&data.truncated(of.end));
-                weights = first_guess(&recipe.architecture, &logs, weights, &loss)?;
+                weights = first_guess(&recipe.architecture, &logs, weights, &loss)?.weights;
             }
             let levenberg = Levenberg::new(&loss, weights).with_decay(recipe.decay);
             weights = levenberg.run(&loss, recipe.iterations, |k, state| watch(k, state.loss)).weights;

@@ -159,7 +159,7 @@ pub(super) fn alone(start: &Start, learned: &Learned) -> Alone {
         };
         let strongest = spread
             .directions
-            .strongest(&spread.covariance, own)
+            .strongest(&spread.covariance, own, |_| true)
             .and_then(|(other, part)| Some((place(inner[other])?, part)));
         Estimate { value: y[*k], shown: spread.shown(own), strongest }
     };

@@ -15,7 +15,8 @@ use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
 /// Gear ratio assumed for an unknown drive. Motion shows the ratio and the rotor only together, as J(g² − g).
 const GEAR: f64 = 10.0;
 
-/// Initial values of learned numbers without a given start: an arm of 0.3 m and 1 kg.
+/// Initial values of learned numbers without a given start: an arm of 0.3 m and 1 kg. The inertia of another mass is in
+/// proportion.
 const USUAL: BodyParameters<f64> = BodyParameters {
     place: [0.3, 0.0],
     angle: 0.0,
@@ -64,12 +65,14 @@ impl BodyConfig {
     }
 
     fn numbers(&self) -> Result<BodyParameters<Number>, Problem> {
+        let mass = self.mass.positive("mass", USUAL.mass)?;
+        let usual_inertia = USUAL.inertia / USUAL.mass * mass.value;
         Ok(BodyParameters {
             place: pair("at", self.at, USUAL.place)?,
             angle: self.angle.any("angle", USUAL.angle)?,
-            mass: self.mass.positive("mass", USUAL.mass)?,
+            mass,
             centre: pair("centre", self.centre, USUAL.centre)?,
-            inertia: self.inertia.positive("inertia", USUAL.inertia)?,
+            inertia: self.inertia.positive("inertia", usual_inertia)?,
             rotor: self.rotor.number("rotor", USUAL.rotor, [&Range::NOT_BELOW, &Range::ABOVE])?,
             gear: self.gear.any("gear", USUAL.gear)?,
         })
