@@ -52,14 +52,7 @@ impl Description {
         let mut roles = Roles::new(&self.joints, options, &self.links[self.root].name);
         roles.check()?;
         let mut faults = Faults::default();
-        let mut all = Bodies {
-            description: self,
-            roles: roles.all(&mut faults),
-            bodies: Vec::new(),
-            links: Vec::new(),
-            moved: HashMap::new(),
-            places: vec![(None, Pose::identity()); self.links.len()],
-        };
+        let mut all = Bodies::new(self, roles.all(&mut faults));
         for met in walk {
             let added = all.add(met);
             faults.take(added);
@@ -68,15 +61,32 @@ impl Description {
         all.judge(options.inertias, &mut faults, &mut notes);
         faults.end()?;
         all.give_coordinates();
-        let mut joints: Vec<(usize, usize)> = all.moved.iter().map(|(joint, body)| (*body, *joint)).collect();
-        joints.sort_unstable();
-        let joints = joints.into_iter().map(|(_, joint)| joint).collect();
+        let joints = all.joints().into_iter().map(|(_, joint)| joint).collect();
         let links = all.links.clone();
         Ok(Assembled { described: Described { tree: all.tree()?, notes }, links, joints })
     }
 }
 
-impl Bodies<'_> {
+impl<'d> Bodies<'d> {
+    fn new(description: &'d Description, roles: Vec<Role>) -> Self {
+        Self {
+            description,
+            roles,
+            bodies: Vec::new(),
+            links: Vec::new(),
+            moved: HashMap::new(),
+            places: vec![(None, Pose::identity()); description.links.len()],
+        }
+    }
+
+    /// Every body with its joint, in the order of the bodies.
+    fn joints(&self) -> Vec<(usize, usize)> {
+        let mut joints: Vec<(usize, usize)> =
+            self.moved.iter().map(|(joint, body)| (*body, *joint)).collect();
+        joints.sort_unstable();
+        joints
+    }
+
     /// Adds the link on a joint, to a body of its own or to the one that carries it.
     fn add(&mut self, Met { joint: k, parent, child }: Met) -> Result<(), UrdfError> {
         let (joint, link) = (&self.description.joints[k], &self.description.links[child]);
@@ -106,8 +116,7 @@ impl Bodies<'_> {
 
     /// Gives every independent joint a coordinate, and a joint that follows another one the coordinate of that joint.
     fn give_coordinates(&mut self) {
-        let mut order: Vec<(usize, usize)> = self.moved.iter().map(|(joint, body)| (*body, *joint)).collect();
-        order.sort_unstable();
+        let order = self.joints();
         let leading = order.iter().filter(|(_, joint)| self.roles[*joint] == Role::Moves);
         leading.enumerate().for_each(|(k, (body, _))| self.bodies[*body].coordinate = k);
         for (body, joint) in order {
@@ -180,7 +189,7 @@ impl Bodies<'_> {
 }
 
 /// Mass of all bodies that a body carries, kg.
-pub(crate) fn carried_mass(bodies: &[Body], k: usize) -> f64 {
+fn carried_mass(bodies: &[Body], k: usize) -> f64 {
     let mut is_carried = vec![false; bodies.len()];
     let mut mass = 0.0;
     for (i, body) in bodies.iter().enumerate().skip(k + 1) {

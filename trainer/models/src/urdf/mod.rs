@@ -27,7 +27,7 @@ mod write;
 mod xacro;
 mod zero_limits;
 
-pub(crate) use bodies::{carried_mass, moved, with_extent};
+pub(crate) use bodies::{moved, with_extent};
 pub use error::{MOST_BYTES, MOST_LINKS, UrdfError};
 pub use note::{DescriptionNote, GROSS, Moved};
 pub use roles::Followers;

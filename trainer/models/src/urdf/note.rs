@@ -54,15 +54,6 @@ pub enum DescriptionNote {
         /// Mass of the bodies that it carries, kg.
         carried: f64,
     },
-    /// A body without mass got a ball, since training needs one.
-    Speck {
-        /// The body.
-        body: Moved,
-        /// Mass of the ball, kg.
-        mass: f64,
-        /// Radius of the ball, m.
-        radius: f64,
-    },
     /// Part of an MJCF file that acts on the robot is not read.
     NotRead {
         /// The part, in words.
@@ -138,8 +129,8 @@ impl fmt::Display for DescriptionNote {
             ),
             Self::Thin { body, change } => write!(
                 f,
-                "{body}: it is infinitely thin in some direction, so it was thickened, a change of {} of its moments of \
-                 inertia",
+                "{body}: it is infinitely thin in some direction, so it was thickened, which changes its moments of \
+                 inertia by {}",
                 percent(*change)
             ),
             Self::Extent { body, mass, radius } => write!(
@@ -150,14 +141,8 @@ impl fmt::Display for DescriptionNote {
             ),
             Self::Massless { body, carried } => write!(
                 f,
-                "{body}: it has no mass, and none is given to it; the bodies that it carries have {} kg",
+                "{body}: it has no mass, and none is given to it, nor learned; the bodies that it carries have {} kg",
                 short(*carried)
-            ),
-            Self::Speck { body, mass, radius } => write!(
-                f,
-                "{body}: it has no mass, but training needs one: it has a ball of {} kg with a radius of {radius} m, and \
-                 is not learned",
-                short(*mass)
             ),
             Self::NotRead { what } => write!(f, "NOT READ, and not part of the model: {what}"),
             Self::NegativeMass { link, mass, body, total } => write!(
@@ -212,7 +197,8 @@ fn moments(values: &[f64; 3]) -> String {
 }
 
 fn percent(part: f64) -> String {
-    format!("{} %", short((1e4 * part).round() / 1e2))
+    let percent = (1e4 * part).round() / 1e2;
+    if percent == 0.0 { "less than 0.01 %".to_owned() } else { format!("{} %", short(percent)) }
 }
 
 /// A number with four significant digits.

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 mod choice;
 mod inertias;
+mod limits;
 mod massless;
 mod mjcf;
 mod written;

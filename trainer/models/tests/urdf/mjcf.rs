@@ -16,11 +16,11 @@ fn names(tree: &Tree) -> Vec<&str> {
 }
 
 /// A model with these elements in its world.
-fn world(inside: &str) -> String {
+pub(super) fn world(inside: &str) -> String {
     format!("<mujoco><compiler angle='radian'/><worldbody>{inside}</worldbody></mujoco>")
 }
 
-const MASS: &str = "<inertial pos='0.1 0.2 0.3' mass='2' diaginertia='0.03 0.04 0.05'/>";
+pub(super) const MASS: &str = "<inertial pos='0.1 0.2 0.3' mass='2' diaginertia='0.03 0.04 0.05'/>";
 
 #[test]
 fn a_model_and_its_urdf_are_the_same_tree() {

@@ -222,7 +222,7 @@ impl<'a> Start<'a> {
         let design = Design::new(tree, samples, &terms);
         let solution = design.solve().ok_or(FitError::Samples(samples.count()))?;
         let scales = scales(&design.predict(&solution.numbers), samples);
-        let charts = charts(tree, learned.bodies).map_err(FitError::Prior)?;
+        let charts = charts(tree, learned).map_err(FitError::Prior)?;
         let problem = Problem { samples, regressors: regressors(tree, samples), charts, scales };
         let bodies = problem.body_numbers();
         let numbers = &solution.numbers[bodies..];

@@ -1,10 +1,10 @@
 //! The least-squares problem of a fit: torque residuals and their derivatives with respect to the numbers of bodies, then of joints.
 
-use super::Bodies;
 use super::friction::{JOINT, JointNumbers};
+use super::{Bodies, Learned};
 use crate::torque::Samples;
 use crate::training::{ChunkRows, Failed, NormalEquations, Residuals};
-use leastaction_models::tree::{INERTIAL, LogCholesky, Tree};
+use leastaction_models::tree::{Body, INERTIAL, LogCholesky, Tree};
 use std::ops::Range;
 
 /// Map from the learned numbers of a body to its inertial numbers.
@@ -65,15 +65,16 @@ pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
     .collect()
 }
 
-/// Charts around a tree's own bodies; the error is the name of the first body that is not physically consistent.
-pub(super) fn charts(tree: &Tree, bodies: Bodies) -> Result<Vec<Chart>, String> {
-    let of = |body: &leastaction_models::tree::Body| match bodies {
-        Bodies::Consistent => {
+/// Charts around a tree's own bodies; the error is the name of the first learned body that is not physically
+/// consistent. A known one may be a point, or have no mass.
+pub(super) fn charts(tree: &Tree, learned: &Learned) -> Result<Vec<Chart>, String> {
+    let of = |(k, body): (usize, &Body)| match learned.bodies {
+        Bodies::Consistent if !learned.known.contains(&k) => {
             LogCholesky::around(&body.inertia).map(Chart::Consistent).ok_or(body.name.clone())
         }
-        Bodies::Free | Bodies::Known => Ok(Chart::Free(body.inertia.0)),
+        _ => Ok(Chart::Free(body.inertia.0)),
     };
-    tree.bodies().iter().map(of).collect()
+    tree.bodies().iter().enumerate().map(of).collect()
 }
 
 impl Chart {

@@ -74,13 +74,29 @@ fn a_known_mass_stays_a_point_unless_its_joint_moves_nothing_then() {
 }
 
 #[test]
+fn a_known_point_may_be_beside_learned_bodies() {
+    let folder = tempfile::tempdir().unwrap();
+    for rotors in ["learned", "known"] {
+        let rest = format!("bodies = [\"joint1\"]\nrotors = \"{rotors}\"\n{LEARNED}");
+        let (tree, notes) = tree_of(folder.path(), &with_last(POINT, false), &rest);
+        assert!(notes.is_empty(), "{notes:?}");
+        assert!(tree.bodies()[2].inertia.principal_moments()[2].abs() < 1e-15, "{tree:?}");
+    }
+}
+
+#[test]
 fn a_learned_body_that_is_infinitely_thin_is_thickened() {
     let folder = tempfile::tempdir().unwrap();
     let text = with_last("ixx=\"0\" iyy=\"0.02\" izz=\"0.02\"", false);
     let (tree, notes) = tree_of(folder.path(), &text, LEARNED);
     let [DescriptionNote::Thin { change, .. }] = notes[..] else { panic!("{notes:?}") };
     assert!(change < 2e-4, "{change}");
+    let text = notes[0].to_string();
+    assert!(text.ends_with("which changes its moments of inertia by 0.02 %"), "{text}");
     assert!(tree.bodies().iter().all(|body| body.inertia.consistency() > 0.0));
+    let text = with_last("ixx=\"0.02\" iyy=\"0.01000099\" izz=\"0.01000099\"", false);
+    let (_, notes) = tree_of(folder.path(), &text, LEARNED);
+    assert!(notes[0].to_string().ends_with("by less than 0.01 %"), "{notes:?}");
 }
 
 #[test]

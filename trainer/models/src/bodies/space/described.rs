@@ -4,10 +4,10 @@ use super::config::{ArmConfig, Learning};
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
 use crate::limits::MAX_TREE_COORDINATES;
-use crate::tree::{Inertia, Tree};
+use crate::tree::Tree;
 use crate::urdf::{self, Described, DescriptionNote, Followers, Inertias, Moved, Options, UrdfError};
-use crate::urdf::{carried_mass, moved, with_extent};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use crate::urdf::{moved, with_extent};
+use nalgebra::DMatrix;
 
 impl ArmConfig {
     /// Returns the tree of the description, with guessed bodies if a mass is given.
@@ -53,18 +53,13 @@ impl ArmConfig {
     ) -> Result<(Tree, Vec<DescriptionNote>), ShapeError> {
         self.check_massless(tree)?;
         let resistance = self.resistance(tree);
-        let is_fitted = learned.contains(&true);
         let (mut parameters, mut notes) = (tree.parameters(), Vec::new());
         let (numbers, _) = parameters.as_chunks_mut();
         for (k, (numbers, body)) in numbers.iter_mut().zip(tree.bodies()).enumerate() {
             let is_massless = body.inertia.mass() == 0.0;
             learned[k] &= !is_massless;
             let least = RESISTS * body.inertia.mass() * self.radius * self.radius;
-            if is_massless && is_fitted {
-                let (inertia, note) = speck(tree, k, self.radius);
-                *numbers = inertia.0;
-                notes.push(note);
-            } else if !is_massless && (learned[k] || resistance[k] <= least) {
+            if !is_massless && (learned[k] || resistance[k] <= least) {
                 let (inertia, note) = with_extent(body, self.radius);
                 *numbers = inertia.0;
                 notes.extend(note);
@@ -99,8 +94,6 @@ impl ArmConfig {
 
 /// Least inertia of a joint relative to that of its body's mass at the guessed radius.
 const RESISTS: f64 = 1e-9;
-/// Mass of the ball of a body without mass, relative to what it carries.
-const SPECK: f64 = 1e-9;
 
 /// Least eigenvalue of a mass matrix, scaled to a unit diagonal, that can be relied on.
 const REGULAR: f64 = 1e-9;
@@ -119,12 +112,4 @@ fn resists(mass: &[Vec<f64>]) -> bool {
     }
     let scaled = DMatrix::from_fn(n, n, |i, j| mass[i][j] / (scale[i] * scale[j]));
     scaled.symmetric_eigenvalues().min() > REGULAR
-}
-
-/// Small ball for a body without mass, with a note.
-fn speck(tree: &Tree, k: usize, radius: f64) -> (Inertia, DescriptionNote) {
-    let body = &tree.bodies()[k];
-    let mass = SPECK * carried_mass(tree.bodies(), k);
-    let ball = Inertia::of_centre(mass, Vector3::zeros(), Matrix3::zeros()).as_ball(radius);
-    (body.inertia.with(&ball), DescriptionNote::Speck { body: moved(body), mass, radius })
 }

@@ -16,30 +16,26 @@ const MAIN: &str = "main";
 pub(super) struct Classes<'a>(HashMap<&'a str, Rc<Given<'a>>>);
 
 impl<'a> Classes<'a> {
-    pub fn read<'i>(root: Node<'a, 'i>) -> Result<Self, UrdfError> {
-        let is_class = |node: &Node| node.has_tag_name("default");
-        let mut classes: HashMap<&str, Rc<Given>> = HashMap::new();
-        let mut open: Vec<(Node<'a, 'i>, Rc<Given<'a>>)> = Vec::new();
-        for top in root.children().filter(is_class) {
-            open.push((top, classes.get(MAIN).cloned().unwrap_or_default()));
-            while let Some((node, inherited)) = open.pop() {
-                let name = match node.attribute("class") {
-                    Some(name) => name,
-                    None if node == top => MAIN,
-                    None => return Err(wrong(node, "inside another one needs a class")),
-                };
-                let mut given = (*inherited).clone();
-                node.children().filter(|node| node.is_element() && !is_class(node)).for_each(|element| {
-                    let tag = element.tag_name().name();
-                    given.extend(element.attributes().map(|a| ((tag, a.name()), a.value())));
-                });
-                let given = Rc::new(given);
-                open.extend(node.children().filter(is_class).map(|node| (node, given.clone())));
-                classes.insert(if node == top { MAIN } else { name }, given.clone());
-                classes.insert(name, given);
+    pub fn read(root: Node<'a, '_>) -> Result<Self, UrdfError> {
+        let mut classes = Self(HashMap::new());
+        root.children().filter(is_class).try_for_each(|top| classes.add(top))?;
+        Ok(classes)
+    }
+
+    /// Adds a class that is inside no other, and all classes inside it.
+    fn add(&mut self, top: Node<'a, '_>) -> Result<(), UrdfError> {
+        let mut open = vec![(top, self.0.get(MAIN).cloned().unwrap_or_default())];
+        while let Some((node, inherited)) = open.pop() {
+            let given = Rc::new(with_own(node, &inherited));
+            open.extend(node.children().filter(is_class).map(|node| (node, given.clone())));
+            let name = node.attribute("class");
+            if name.is_none() && node != top {
+                return Err(wrong(node, "inside another one needs a class"));
             }
+            let main = (node == top).then_some(MAIN);
+            self.0.extend(name.into_iter().chain(main).map(|name| (name, given.clone())));
         }
-        Ok(Self(classes))
+        Ok(())
     }
 
     /// Attribute of an element, or else that of its class; `around` is the class of the body around it.
@@ -79,4 +75,18 @@ impl<'a> Classes<'a> {
     pub fn number(&self, node: Node, around: Option<&str>, what: &str) -> Result<Option<f64>, UrdfError> {
         Ok(self.numbers(node, around, what)?.map(|[x]| x))
     }
+}
+
+fn is_class(node: &Node) -> bool {
+    node.has_tag_name("default")
+}
+
+/// Attributes that a class gives: those that it inherits, and its own in their place.
+fn with_own<'a>(class: Node<'a, '_>, inherited: &Given<'a>) -> Given<'a> {
+    let mut given = inherited.clone();
+    for element in class.children().filter(|node| node.is_element() && !is_class(node)) {
+        let tag = element.tag_name().name();
+        given.extend(element.attributes().map(|a| ((tag, a.name()), a.value())));
+    }
+    given
 }

@@ -27,24 +27,28 @@ impl Settings<'_> {
         if !is_counted || ["plane", "hfield"].contains(&kind) || mass.or(density) == Some(0.0) {
             return Ok(Ok(Inertia::default()));
         }
-        let whose = name(node);
-        if ["mesh", "sdf"].contains(&kind) || self.classes.attribute(node, class, "mesh")?.is_some() {
-            return Ok(Err(format!(
-                "its geom {whose} is a mesh, whose volume is not read; give the body an <inertial>"
-            )));
-        }
-        if self.classes.attribute(node, class, "shellinertia")? == Some("true") {
-            return Ok(Err(format!("its geom {whose} is a shell; give the body an <inertial>")));
+        if let Some(reason) = self.unknown(member, kind)? {
+            return Ok(Err(reason));
         }
         let (sizes, pose) = self.placed_sizes(member, kind)?;
         let (volume, squares) =
             shape(kind, sizes).ok_or_else(|| wrong(node, format!("type = {kind:?} is not known")))?;
-        let mass = mass.unwrap_or(density.unwrap_or(WATER) * volume);
-        let squares = Vector3::from(squares) * mass;
-        let inertia = Matrix3::from_diagonal(&squares.map(|x| squares.sum() - x));
-        let own = Inertia::of_centre(mass, Vector3::zeros(), inertia);
         let pose = member.frame.then(&pose);
+        let own = solid(mass.unwrap_or(density.unwrap_or(WATER) * volume), squares);
         Ok(Ok(own.placed(&pose.rotation, &pose.translation)))
+    }
+
+    /// Reason why the inertia of a geom is not known.
+    fn unknown(&self, member: &Member, kind: &str) -> Result<Option<String>, UrdfError> {
+        let (node, whose) = (member.node, name(member.node));
+        let attribute = |what| self.classes.attribute(node, member.class, what);
+        if ["mesh", "sdf"].contains(&kind) || attribute("mesh")?.is_some() {
+            return Ok(Some(format!(
+                "its geom {whose} is a mesh, whose volume is not read; give the body an <inertial>"
+            )));
+        }
+        let is_shell = attribute("shellinertia")? == Some("true");
+        Ok(is_shell.then(|| format!("its geom {whose} is a shell; give the body an <inertial>")))
     }
 
     /// Sizes and pose of a geom; the ends of `fromto` give its length and its z axis.
@@ -82,6 +86,13 @@ impl Settings<'_> {
         }
         Err(wrong(member.node, format!("size: a {kind} needs {needed} number(s) above 0")))
     }
+}
+
+/// Inertia of a mass about its centre; `squares` are the mean squares of its points' coordinates, m².
+fn solid(mass: f64, squares: [f64; 3]) -> Inertia {
+    let squares = Vector3::from(squares) * mass;
+    let inertia = Matrix3::from_diagonal(&squares.map(|x| squares.sum() - x));
+    Inertia::of_centre(mass, Vector3::zeros(), inertia)
 }
 
 fn shape(kind: &str, [a, b, c]: [f64; 3]) -> Option<Shape> {

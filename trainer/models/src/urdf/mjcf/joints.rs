@@ -16,6 +16,8 @@ pub(super) struct Anchored {
     pub anchor: Vector3<f64>,
     /// Position at which the body is where the file has it (`ref`), rad or m.
     pub zero: f64,
+    /// Whether the file gives it limits of 0.
+    pub has_zero_limits: bool,
 }
 
 impl Settings<'_> {
@@ -26,7 +28,7 @@ impl Settings<'_> {
         let name = node.attribute("name").map_or_else(|| format!("joint {k}"), str::to_owned);
         let mut joint = JointElement::new(name, kind, node.range());
         if kind == "floating" {
-            return Ok(Anchored { joint, anchor: Vector3::zeros(), zero: 0.0 });
+            return Ok(Anchored { joint, anchor: Vector3::zeros(), zero: 0.0, has_zero_limits: false });
         }
         let numbers = |what| self.classes.numbers::<3>(node, member.class, what);
         let number = |what| Ok::<_, UrdfError>(self.classes.number(node, member.class, what)?.unwrap_or(0.0));
@@ -34,11 +36,12 @@ impl Settings<'_> {
         let anchor = member.frame.translation + anchor;
         joint.axis = member.frame.rotation * Vector3::from(numbers("axis")?.unwrap_or([0.0, 0.0, 1.0]));
         joint.armature = number("armature")?;
-        joint.limits = self.limits(member, kind)?;
+        let has_zero_limits;
+        (joint.limits, has_zero_limits) = self.limits(member, kind)?;
         let zero = self.position(kind, number("ref")?);
         joint.pose =
             Pose { translation: anchor, ..Pose::identity() }.then(&turned_back(member, &joint, zero)?);
-        Ok(Anchored { joint, anchor, zero })
+        Ok(Anchored { joint, anchor, zero, has_zero_limits })
     }
 
     /// Kind of a joint in the words of URDF.
@@ -62,28 +65,40 @@ impl Settings<'_> {
         if kind == "revolute" { self.compiler.angle(x) } else { x }
     }
 
-    fn limits(&self, member: &Member, kind: &str) -> Result<Limits, UrdfError> {
+    /// Limits of a joint, without those of 0, and whether there are such.
+    fn limits(&self, member: &Member, kind: &str) -> Result<(Limits, bool), UrdfError> {
         let mut limits = Limits::none();
-        if let Some(range) = self.range(member, ["range", "limited"])? {
+        let position = self.range(member, ["range", "limited"])?;
+        let effort = self.range(member, ["actuatorfrcrange", "actuatorfrclimited"])?;
+        if let Some(range) = position.filter(is_wide) {
             limits.position = range.map(|x| self.position(kind, x));
         }
-        if let Some([low, high]) = self.range(member, ["actuatorfrcrange", "actuatorfrclimited"])? {
+        if let Some([low, high]) = effort.filter(is_wide) {
             limits.effort = low.abs().max(high.abs());
         }
-        Ok(limits)
+        Ok((limits, [position, effort].contains(&Some([0.0; 2]))))
     }
 
-    /// A range, if it holds.
+    /// A range, if the file limits the joint to it. One without width is none, as in MuJoCo, unless the file insists on it.
     fn range(&self, member: &Member, [what, flag]: [&str; 2]) -> Result<Option<[f64; 2]>, UrdfError> {
         let (node, class) = (member.node, member.class);
         let range = self.classes.numbers::<2>(node, class, what)?;
-        let is_limited = match self.classes.attribute(node, class, flag)? {
-            Some("true") => true,
-            Some("false") => false,
-            _ => self.compiler.autolimits,
-        };
-        Ok(range.filter(|[low, high]| is_limited && low < high))
+        let flag = self.classes.attribute(node, class, flag)?;
+        match (flag, range) {
+            (Some("true"), Some(range @ [low, high])) if !is_wide(&range) && range != [0.0; 2] => Err(wrong(
+                node,
+                format!("{what} = \"{low} {high}\": its first number should be below its second"),
+            )),
+            (Some("false"), _) => Ok(None),
+            (Some("true"), range) => Ok(range),
+            (_, range) => Ok(range.filter(|_| self.compiler.autolimits)),
+        }
     }
+}
+
+/// Whether something can move between the ends of a range.
+fn is_wide([low, high]: &[f64; 2]) -> bool {
+    low < high
 }
 
 /// Pose of a joint's frame at q = 0 relative to that at `zero`.

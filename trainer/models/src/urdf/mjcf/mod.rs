@@ -61,6 +61,8 @@ struct Found {
     singles: usize,
     /// Positions of joints at which the bodies are where the file has them, rad or m.
     zeros: HashMap<String, f64>,
+    /// Joints with limits of 0.
+    zero_limits: Vec<String>,
     faults: Faults,
     notes: Vec<DescriptionNote>,
 }
@@ -79,6 +81,8 @@ pub(super) fn description(root: Node) -> Result<Description, UrdfError> {
     settings.compiler.scale(&mut found.links);
     equality::read(root, &mut found);
     found.notes.extend(left_out::notes(root, &settings.classes));
+    let joints = std::mem::take(&mut found.zero_limits);
+    found.notes.extend((!joints.is_empty()).then_some(DescriptionNote::ZeroLimits { joints }));
     found.faults.end()?;
     let mut description = Description::new(found.links, found.joints)?;
     description.is_depth_first = true;
@@ -143,28 +147,36 @@ impl Found {
         settings: &Settings,
     ) -> Vector3<f64> {
         let of_kind = |member: &&Member| ["joint", "freejoint"].contains(&member.node.tag_name().name());
-        let (mut parent, mut pose, mut anchor) = (parent.to_owned(), pose, Vector3::zeros());
         let joints: Vec<&Member> = members.iter().filter(of_kind).collect();
+        if joints.is_empty() {
+            self.joints.push(JointElement::fixed([parent, name], pose));
+        }
+        let (mut parent, mut pose, mut anchor) = (parent.to_owned(), pose, Vector3::zeros());
         for (k, member) in joints.iter().enumerate() {
             let read = settings.joint(member, self.singles);
             self.singles += 1;
-            let Some(Anchored { mut joint, anchor: own, zero }) = self.faults.take(read) else { continue };
+            let Some(found) = self.faults.take(read) else { continue };
+            anchor = found.anchor;
             let is_last = k + 1 == joints.len();
             let child = if is_last { name.to_owned() } else { format!("{name}, joint {}", k + 1) };
-            self.zeros.insert(joint.name.clone(), zero);
-            anchor = own;
-            joint.pose = pose.then(&joint.pose);
-            joint.parent = std::mem::replace(&mut parent, child.clone());
-            joint.child.clone_from(&child);
-            pose = Pose { translation: -anchor, ..Pose::identity() };
             if !is_last {
                 self.links.push(Link::empty(&child, 0..0));
             }
-            self.joints.push(joint);
-        }
-        if joints.is_empty() {
-            self.joints.push(JointElement::fixed([&parent, name], pose));
+            self.put_joint(found, [&parent, &child], &pose);
+            (parent, pose) = (child, Pose { translation: -anchor, ..Pose::identity() });
         }
         anchor
+    }
+
+    /// Puts a joint between two links; `pose` is that of its body's frame in the first.
+    fn put_joint(&mut self, found: Anchored, [parent, child]: [&str; 2], pose: &Pose) {
+        let Anchored { mut joint, zero, has_zero_limits, .. } = found;
+        self.zeros.insert(joint.name.clone(), zero);
+        if has_zero_limits {
+            self.zero_limits.push(joint.name.clone());
+        }
+        joint.pose = pose.then(&joint.pose);
+        (joint.parent, joint.child) = (parent.to_owned(), child.to_owned());
+        self.joints.push(joint);
     }
 }

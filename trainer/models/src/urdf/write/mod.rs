@@ -83,16 +83,8 @@ pub fn write_back(
     let text = text_of(path)?;
     let parsed = document(&text)?;
     let root = parsed.root_element();
-    let all = Options { inertias: Inertias::Optional, followers: Followers::Held, ..options.clone() };
-    let description = description(root)?;
-    let assembled = description.assembled(&all)?;
-    let mut job = Job { description, assembled, identified: identified.clone() };
-    job.check()?;
-    if options.inertias == Inertias::Required {
-        job.keep_massless();
-    }
+    let job = Job::new(root, options, identified)?;
     let obstacle = job.obstacle(root, format)?;
-    let mut notes = job.notes(format);
     let body = match (&obstacle, format) {
         (None, Format::Urdf) => job.edited_urdf(&parsed),
         (None, Format::Mjcf) => job.edited_mjcf(&parsed)?,
@@ -100,12 +92,22 @@ pub fn write_back(
         (Some(_), Format::Mjcf) => job.fresh_mjcf(root.attribute("name").or(root.attribute("model"))),
     };
     let is_edited = obstacle.is_none();
+    let mut notes = job.notes(format);
     notes.extend(obstacle.map(|why| WriteNote::Fresh { why }));
     let text = if body.contains(MARK) { body } else { format!("{}\n{MARK}\n", body.trim_end()) };
     Ok(Written { text, is_edited, notes })
 }
 
 impl Job {
+    fn new(root: Node, options: &Options, identified: &Identified) -> Result<Self, UrdfError> {
+        let all = Options { inertias: Inertias::Optional, followers: Followers::Held, ..options.clone() };
+        let description = description(root)?;
+        let assembled = description.assembled(&all)?;
+        let job = Self { description, assembled, identified: identified.clone() };
+        job.check()?;
+        Ok(job)
+    }
+
     fn described(&self) -> &Tree {
         &self.assembled.described.tree
     }
@@ -125,18 +127,6 @@ impl Job {
     /// Whether the inertia of a body is another one than in the description.
     fn is_changed(&self, k: usize) -> bool {
         self.described().bodies()[k].inertia != self.identified.tree.bodies()[k].inertia
-    }
-
-    /// Leaves bodies without mass as they are in the description: training only gave them what it needs.
-    fn keep_massless(&mut self) {
-        let mut numbers = self.identified.tree.parameters();
-        let (inertias, _) = numbers.as_chunks_mut();
-        for (inertia, body) in inertias.iter_mut().zip(self.described().bodies()) {
-            if body.inertia.mass() == 0.0 {
-                *inertia = body.inertia.0;
-            }
-        }
-        self.identified.tree = self.identified.tree.with_parameters(&numbers);
     }
 
     fn check(&self) -> Result<(), UrdfError> {
