@@ -122,8 +122,11 @@ fn small() -> Vec<Vec<u8>> {
 /// Writes configurations of the documentation and of the images, and robot descriptions.
 fn texts(corpus: &Path, repository: &Path) -> Done {
     let mut toml = Seeds::of(corpus, "toml")?;
-    toml.add(&fs::read(repository.join("trainer/learning/src/config/defaults.toml"))?)?;
-    for entry in fs::read_dir(repository.join("docs"))? {
+    for family in ["bodies/plane", "bodies/space", "graph", "inertia_network", "modular"] {
+        toml.add(&fs::read(repository.join("trainer/models/src").join(family).join("config.toml"))?)?;
+    }
+    let book = repository.join("docs/book/src");
+    for entry in fs::read_dir(&book)?.chain(fs::read_dir(book.join("reference"))?) {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "md") {
             let text = fs::read_to_string(path)?;
@@ -139,6 +142,12 @@ fn texts(corpus: &Path, repository: &Path) -> Done {
         }
     }
     let mut urdf = Seeds::of(corpus, "urdf")?;
+    urdf.add(
+        b"<mujoco><compiler angle='radian'/><default><joint armature='0.1' range='-1 1'/></default><worldbody><body name='a' pos='0 0 1'>\
+          <inertial pos='0.1 0 0' mass='2' diaginertia='0.03 0.04 0.05'/><joint name='j' axis='0 1 0' ref='0.1'/><body name='b'>\
+          <joint name='k' type='slide'/><geom type='capsule' size='0.1' fromto='0 0 0 0 0 1'/></body></body></worldbody>\
+          <equality><joint joint1='k' joint2='j' polycoef='0 2'/></equality></mujoco>",
+    )?;
     urdf.add(&fs::read(repository.join("trainer/src/commands/demo/arm.urdf"))?)?;
     urdf.add(
         b"<robot name='r'><link name='base'/><link name='a'><inertial><origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/>\
