@@ -9,6 +9,7 @@ pub mod horizons;
 mod horizons_tests;
 pub mod prediction;
 pub mod rollouts;
+mod starts;
 pub mod states;
 mod successive;
 
