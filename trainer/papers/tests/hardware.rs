@@ -2,9 +2,12 @@
 
 mod robot;
 
-use leastaction_papers::hardware::{Machine, MachineData, Split, tasks, zero_offsets};
+use leastaction_papers::hardware::{
+    CurrentData, Machine, MachineData, Split, current_tasks, tasks, zero_offsets,
+};
 use leastaction_papers::record::Record;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Rows of the models with one of these texts in the names of their tasks.
 fn rows(data: &MachineData, split: Split, only: &[&str]) -> Vec<Record> {
@@ -92,5 +95,20 @@ fn the_published_figures_of_the_real_double_pendulum() {
                 assert!((found / expected - 1.0).abs() < tolerance, "{model}: {found} {expected}");
             }
         }
+    }
+}
+
+/// Least squares has the errors that were published for it, to the printed digits.
+#[test]
+#[ignore = "needs LEASTACTION_REFERENCE"]
+fn the_published_figures_of_least_squares_on_currents() {
+    let data = Arc::new(CurrentData::read(&reference()).unwrap());
+    let all = current_tasks(&data, "");
+    let task = all.iter().find(|task| task.name == "ur10e-linear-least-squares").unwrap();
+    let rows = (task.run)(None, &|_| ()).unwrap();
+    for (log, expected) in [("50sec_12harm", 0.0099), ("ptp_10_points", 0.0895)] {
+        let row = rows.iter().find(|row| row.details["log"].as_str().unwrap().contains(log)).unwrap();
+        let found = row.details["mean_nmse"].as_f64().unwrap();
+        assert!((found - expected).abs() < 5e-5, "{log}: {found} {expected}");
     }
 }

@@ -5,19 +5,21 @@ use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_papers::HARDWARE;
 use leastaction_papers::hardware::{
-    ArmData, HardwareError, Machine, MachineData, Split, arm_tasks, read_swings, swing_tasks, tasks,
+    ArmData, CurrentData, HardwareError, Machine, MachineData, Split, arm_tasks, current_tasks, read_swings,
+    swing_tasks, tasks,
 };
 use leastaction_papers::task::Task;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Real machines: pendulums of one to three arms and a robot's arm, learned from some of their logs and predicted along the others.
+/// Real machines: pendulums of one to three arms and two robots' arms, learned from some of their logs and predicted along the others.
 ///
 /// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a
 /// tested log, for our models and for those that they are compared with. The logs are not part of this program: DIR has a folder of .csv
-/// files for each machine, double-pendulum, pendulum and panda. For the arm, whose log is panda/excitation.csv, the error is that of the
-/// torques along motion that was not learned from. For multi-arm, whose logs are multi-arm/single_id.npz, double_id.npz and triple_id.npz,
-/// it is that of free swings. With -o also writes a page.
+/// files for each machine, double-pendulum, pendulum, panda and ur10e. For the Panda, whose log is panda/excitation.csv, the error is that of
+/// the torques along motion that was not learned from; for the UR10e, beside whose logs lies ur10e.urdf, that of the currents along each
+/// log. For multi-arm, whose logs are multi-arm/single_id.npz, double_id.npz and triple_id.npz, it is that of free swings. With -o also
+/// writes a page.
 ///
 /// Example: leastaction-papers hardware --data DIR --machine double-pendulum --test 1,3,5 --json
 #[derive(Args)]
@@ -55,10 +57,8 @@ impl Hardware {
             return Err(Failure::Input("--baseline is of the double pendulum; leave it out".to_owned()));
         }
         let is_there = |machine: &Machine| self.data.join(machine.name()).is_dir();
-        let has_parts = |machine: Machine| matches!(machine, Machine::Panda | Machine::MultiArm);
-        if !self.test.is_empty() && self.machine.is_some_and(has_parts) {
-            let what = "--test names logs; of this machine a log is learned from and tested in parts, so leave it out";
-            return Err(Failure::Input(what.to_owned()));
+        if let Some(what) = self.machine.filter(|_| !self.test.is_empty()).and_then(without_test) {
+            return Err(Failure::Input(format!("--test names logs; {what}, so leave it out")));
         }
         let machines = match self.machine {
             Some(machine) => vec![machine],
@@ -83,6 +83,10 @@ impl Hardware {
             let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
             return Ok(swing_tasks(&read_swings(&self.data)?, (self.selection.quick, &arguments)));
         }
+        if machine == Machine::Ur10e {
+            let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
+            return Ok(current_tasks(&Arc::new(CurrentData::read(&self.data)?), &arguments));
+        }
         let data = MachineData::read(&self.data, machine, self.baseline.as_deref())?;
         let splits = match &self.test[..] {
             [] => Split::usual(machine, data.logs.len()),
@@ -96,5 +100,16 @@ impl Hardware {
     fn arguments(&self) -> String {
         let baseline = given("baseline", self.baseline.as_ref().map(|file| file.display()));
         given("data", Some(self.data.display())) + &baseline + &self.selection.arguments()
+    }
+}
+
+/// Reason why the logs of a machine cannot be chosen.
+fn without_test(machine: Machine) -> Option<&'static str> {
+    match machine {
+        Machine::Panda | Machine::MultiArm => {
+            Some("of this machine one log is learned from and tested in parts")
+        }
+        Machine::Ur10e => Some("of the UR10e one log is learned from and all are tested"),
+        Machine::DoublePendulum | Machine::Pendulum => None,
     }
 }

@@ -70,7 +70,8 @@ fn listed(names: impl Iterator<Item = String>) -> String {
     serde_json::Value::from(names.collect::<Vec<_>>()).to_string()
 }
 
-fn full(file: &Path) -> PathBuf {
+/// Returns the absolute path of a file.
+pub(super) fn full(file: &Path) -> PathBuf {
     std::path::absolute(file).unwrap_or_else(|_| file.to_owned())
 }
 

@@ -59,15 +59,21 @@ fn columns(rows: &Rows, first: usize, count: usize) -> Rows {
 /// Reads all logs of a machine in `data`/machine, the `.csv` files in the order of their names.
 pub fn read_logs(data: &Path, machine: Machine) -> Result<Vec<Log>, HardwareError> {
     let folder = data.join(machine.name());
-    let failed = |error| HardwareError::Io { path: folder.clone(), error };
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(&folder).map_err(failed)? {
-        files.push(entry.map_err(failed)?.path());
-    }
-    files.retain(|file| file.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("csv")));
-    files.sort();
+    let files = log_files(&folder)?;
     if files.len() < 2 {
         return Err(HardwareError::TooFew { folder, found: files.len() });
     }
     files.iter().map(|file| Log::read(file, machine)).collect()
+}
+
+/// The `.csv` files of a folder, in the order of their names.
+pub(super) fn log_files(folder: &Path) -> Result<Vec<PathBuf>, HardwareError> {
+    let failed = |error| HardwareError::Io { path: folder.to_owned(), error };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        files.push(entry.map_err(failed)?.path());
+    }
+    files.retain(|file| file.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("csv")));
+    files.sort();
+    Ok(files)
 }

@@ -15,6 +15,8 @@ pub enum Machine {
     Panda,
     /// Pendulums of one to three arms that swing freely, judged by their own protocol.
     MultiArm,
+    /// Universal Robots UR10e: six joints, judged by the currents of its drives.
+    Ur10e,
 }
 
 /// Value of cos q of a pendulum below which it is about to fall either way.
@@ -28,6 +30,7 @@ impl Machine {
             Self::Pendulum => "pendulum",
             Self::Panda => "panda",
             Self::MultiArm => "multi-arm",
+            Self::Ur10e => "ur10e",
         }
     }
 
@@ -38,6 +41,7 @@ impl Machine {
             Self::Pendulum => 1,
             Self::Panda => 7,
             Self::MultiArm => 3,
+            Self::Ur10e => 6,
         }
     }
 
@@ -50,6 +54,9 @@ impl Machine {
     pub fn columns(self) -> Columns {
         if self == Self::Panda {
             return Self::numbered_columns(self.joints());
+        }
+        if self == Self::Ur10e {
+            return Self::counted_columns(self.joints());
         }
         let of = |names: &[&str]| names.iter().map(|name| Column::si(*name)).collect();
         let [q, v, u]: [&[&str]; 3] = match self {
@@ -70,11 +77,17 @@ impl Machine {
         Columns { t: Column::si("time"), q, v, u, actuation: None }
     }
 
+    /// Columns of a file without a header, by number: time, positions, velocities, currents.
+    fn counted_columns(n: usize) -> Columns {
+        let of = |part: usize| (0..n).map(|k| Column::si(format!("#{}", 2 + part * n + k))).collect();
+        Columns { t: Column::si("#1"), q: of(0), v: of(1), u: of(2), actuation: None }
+    }
+
     /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls
     /// either way, whatever the model, so windows that pass it are left out. All windows of the double pendulum count.
     pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
         match self {
-            Self::DoublePendulum | Self::Panda | Self::MultiArm => true,
+            Self::DoublePendulum | Self::Panda | Self::MultiArm | Self::Ur10e => true,
             Self::Pendulum => positions.all(|q| q.iter().all(|q| q.cos() >= UPRIGHT)),
         }
     }

@@ -10,13 +10,15 @@
 //! Without calibration ("as is"), only the start states of a tested log are used. With calibration, the zero offsets of its
 //! encoders are estimated from its first 2 s.
 //!
-//! An arm of many joints is judged by its torques instead (`arm`), free swings by their own windows (`multi_arm`).
+//! An arm of many joints is judged by its torques instead (`arm`) or by the currents of its drives (`currents`), free
+//! swings by their own windows (`multi_arm`).
 //!
 //! Data flows one way: files → [`Log`] → windows → [`Predictor`] → summaries. The table is a list of entries.
 
 mod arm;
 mod calibration;
 mod configured;
+mod currents;
 mod data;
 mod entries;
 mod error;
@@ -38,6 +40,7 @@ mod window;
 
 pub use arm::{ArmData, arm_tasks};
 pub use calibration::zero_offsets;
+pub use currents::{CurrentData, CurrentOutcome, current_tasks};
 pub use data::MachineData;
 pub use error::HardwareError;
 pub(super) use figures::overview;

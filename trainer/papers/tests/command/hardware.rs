@@ -1,3 +1,5 @@
+mod currents;
+
 use super::robot;
 use super::support::Bench;
 
@@ -82,7 +84,7 @@ fn what_cannot_be_used_is_said() {
     let bench = bench(2);
     let run = |words: &str| bench.run(&format!("hardware {words} {KNOWN}"));
     let double = "--data . --machine double-pendulum";
-    run("--data nowhere").bad(2, &["nowhere", "double-pendulum, pendulum, panda"]);
+    run("--data nowhere").bad(2, &["nowhere", "double-pendulum, pendulum, panda, multi-arm, ur10e"]);
     run("--data . --machine pendulum").bad(2, &["./pendulum"]);
     run(&format!("{double} --test 0,2")).bad(2, &["--test 2", "there are 2 logs"]);
     run(&format!("{double} --test 0,1")).bad(2, &["--test", "none is left"]);

@@ -12,6 +12,8 @@ mod models;
 mod network;
 mod panda;
 
+pub(super) use models::{Learned, least_squares};
+
 use models::{Identification, MODELS};
 
 use super::entries::label;
@@ -23,7 +25,6 @@ use crate::task::{Task, json};
 use leastaction_learning::data::read_measured;
 use leastaction_learning::torque::fit::{mean_nmse, squared_errors, variances};
 use leastaction_learning::torque::{Preparation, Samples};
-use models::Learned;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -127,12 +127,15 @@ fn guess() -> Result<Tree, TaskError> {
     Ok(panda()?.with_guessed_inertias(MASS, RADIUS))
 }
 
+fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
+    least_squares(panda()?, &data.train, terms)
+}
+
 /// Least squares with every torque divided by its standard deviation, so that the minimised quantity is the error in
 /// the table.
-fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
-    let tree = panda()?;
-    let deviations: Vec<f64> = variances(&data.train).iter().map(|variance| variance.sqrt()).collect();
-    let solution = Design::new(&tree, &data.train, &terms).over(&deviations).solve();
+pub fn least_squares(tree: Tree, train: &Samples, terms: Terms) -> Result<Learned, TaskError> {
+    let deviations: Vec<f64> = variances(train).iter().map(|variance| variance.sqrt()).collect();
+    let solution = Design::new(&tree, train, &terms).over(&deviations).solve();
     let solution = solution.ok_or("the samples have numbers that are not finite")?;
     let (parameters, rank) = (solution.numbers.len(), Some(solution.rank));
     let predict = move |samples: &Samples| Design::new(&tree, samples, &terms).predict(&solution.numbers);
