@@ -82,6 +82,12 @@ pub enum BagProblem {
     /// A file that is compressed as a whole.
     #[error("{0} is compressed as a whole; unpack it: `zstd -d {0}`")]
     PackedFile(String),
+    /// A message that was compressed by itself, as `ros2 bag record --compression-mode message` does.
+    #[error(
+        "the messages are compressed one by one; write the bag again without: `ros2 bag convert -i BAG -o out.yaml`, where out.yaml is \
+         \"output_bags: [{{uri: plain, all_topics: true}}]\""
+    )]
+    PackedMessage,
     /// A time that a bag cannot hold.
     #[error("a message at {0} s; a bag holds times from 0 to 2147483647 s")]
     NoStamp(f64),

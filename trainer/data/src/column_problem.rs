@@ -31,6 +31,11 @@ pub enum ColumnProblem {
     /// A column without a single number.
     #[error("{0} has no numbers; take it out of [data.columns]")]
     NoNumbers(String),
+    /// A column without a single number in one of several trajectories.
+    #[error(
+        "{0} has no numbers from here to the end of the trajectory; take the trajectory out, or the column"
+    )]
+    NoNumbersFrom(String),
     /// A column index beyond the columns of an array.
     #[error("there is no column {index}; it has {found}, counted from 0")]
     NoIndex {

@@ -1,13 +1,13 @@
-//! CSV files with columns named by a configuration. Columns may have numbers in different rows, as in a table of several
-//! sensors: each set of rows is then a clock, and the clocks are joined.
+//! CSV files with columns named by a configuration.
 
 use crate::column_problem::ColumnProblem;
 use crate::columns::{Column, Columns};
+use crate::csv_clocks::Clocks;
 use crate::csv_file::{stated_control, stated_step};
 use crate::csv_sheet::{Sheet, line_of};
 use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
-use crate::join::{Part, Wanted, Widths, joined};
+use crate::join::Widths;
 use crate::layout_note::LayoutNote;
 use crate::note::Note;
 use crate::place::Place;
@@ -105,11 +105,6 @@ impl Values<'_> {
             None => Ok(()),
         }
     }
-
-    /// Rows with a number.
-    fn rows(&self) -> Vec<usize> {
-        (0..self.values.len()).filter(|row| !self.values[*row].is_nan()).collect()
-    }
 }
 
 /// Cells read so far.
@@ -174,8 +169,7 @@ impl<'a> Cells<'a> {
         if self.wanted.iter().all(|values| values.values.iter().all(|value| !value.is_nan())) {
             return Ok((self.whole(widths, h, stated)?, notes));
         }
-        notes.extend(self.wanted.iter().filter_map(|values| self.blanks(values)));
-        let (table, more) = joined(self.parts(h.as_ref(), stated), widths, control)?;
+        let (table, more) = self.clocks(widths, h.map(|(h, _)| h), stated).joined(control)?;
         notes.extend(more);
         Ok((table, notes))
     }
@@ -192,10 +186,16 @@ impl<'a> Cells<'a> {
         (Widths { v: 0, ..widths }, vec![Note::Layout(note)])
     }
 
-    fn blanks(&self, values: &Values<'_>) -> Option<Note> {
-        let (numbers, rows) = (values.rows().len(), values.values.len());
-        let column = values.column.name.clone();
-        (numbers < rows).then_some(Note::Layout(LayoutNote::Blanks { column, numbers, rows }))
+    fn clocks(&self, widths: Widths, h: Option<f64>, stated: Option<ControlKind>) -> Clocks<'_> {
+        let stamps = || (0..self.lines.len()).map(|row| h.unwrap_or_default() * row as f64).collect();
+        Clocks {
+            wanted: self.wanted.iter().map(|values| (values.column, &values.values[..])).collect(),
+            widths,
+            t: self.t.clone().unwrap_or_else(stamps),
+            trajectory: &self.part,
+            lines: &self.lines,
+            stated,
+        }
     }
 
     /// The table without blank cells.
@@ -217,29 +217,5 @@ impl<'a> Cells<'a> {
         let trajectory = self.part.last().is_some_and(|last| *last > 0).then_some(self.part);
         let origin = Origin::Lines(self.lines);
         Ok(Table { q, v, a: None, u, t: self.t, h, trajectory, control, origin })
-    }
-
-    /// Columns with numbers in the same rows, together; those of the first coordinate come first.
-    fn parts(&self, h: Option<&(f64, Place)>, control: Option<ControlKind>) -> Vec<Part> {
-        let mut clocks: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
-        for (index, values) in self.wanted.iter().enumerate() {
-            let rows = values.rows();
-            match clocks.iter_mut().find(|(known, _)| *known == rows) {
-                Some((_, wanted)) => wanted.push(index),
-                None => clocks.push((rows, vec![index])),
-            }
-        }
-        let stamp = |row: &usize| match (&self.t, h) {
-            (Some(t), _) => t[*row],
-            (None, h) => h.map_or(0.0, |(h, _)| *h) * *row as f64,
-        };
-        let part = |(rows, indices): (Vec<usize>, Vec<usize>)| {
-            let row = |row: &usize| indices.iter().map(|i| self.wanted[*i].values[*row]).collect::<Vec<_>>();
-            let values = Rows::from_rows(indices.len(), rows.iter().map(row))?;
-            let wanted: Wanted = indices.iter().map(|i| (*i, self.wanted[*i].column.clone())).collect();
-            let origin = Origin::Lines(self.lines.clone()).select(&rows);
-            Some(Part { t: rows.iter().map(stamp).collect(), values, wanted, origin, control })
-        };
-        clocks.into_iter().filter_map(part).collect()
     }
 }

@@ -2,13 +2,17 @@
 
 use std::collections::HashSet;
 use std::fmt::Write;
+use std::ops::Range;
 
 use csv::ByteRecord;
 
 use crate::column_problem::ColumnProblem;
+use crate::columns::Column;
+use crate::csv_clocks::Clocks;
 use crate::csv_sheet::{Sheet, line_of};
 use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
+use crate::join::Widths;
 use crate::note::Note;
 use crate::place::Place;
 use crate::problem::Problem;
@@ -21,15 +25,23 @@ const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
 /// Names of the fields, in the order of [`Header::fields`].
 const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
 
-/// Reads the table of a file whose columns are named as in this layout.
-pub(crate) fn read(bytes: &[u8]) -> Result<(Table, Vec<Note>), Fault> {
+/// Reads the table of a file whose columns are named as in this layout; u is of the kind `control` if the file does not
+/// say.
+pub(crate) fn read(bytes: &[u8], control: Option<ControlKind>) -> Result<(Table, Vec<Note>), Fault> {
     let content = decoded(bytes)?;
     let sheet = Sheet::open(&content, is_known)?;
     let columns = Header::parse(&sheet).map_err(|problem| (Place::Line(sheet.line), problem))?;
     let mut cells = Cells::default();
-    let notes = sheet.samples(|record, part| cells.push(&columns, record, part))?;
-    let table = cells.into_table(&columns, stated_step(&content)?)?;
-    Ok((Table { control: stated_control(&content)?, ..table }, notes.into_iter().map(Note::Layout).collect()))
+    let layout = sheet.samples(|record, part| cells.push(&columns, record, part))?;
+    let mut notes: Vec<Note> = layout.into_iter().map(Note::Layout).collect();
+    let (h, stated) = (stated_step(&content)?, stated_control(&content)?);
+    std::mem::take(&mut cells.numbers).check()?;
+    if cells.has_blanks() {
+        let (table, more) = cells.joined(&columns, h, (stated, control))?;
+        notes.extend(more);
+        return Ok((table, notes));
+    }
+    Ok((Table { control: stated, ..cells.into_table(&columns, h)? }, notes))
 }
 
 /// The value of a comment `# h = …` before the header line.
@@ -169,7 +181,7 @@ struct Cells {
 }
 
 impl Cells {
-    /// Adds a sample; `part` is its trajectory unless a column says which.
+    /// Adds a sample, with NaN for blank cells; `part` is its trajectory unless a column says which.
     fn push(&mut self, columns: &Header, record: &ByteRecord, part: i64) -> Result<(), Fault> {
         let line = line_of(record);
         let place = |position: usize| Place::Cell { line, column: columns.name(position) };
@@ -179,7 +191,8 @@ impl Cells {
         };
         for (values, positions) in self.fields.iter_mut().zip(&columns.fields) {
             for &position in positions {
-                values.push(real(position)?);
+                let is_blank = record.get(position).is_some_and(<[u8]>::is_empty);
+                values.push(if is_blank { f64::NAN } else { real(position)? });
             }
         }
         if let Some(position) = columns.t {
@@ -196,8 +209,57 @@ impl Cells {
         Ok(())
     }
 
+    fn has_blanks(&self) -> bool {
+        self.fields.iter().flatten().any(|value| value.is_nan())
+    }
+
+    /// The table of columns with numbers in different rows.
+    fn joined(
+        &self,
+        columns: &Header,
+        h: Option<(f64, Place)>,
+        (stated, control): (Option<ControlKind>, Option<ControlKind>),
+    ) -> Result<(Table, Vec<Note>), Fault> {
+        let sparse = self.sparse(columns);
+        let [q, v, a, u] = columns.fields.each_ref().map(Vec::len);
+        let clocks = Clocks {
+            wanted: sparse.iter().map(|(column, values)| (column, &values[..])).collect(),
+            // Accelerations are interpolated as velocities are.
+            widths: Widths { q, v: v + a, u },
+            t: self.stamps(columns, h)?,
+            trajectory: &self.trajectory,
+            lines: &self.lines,
+            stated,
+        };
+        let (table, notes) = clocks.joined(control)?;
+        let part = |of: Range<usize>| {
+            let rows = table.v.as_ref().filter(|_| !of.is_empty())?;
+            Rows::from_rows(of.len(), rows.iter().map(|row| &row[of.clone()]))
+        };
+        let (v, a) = (part(0..v), part(v..v + a));
+        Ok((Table { v, a, ..table }, notes))
+    }
+
+    /// Stamp of every row, s.
+    fn stamps(&self, columns: &Header, h: Option<(f64, Place)>) -> Result<Vec<f64>, Fault> {
+        match (columns.t, h) {
+            (Some(_), _) => Ok(self.t.clone()),
+            (None, Some((h, _))) => Ok((0..self.lines.len()).map(|row| h * row as f64).collect()),
+            (None, None) => Err((Place::File, Problem::MissingTime("a comment line # h = 0.05"))),
+        }
+    }
+
+    /// Every column of a field, with its values.
+    fn sparse(&self, columns: &Header) -> Vec<(Column, Vec<f64>)> {
+        let of_field = |(values, positions): (&Vec<f64>, &Vec<usize>)| -> Vec<(Column, Vec<f64>)> {
+            let column = |i: usize| values.iter().skip(i).step_by(positions.len()).copied().collect();
+            let name = |position: &usize| Column::si(columns.name(*position));
+            positions.iter().enumerate().map(|(i, position)| (name(position), column(i))).collect()
+        };
+        self.fields.iter().zip(&columns.fields).flat_map(of_field).collect()
+    }
+
     fn into_table(self, columns: &Header, h: Option<(f64, Place)>) -> Result<Table, Fault> {
-        self.numbers.check()?;
         let widths = columns.fields.iter().map(Vec::len);
         let mut fields =
             self.fields.into_iter().zip(widths).map(|(values, width)| Rows::from_flat(width, values));

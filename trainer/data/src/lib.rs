@@ -65,6 +65,7 @@ pub mod checksummed;
 mod column_problem;
 mod columns;
 mod control;
+mod csv_clocks;
 mod csv_columns;
 mod csv_file;
 mod csv_sheet;
@@ -142,7 +143,7 @@ pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note
 
 /// The data set in a file, without resampling.
 fn dataset(source: Source<'_>) -> Result<(Dataset, Vec<Note>), Fault> {
-    let (table, mut notes) = source.table()?;
+    let (table, mut notes) = source.table(None)?;
     let (dataset, more) = table.into_dataset()?;
     notes.extend(more);
     Ok((dataset, notes))

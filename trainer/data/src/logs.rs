@@ -187,7 +187,7 @@ pub(crate) fn even(
     let (table, notes) = match &reading.columns {
         Some(columns) => source.named(columns, reading.control, reading.rate)?,
         None => {
-            let (table, notes) = source.table()?;
+            let (table, notes) = source.table(reading.control)?;
             (table.at_rate(reading.rate)?, notes)
         }
     };

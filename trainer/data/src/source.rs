@@ -51,11 +51,11 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads the columns by the names of this layout.
-    pub(crate) fn table(self) -> Result<(Table, Vec<Note>), Fault> {
+    /// Reads the columns by the names of this layout; u is of the kind `control` if the file does not say.
+    pub(crate) fn table(self, control: Option<ControlKind>) -> Result<(Table, Vec<Note>), Fault> {
         match self {
             Self::Npz(bytes) => npz::read(&bytes).map(|table| (table, Vec::new())),
-            Self::Csv(bytes) => csv_file::read(&bytes),
+            Self::Csv(bytes) => csv_file::read(&bytes, control),
             Self::Mat(bytes) => Ok((MatFile::read(&bytes)?.table()?, Vec::new())),
             Self::Bag(_) => Err((Place::File, BagProblem::Unnamed.into())),
         }

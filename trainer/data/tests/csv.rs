@@ -132,7 +132,7 @@ fn columns_are_named_in_full_and_once() {
 fn cells_are_refused_by_line_and_column() {
     assert_refused(&[
         ("t,q\n0,1\n1,x\n2,1\n", ", line 3, column q: \"x\" is not a number; write 1.5 or -2e-3"),
-        ("t,q\n0,1\n1,\n2,1\n", ", line 3, column q: \"\" is not a number; write 1.5 or -2e-3"),
+        ("t,q\n0,1\n,1\n2,1\n", ", line 3, column t: \"\" is not a number; write 1.5 or -2e-3"),
         (
             "# c\nt,q0\n0,1\n1,nan\n2,1\n",
             ", line 4, column q0: NaN is not finite; remove the sample (a gap in t splits the trajectory there)",

@@ -126,6 +126,19 @@ fn what_is_no_bag_is_named() {
 }
 
 #[test]
+fn messages_that_are_compressed_one_by_one_say_so() {
+    // Messages begin with the header of CDR and their stamp in s.
+    let begins = [&[0, 1, 0, 0][..], &1_700_000_000_i32.to_le_bytes()].concat();
+    let mut bytes = PARTS[0].to_vec();
+    while let Some(at) = bytes.windows(begins.len()).position(|window| window == begins) {
+        bytes[at..at + 4].copy_from_slice(&[0x28, 0xB5, 0x2F, 0xFD]);
+    }
+    let error = decoded(&bytes).unwrap_err();
+    assert!(matches!(error.problem, Problem::Bag(BagProblem::PackedMessage)), "{error}");
+    assert!(error.to_string().contains("ros2 bag convert"), "{error}");
+}
+
+#[test]
 fn truncated_files_are_refused() {
     for end in 0..PARTS[0].len() {
         assert!(decoded(&PARTS[0][..end]).is_err(), "{end}");

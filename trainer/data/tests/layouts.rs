@@ -157,14 +157,23 @@ fn dates_are_time() {
     assert_eq!(data.trajectories[0].q, read(PLAIN).0.trajectories[0].q);
 }
 
+/// A log of two sensors at 100 Hz, the second 3 ms after the first, below this header; `before` begins each line.
+fn of_two_rates(header: &str, before: &str) -> String {
+    let mut text = format!("{header}\n");
+    for k in 0..100 {
+        writeln!(text, "{before}{:.3},{k},,", 0.01 * f64::from(k)).unwrap();
+        writeln!(text, "{before}{:.3},,{},", 0.01 * f64::from(k) + 0.003, 2 * k).unwrap();
+    }
+    text
+}
+
+fn linear() -> Reading {
+    Reading { control: Some(ControlKind::Linear), ..reading(columns("time", "pos", "tau")) }
+}
+
 #[test]
 fn columns_of_several_rates_are_joined() {
-    let mut text = "time,pos,tau,mode\n".to_owned();
-    for k in 0..100 {
-        writeln!(text, "{:.3},{k},,", 0.01 * f64::from(k)).unwrap();
-        writeln!(text, "{:.3},,{},", 0.01 * f64::from(k) + 0.003, 2 * k).unwrap();
-    }
-    let linear = Reading { control: Some(ControlKind::Linear), ..reading(columns("time", "pos", "tau")) };
+    let (text, linear) = (of_two_rates("time,pos,tau,mode", ""), linear());
     let (data, notes) = read_as(&text, &linear).unwrap();
     let motion = &data.trajectories[0];
     assert_eq!((data.h, motion.samples(), motion.q[0][0]), (0.01, 99, 1.0));
@@ -174,6 +183,50 @@ fn columns_of_several_rates_are_joined() {
         Note::Layout(LayoutNote::Blanks { column: column.to_owned(), numbers: 100, rows: 200 })
     };
     assert_eq!(notes, [blanks("pos"), blanks("tau"), Note::Uncovered { samples: 1 }]);
+}
+
+#[test]
+fn columns_of_several_rates_are_joined_in_every_trajectory() {
+    let one = of_two_rates("time,pos,tau,mode", "");
+    let single = read_as(&one, &linear()).unwrap().0;
+    let (data, notes) = read_as(&format!("{one}{one}"), &linear()).unwrap();
+    assert_eq!(data.trajectories.iter().map(|t| t.id).collect::<Vec<_>>(), [0, 1]);
+    for motion in &data.trajectories {
+        assert_eq!((&motion.q, &motion.u), (&single.trajectories[0].q, &single.trajectories[0].u));
+        assert_eq!(motion.t0, 0.01);
+    }
+    assert_eq!(notes.first(), Some(&Note::Layout(LayoutNote::HeaderAgain { line: 202, times: 1 })));
+    assert_eq!(notes.last(), Some(&Note::Uncovered { samples: 2 }));
+    let without: String = one
+        .lines()
+        .filter(|line| !line.trim_end_matches(',').contains(",,"))
+        .fold(String::new(), |all, line| all + line + "\n");
+    let dead = refused(&format!("{one}{without}"), &linear());
+    assert!(dead.contains("line 203: tau has no numbers from here"), "{dead}");
+}
+
+#[test]
+fn blanks_below_names_of_our_own_are_read_as_below_others() {
+    let named = read_as(&of_two_rates("time,pos,tau,mode", ""), &linear()).unwrap().0;
+    let native = Reading { columns: None, ..linear() };
+    let (data, notes) = read_as(&of_two_rates("t,q,u,_mode", ""), &native).unwrap();
+    assert_eq!(data, named);
+    assert_eq!(notes.last(), Some(&Note::Uncovered { samples: 1 }));
+    let parted = of_two_rates("trajectory,t,q,u,", "7,") + &of_two_rates("", "9,");
+    let (data, _) = read_as(&parted, &native).unwrap();
+    assert_eq!(data.trajectories.iter().map(|t| (t.id, t.samples())).collect::<Vec<_>>(), [(7, 99), (9, 99)]);
+    assert_eq!(data.trajectories[1].u, named.trajectories[0].u);
+    // Velocities and accelerations stay apart.
+    let rows = "t,q0,v0,a0,u0\n0,1,2,3,\n1,2,3,4,7\n2,3,4,5,8\n3,4,5,6,9\n";
+    let (data, _) = read_as(rows, &native).unwrap();
+    let motion = &data.trajectories[0];
+    let flat = |rows: &Option<leastaction_data::Rows>| rows.as_ref().unwrap().as_flat().to_vec();
+    assert_eq!(
+        (motion.q.as_flat(), flat(&motion.v), flat(&motion.a), flat(&motion.u)),
+        (&[2.0, 3.0, 4.0][..], vec![3.0, 4.0, 5.0], vec![4.0, 5.0, 6.0], vec![7.0, 8.0, 9.0])
+    );
+    let stepless = refused("q,u\n1,\n2,3\n3,4\n", &native);
+    assert!(stepless.contains("# h = 0.05"), "{stepless}");
 }
 
 #[test]

@@ -25,7 +25,7 @@ proptest! {
         prop_assert!(Clock::of(&t).is_none_or(|clock| clock.gaps <= t.len() && clock.median > 0.0));
         let names = ["time", "pos"].map(str::to_owned).to_vec();
         let columns = vec![stamps, q];
-        let guess = Guess::of(&[RawLog { topic: None, names, columns, others: Vec::new(), dates: None, units: Vec::new() }]);
+        let guess = Guess::of(&[RawLog { names, columns, ..RawLog::default() }]);
         prop_assert!(guess.q.len() <= 1);
     }
 }

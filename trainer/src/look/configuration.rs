@@ -12,13 +12,15 @@ use std::path::{Path, PathBuf};
 /// Relative difference below which sampling intervals belong to one clock.
 const SAME: f64 = 0.01;
 
-/// Keys of a configuration that say how fast samples follow each other.
+/// Keys of a configuration that say how samples follow each other.
 #[derive(Clone, Copy)]
-pub struct Time {
+pub struct Layout {
     /// Step onto which all logs are resampled (s).
     pub step: Option<f64>,
     /// Rate of logs without time (Hz).
     pub rate: Option<f64>,
+    /// Number of trajectories in logs with leastaction's own names, which need no `[data.columns]`.
+    pub trajectories: Option<usize>,
 }
 
 /// The text of a configuration that can be used for training without changes, or the reason why the columns cannot be
@@ -28,59 +30,59 @@ pub fn of(
     report: &Report,
     guess: &Guess,
     mechanism: Option<&Mechanism>,
-    time: Time,
+    layout: Layout,
 ) -> Result<String, String> {
-    check(report, guess, time)?;
+    check(report, guess, layout)?;
     let mut text = format!(
         "{CONFIGURATION_HEAD}: check the columns and their units, and what each coordinate is.\n[data]\n"
     );
     let files_seen: BTreeSet<&PathBuf> = report.files.iter().map(|file| &file.file).collect();
     line(&mut text, format_args!("file = {}", list(&relative(files, at))));
-    let held_back = if files_seen.len() >= 3 { 0.2 } else { 0.0 };
-    line(
-        &mut text,
-        format_args!("validation = {held_back} # trajectories held back: whole files from the end"),
-    );
-    if let Some(step) = time.step {
+    let held_back = if layout.trajectories.unwrap_or(files_seen.len()) >= 3 { 0.2 } else { 0.0 };
+    let which = if layout.trajectories.is_some() { "those at the end" } else { "whole files from the end" };
+    line(&mut text, format_args!("validation = {held_back} # trajectories held back: {which}"));
+    if let Some(step) = layout.step {
         line(&mut text, format_args!("step = {step}"));
     }
-    if let Some(rate) = time.rate {
+    if let Some(rate) = layout.rate {
         line(&mut text, format_args!("rate = {rate:?} # Hz: samples a second"));
     }
-    line(&mut text, format_args!("\n[data.columns]"));
-    stamps(&mut text, report, guess);
+    if layout.trajectories.is_none() {
+        named_columns(&mut text, report, guess);
+    }
+    model(&mut text, guess, mechanism);
+    Ok(text)
+}
+
+/// Writes the table that names the columns.
+fn named_columns(text: &mut String, report: &Report, guess: &Guess) {
+    line(text, format_args!("\n[data.columns]"));
+    stamps(text, report, guess);
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
         if !names.is_empty() {
-            line(&mut text, format_args!("{letter} = {}", columns(names, report)));
+            line(text, format_args!("{letter} = {}", columns(names, report)));
         }
     }
     if !guess.other_u.is_empty() {
         let others: Vec<String> = guess.other_u.iter().map(|names| columns(names, report)).collect();
         line(
-            &mut text,
+            text,
             format_args!(
                 "other_u = [{}] # other forces: those that predict held-back logs best are taken",
                 others.join(", ")
             ),
         );
     }
-    model(&mut text, guess, mechanism);
-    Ok(text)
 }
 
 /// Refuses columns of which the important ones cannot be guessed.
-fn check(report: &Report, guess: &Guess, time: Time) -> Result<(), String> {
+fn check(report: &Report, guess: &Guess, layout: Layout) -> Result<(), String> {
     let by_hand = "write [data.columns] by hand";
-    let columns: Vec<&str> = report.columns.iter().map(|column| column.column.as_str()).collect();
-    if !columns.is_empty() && columns.iter().all(|name| name.starts_with('#')) {
-        let rises = guess.t.as_ref().map_or(String::new(), |t| format!("; {t} rises as time does"));
-        let columns = columns.len();
-        return Err(format!(
-            "there is no header line{rises}: {by_hand}, by number from 1 to {columns}, as t = 1, q = [2, 3]"
-        ));
+    if report.is_nameless() && guess.q.is_empty() {
+        return Err(nameless(report, guess));
     }
-    match (&guess.t, time.rate) {
-        (None, None) => Err(format!(
+    match (&guess.t, layout.rate) {
+        (None, None) if layout.trajectories.is_none() => Err(format!(
             "no column is named as time is; {by_hand}, or give the rate of the samples in Hz: look --rate 100"
         )),
         (Some(t), Some(_)) => Err(format!("{t} is time; leave out --rate, which is for logs without time")),
@@ -89,11 +91,32 @@ fn check(report: &Report, guess: &Guess, time: Time) -> Result<(), String> {
     }
 }
 
+/// Most columns without names whose ranges an error lists.
+const MOST_LISTED: usize = 20;
+
+/// Columns of a log without a header, and what to write for them.
+fn nameless(report: &Report, guess: &Guess) -> String {
+    let rises = guess.t.as_ref().map_or(String::new(), |t| format!("; {t} rises as time does"));
+    let range =
+        |column: &Column| format!("{} from {:.4} to {:.4}", column.column, column.least, column.greatest);
+    let others = report.columns.iter().filter(|column| Some(&column.column) != guess.t.as_ref());
+    let ranges: Vec<String> = others.take(MOST_LISTED).map(range).collect();
+    format!(
+        "there is no header line{rises}, and derivatives do not tell which others are q, v and u ({}): write [data.columns] by hand, \
+         by number from 1 to {}, as t = 1, q = [2, 3], u = [4, 5], and units, as q = [{{ name = 2, unit = \"deg\" }}]",
+        ranges.join(", "),
+        report.columns.len()
+    )
+}
+
 /// Writes the column of time. Messages have their own time, so that none is named.
 fn stamps(text: &mut String, report: &Report, guess: &Guess) {
     let Some(t) = &guess.t else { return };
     if let Some(nanosec) = &guess.nanosec {
-        line(text, format_args!("t = {{ sec = {}, nanosec = {} }}", quoted(t), quoted(nanosec)));
+        line(
+            text,
+            format_args!("t = {{ sec = {}, nanosec = {} }}", named(t, report), named(nanosec, report)),
+        );
         return;
     }
     let stated = report.columns.iter().find(|column| column.column == *t).and_then(|column| column.unit);
@@ -101,9 +124,9 @@ fn stamps(text: &mut String, report: &Report, guess: &Guess) {
     let guessed = report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit);
     match guessed.map(|guessed| stated.unwrap_or(guessed)) {
         Some(unit) if unit != "s" && !guess.is_date => {
-            line(text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)));
+            line(text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", named(t, report)));
         }
-        Some(_) => line(text, format_args!("t = {}", quoted(t))),
+        Some(_) => line(text, format_args!("t = {}", named(t, report))),
         None => {}
     }
 }
@@ -175,9 +198,17 @@ fn columns(names: &[String], report: &Report) -> String {
         Some(Column { unit: Some(of), .. }) if unit(of) != Some(1.0) => {
             format!("{{ name = {}, unit = \"{of}\" }}", quoted(name))
         }
-        _ => quoted(name),
+        _ => named(name, report),
     };
     format!("[{}]", names.iter().map(column).collect::<Vec<_>>().join(", "))
+}
+
+/// The name of a column, or its number in a log without a header.
+fn named(name: &str, report: &Report) -> String {
+    match name.strip_prefix('#') {
+        Some(number) if report.is_nameless() => number.to_owned(),
+        _ => quoted(name),
+    }
 }
 
 /// A TOML string; JSON strings are valid TOML.

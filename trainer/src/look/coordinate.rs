@@ -1,10 +1,11 @@
 //! Excitation of the coordinates in logs.
 
 use super::Seen;
-use leastaction_learning::data::survey::{Clock, Guess, MotionSurvey, time_unit};
+use leastaction_learning::data::survey::{Guess, MotionSurvey, time_unit};
 use leastaction_learning::data::unit;
 use serde::Serialize;
 use std::fmt;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Motion of a coordinate in all files, in the units of its column.
@@ -49,8 +50,8 @@ impl Coordinate {
     }
 
     fn of(column: &str, t: &str, seen: &[Seen]) -> Option<Self> {
-        let motions: Vec<(&Seen, MotionSurvey)> =
-            seen.iter().filter_map(|seen| Some((seen, motion(seen, column, t)?))).collect();
+        let of = |seen| motions(seen, column, t).into_iter().map(move |motion| (seen, motion));
+        let motions: Vec<(&Seen, MotionSurvey)> = seen.iter().flat_map(of).collect();
         let samples: usize = motions.iter().map(|(_, motion)| motion.samples).sum();
         let mean = |of: fn(&MotionSurvey) -> f64| {
             let weighted = motions.iter().map(|(_, motion)| motion.samples as f64 * of(motion));
@@ -83,10 +84,17 @@ impl Coordinate {
     }
 }
 
-fn motion(seen: &Seen, column: &str, t: &str) -> Option<MotionSurvey> {
-    let (stamps, q) = (seen.log.column(t)?, seen.log.column(column)?);
-    let of_topic = seen.log.topic.as_ref().map(|_| 1.0);
-    let second = of_topic.or_else(|| unit(time_unit(Clock::of(stamps)?.median)))?;
+/// The motion of a column in every trajectory of a file; samples are counted in the whole file.
+fn motions(seen: &Seen, column: &str, t: &str) -> Vec<MotionSurvey> {
+    let (Some(stamps), Some(q)) = (seen.log.column(t), seen.log.column(column)) else { return Vec::new() };
+    let known = seen.log.is_in_seconds().then_some(1.0);
+    let of_clock = || unit(time_unit(seen.clock(t)?.median));
+    let Some(second) = known.or_else(of_clock) else { return Vec::new() };
     let stamps: Vec<f64> = stamps.iter().map(|t| second * t).collect();
-    MotionSurvey::of(&stamps, q)
+    let motion = |rows: Range<usize>| {
+        let mut motion = MotionSurvey::of(&stamps[rows.clone()], &q[rows.clone()])?;
+        motion.outliers.iter_mut().for_each(|outlier| outlier.sample += rows.start);
+        Some(motion)
+    };
+    seen.log.pieces().into_iter().filter_map(motion).collect()
 }

@@ -9,7 +9,7 @@ mod report;
 pub use coordinate::{Coordinate, FirstOutlier};
 pub use report::{Column, File, Report};
 
-use configuration::Time;
+use configuration::Layout;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal, is_of_angle};
 use leastaction_learning::data::{self, DataError, Dataset, Problem};
@@ -24,12 +24,23 @@ pub struct Look {
     seen: Vec<Seen>,
     guess: Guess,
     rate: Option<f64>,
+    /// Whether training reads the logs by leastaction's own names, which say where a trajectory ends.
+    is_own: bool,
 }
 
 /// The data of a file that have one clock.
 struct Seen {
     file: PathBuf,
     log: RawLog,
+}
+
+impl Seen {
+    /// The clock of the time column, in its unit.
+    fn clock(&self, t: &str) -> Option<Clock> {
+        let stamps = self.log.column(t)?;
+        let pieces = self.log.pieces();
+        Clock::of_pieces(pieces.iter().map(|rows| &stamps[rows.clone()]))
+    }
 }
 
 impl Look {
@@ -47,8 +58,9 @@ impl Look {
         }
         let guess = guess.unwrap_or_default();
         let one_time = |seen: Seen| Seen { log: seen.log.with_one_time(&guess), ..seen };
-        let seen = seen.into_iter().map(one_time).collect();
-        Ok(Self { patterns: patterns.to_vec(), seen, guess, rate: None })
+        let seen: Vec<Seen> = seen.into_iter().map(one_time).collect();
+        let is_own = seen.iter().all(|seen| seen.log.has_own_trajectories());
+        Ok(Self { patterns: patterns.to_vec(), seen, guess, rate: None, is_own })
     }
 
     /// The survey, with the sampling rate (Hz) of logs without time.
@@ -68,17 +80,25 @@ impl Look {
     /// The reason, in words, why the columns cannot be guessed.
     pub fn configuration(&self, at: &Path) -> Result<Proposal, String> {
         let report = self.report();
-        let step = self.step(&report)?;
-        let text = |at: &Path, mechanism: Option<&Mechanism>| {
-            let time = Time { step, rate: self.rate };
-            configuration::of((&self.patterns, at), &report, &self.guess, mechanism, time)
-        };
+        let proposal = self.proposal(at, &report)?;
+        let nameless = report.is_nameless().then(|| {
+            let rest = if self.guess.u.is_empty() { "" } else { ", u are the others" };
+            format!(
+                "there is no header line: q are columns of which others are the derivatives{rest}; check [data.columns]"
+            )
+        });
+        let note = nameless.into_iter().chain(proposal.note).reduce(|a, b| format!("{a}; {b}"));
+        Ok(Proposal { note, ..proposal })
+    }
+
+    fn proposal(&self, at: &Path, report: &Report) -> Result<Proposal, String> {
+        let step = self.step(report)?;
+        let text = |at: &Path, mechanism: Option<&Mechanism>| self.text(at, report, mechanism, step);
         let n = self.guess.q.len();
         if n > MOST_JOINTS || self.guess.u.is_empty() {
             return Ok(Proposal { text: text(at, None)?, note: self.refusal(&text(Path::new(""), None)?) });
         }
-        let all =
-            Mechanism::all(n).into_iter().filter(|own| own.turns_where(&self.angles(&report))).collect();
+        let all = Mechanism::all(n).into_iter().filter(|own| own.turns_where(&self.angles(report))).collect();
         let Some(found) = Found::among(all, |own| text(Path::new(""), Some(own)).ok()) else {
             let links = Mechanism::links(n);
             let note = self.refusal(&text(Path::new(""), Some(&links))?);
@@ -89,13 +109,24 @@ impl Look {
         Ok(Proposal { text: text(at, Some(&found.mechanism))?, note })
     }
 
+    fn text(
+        &self,
+        at: &Path,
+        report: &Report,
+        mechanism: Option<&Mechanism>,
+        step: Option<f64>,
+    ) -> Result<String, String> {
+        let trajectories = self.is_own.then(|| self.seen.iter().map(|seen| seen.log.pieces().len()).sum());
+        let layout = Layout { step, rate: self.rate, trajectories };
+        configuration::of((&self.patterns, at), report, &self.guess, mechanism, layout)
+    }
+
     /// The step that the configuration gives (s): one for files whose steps differ, as the reader sees them.
     fn step(&self, report: &Report) -> Result<Option<f64>, String> {
         if let Some(step) = configuration::step(report, &self.guess) {
             return Ok(Some(step));
         }
-        let time = Time { step: None, rate: self.rate };
-        let text = configuration::of((&self.patterns, Path::new("")), report, &self.guess, None, time)?;
+        let text = self.text(Path::new(""), report, None, None)?;
         let differ = matches!(tried(&text), Err(Trouble::Reading(Problem::OtherStep { .. }, _)));
         Ok(configuration::common_step(report, &self.guess).filter(|_| differ))
     }
@@ -213,7 +244,9 @@ impl Found {
 impl Report {
     /// The report on these logs.
     fn new(seen: &[Seen], guess: &Guess) -> Self {
-        let files: Vec<File> = seen.iter().map(|seen| of_file(&seen.file, &seen.log, guess)).collect();
+        let clock = |seen: &Seen| guess.t.as_deref().and_then(|t| seen.clock(t));
+        let of_file = |seen: &Seen| File::new(&seen.file, &seen.log, clock(seen));
+        let files: Vec<File> = seen.iter().map(of_file).collect();
         let first = seen.iter().take_while(|seen| Some(&seen.file) == files.first().map(|first| &first.file));
         let mut names: Vec<&String> = Vec::new();
         for name in first.flat_map(|seen| &seen.log.names) {
@@ -226,11 +259,6 @@ impl Report {
         let coordinates = Coordinate::all(seen, guess);
         Self { files, columns, coordinates, others, configuration: None }
     }
-}
-
-fn of_file(file: &Path, log: &RawLog, guess: &Guess) -> File {
-    let clock = guess.t.as_deref().and_then(|t| log.column(t)).and_then(Clock::of);
-    File::new(file, log, clock)
 }
 
 /// Statistics of a column over all files that have it.

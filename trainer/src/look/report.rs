@@ -52,7 +52,7 @@ pub struct File {
 impl File {
     pub(super) fn new(file: &Path, log: &RawLog, clock: Option<Clock>) -> Self {
         let of_columns = clock.map(|clock| time_unit(clock.median));
-        let time_unit = if log.topic.is_some() { clock.map(|_| "s") } else { of_columns };
+        let time_unit = if log.is_in_seconds() { clock.map(|_| "s") } else { of_columns };
         let second = time_unit.and_then(unit);
         let seconds = |of: fn(&Clock) -> f64| Some(of(&clock?) * second?);
         Self {
@@ -101,6 +101,13 @@ impl Column {
 
     pub(super) fn is(&self, letter: char) -> bool {
         self.taken_for.as_deref().is_some_and(|role| role.starts_with(letter))
+    }
+}
+
+impl Report {
+    /// Whether the logs have no header, so that columns have numbers for names.
+    pub(super) fn is_nameless(&self) -> bool {
+        !self.columns.is_empty() && self.columns.iter().all(|column| column.column.starts_with('#'))
     }
 }
 

@@ -56,6 +56,31 @@ fn training_notes_once_what_was_changed() {
     assert_eq!(trained.stderr.matches(note).count(), 1, "{}", trained.stderr);
     assert!(!trained.stderr.contains("finger"), "{}", trained.stderr);
     assert!(trained.stdout.contains("torques: squared error over variance"), "{}", trained.stdout);
+    let end =
+        trained.stdout.split_once("\nfitted to the torques in ").map(|(_, rest)| rest).unwrap_or_default();
+    let (seconds, rest) = end.split_once(" s: training loss ").unwrap_or_default();
+    assert!(seconds.parse::<f64>().is_ok() && !rest.is_empty(), "{}", trained.stdout);
+}
+
+#[test]
+fn points_and_limits_of_zero_are_noted() {
+    let zeros = |from: &str, to: &str, text: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    };
+    let bench = bench(CONFIG);
+    let text = zeros("velocity=\"9\" effort=\"300\"", "velocity=\"0\" effort=\"0\"", ROBOT);
+    let text = zeros("ixx=\"0.03\" iyy=\"0.02\" izz=\"0.5\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"", &text);
+    let text = zeros("ixx=\"0.02\" iyy=\"0.02\" izz=\"0.01\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"", &text);
+    fs::write(bench.at("robot.urdf"), text).unwrap();
+    let trained = bench.run("train robot.toml -o run").good();
+    for words in [
+        "limits of 0 (position, velocity or effort) are taken as not given: yaw, elbow, finger",
+        "link upper, moved by joint yaw: it is infinitely thin in some direction, so it was thickened, which changes its moments of \
+         inertia by 0.01 %",
+    ] {
+        assert!(trained.stderr.contains(words), "{words:?} is not in {}", trained.stderr);
+    }
 }
 
 #[test]

@@ -37,7 +37,11 @@ fn logs_of_many_layouts_are_looked_at_and_learned_from() {
     let two = trains(&bench, "two.csv", &two, "");
     assert!(two.contains("t = { sec = \"sec\", nanosec = \"nanosec\" }"), "{two}");
     let several = |t: f64, q: f64, u: f64| format!("{t:.3},{q},\n{:.3},,{u}", t + 0.003);
-    trains(&bench, "several.csv", &log("time,pos,tau\n", several), "");
+    let several = log("time,pos,tau\n", several);
+    trains(&bench, "several.csv", &several, "");
+    trains(&bench, "again.csv", &several.repeat(2), "");
+    let shown = bench.run("look again.csv").good();
+    assert!(!shown.stderr.contains("time goes back"), "{}", shown.stderr);
 }
 
 #[test]
@@ -46,15 +50,52 @@ fn a_log_without_a_header_is_read_by_numbers() {
     std::fs::write(bench.at("a.csv"), log("", |t, q, u| format!("{t:.2},{q},{u}"))).unwrap();
     let report = bench.run("look a.csv").good().stdout;
     assert!(report.contains("#1          t ") && report.contains("#3"), "{report}");
-    bench
-        .run("look a.csv -o a.toml")
-        .bad(2, &["there is no header line; #1 rises as time does", "q = [2, 3]"]);
+    let words = [
+        "there is no header line; #1 rises as time does",
+        "#2 from -0.",
+        "#3 from -1.0000 to 1.0000",
+        "u = [4, 5]",
+    ];
+    bench.run("look a.csv -o a.toml").bad(2, &words);
     std::fs::write(
         bench.at("a.toml"),
         "[data]\nfile = \"a.csv\"\nvalidation = 0.0\n[data.columns]\nt = 1\nq = 2\nu = 3\n[model]\ncoordinates = \"a\"\nhidden = [4]\n[training]\niterations = 1\n",
     )
     .unwrap();
     bench.run("train a.toml -o run").good();
+}
+
+#[test]
+fn positions_without_names_are_known_by_their_velocities() {
+    let bench = Bench::new();
+    let row = |t: f64, q: f64, u: f64| format!("{},{u},{},{q}", 1e3 * t, 1.5 * (3.0 * t).cos());
+    std::fs::write(bench.at("a.csv"), log("", row)).unwrap();
+    let done = bench.run("look a.csv -o a.toml").good();
+    let note = "q are columns of which others are the derivatives, u are the others";
+    assert!(done.stderr.contains(note), "{}", done.stderr);
+    let written = bench.text("a.toml");
+    assert!(written.contains("t = { name = 1, unit = \"ms\" }\nq = [4]\nu = [2]\n"), "{written}");
+    std::fs::write(bench.at("a.toml"), written + "iterations = 1\n").unwrap();
+    bench.run("train a.toml -o run").good();
+}
+
+#[test]
+fn trajectories_of_our_own_logs_need_no_sorting() {
+    let bench = Bench::new();
+    for (file, u) in [("data.npz", "u"), ("data.csv", "u0")] {
+        bench
+            .run(&format!("generate pendulum -o {file} --trajectories 5 --samples 60 --control held"))
+            .good();
+        let done = bench.run(&format!("look {file} -o {file}.toml --json")).good();
+        assert!(!done.stderr.contains("time goes back"), "{}", done.stderr);
+        let report = done.json();
+        assert_eq!((&report["files"][0]["backwards"], &report["files"][0]["gaps"]), (&0.into(), &0.into()));
+        assert_eq!(report["coordinates"][0]["column"], if u == "u" { "q" } else { "q0" }, "{report}");
+        let written = bench.text(&format!("{file}.toml"));
+        assert!(!written.contains("[data.columns]") && written.contains("validation = 0.2"), "{written}");
+        std::fs::write(bench.at(&format!("{file}.toml")), written + "iterations = 1\n").unwrap();
+        bench.run(&format!("train {file}.toml -o {file}-run")).good();
+    }
 }
 
 #[test]

@@ -7,6 +7,9 @@ use std::collections::BTreeSet;
 /// Bytes before the first field, which hold the kind of encoding and options.
 const HEADER: usize = 4;
 
+/// First bytes of what zstd compressed; no message in CDR begins with them.
+const ZSTD: [u8; 4] = 0xFD2F_B528_u32.to_le_bytes();
+
 /// Number of bytes after the last field that is too large for padding.
 const PADDING: usize = 8;
 
@@ -22,6 +25,9 @@ pub(super) struct JointState<'a> {
 impl<'a> JointState<'a> {
     /// Parses a message.
     pub fn parse(message: &'a [u8]) -> Result<Self, Problem> {
+        if message.starts_with(&ZSTD) {
+            return Err(BagProblem::PackedMessage.into());
+        }
         let mut cdr = Cdr::new(message)?;
         let (seconds, nanoseconds) = (cdr.word()? as i32, cdr.word()?);
         cdr.text()?;

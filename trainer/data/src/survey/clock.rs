@@ -27,13 +27,20 @@ impl Clock {
     /// The clock of these stamps; `None` if no stamp is greater than the one before.
     #[must_use]
     pub fn of(stamps: &[f64]) -> Option<Self> {
-        let intervals =
-            || stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|interval| interval.is_finite());
+        Self::of_pieces([stamps])
+    }
+
+    /// The clock of stamps in several pieces, between which time may do anything.
+    #[must_use]
+    pub fn of_pieces<'s>(pieces: impl IntoIterator<Item = &'s [f64], IntoIter: Clone>) -> Option<Self> {
+        let pieces = pieces.into_iter();
+        let differences = pieces.clone().flat_map(|stamps| stamps.windows(2)).map(|pair| pair[1] - pair[0]);
+        let intervals = || differences.clone().filter(|interval| interval.is_finite());
         let forward = Intervals::of(intervals().filter(|interval| *interval > 0.0))?;
         let (median, steps) = (forward.median, forward.steps());
         let square: f64 = steps.iter().map(|interval| (interval / median - 1.0).powi(2)).sum();
         Some(Self {
-            duration: stamps.last()? - stamps.first()?,
+            duration: pieces.filter_map(|stamps| Some(stamps.last()? - stamps.first()?)).sum(),
             median,
             shortest: forward.shortest,
             longest: *steps.last()?,
@@ -57,6 +64,8 @@ mod tests {
         assert_eq!(clock.median, 1.0);
         assert!((clock.longest - 1.1).abs() < 1e-12 && (clock.shortest - 0.9).abs() < 1e-12);
         assert!((clock.jitter - (0.02_f64 / 6.0).sqrt()).abs() < 1e-12, "{}", clock.jitter);
+        let apart = Clock::of_pieces([&stamps[..8], &stamps[8..]]).unwrap();
+        assert_eq!((apart.backwards, apart.median, apart.duration), (0, 1.0, 11.0));
         assert!(Clock::of(&[1.0, 1.0]).is_none() && Clock::of(&[]).is_none());
     }
 }

@@ -42,7 +42,7 @@ impl Guess {
         let groups = groups(logs);
         let time = Self::of_time(logs, &groups);
         let q = ranked(logs, &groups, Quantity::Position, |group| [!is_measured(group), is_commanded(group)]);
-        let Some(q) = q.into_iter().next() else { return time };
+        let Some(q) = q.into_iter().next() else { return time.by_derivatives(logs) };
         let joints: Vec<Vec<String>> = q.columns.iter().map(|column| column.joint.clone()).collect();
         let of_joints = |group: &Group<'_>| {
             let same_number = || Some(group.names()).filter(|names| names.len() == joints.len());
@@ -166,12 +166,9 @@ mod tests {
             (0..20).map(|k| slope * f64::from(k)).collect()
         };
         RawLog {
-            topic: None,
-            dates: None,
-            units: Vec::new(),
             columns: names.iter().map(column).collect(),
             names: names.iter().map(|name| (*name).to_owned()).collect(),
-            others: Vec::new(),
+            ..RawLog::default()
         }
     }
 

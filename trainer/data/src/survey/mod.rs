@@ -1,6 +1,7 @@
 //! Survey of an unknown log: its columns, its clock, and guesses of the columns' meaning.
 
 mod clock;
+mod derivatives;
 mod groups;
 mod guess;
 mod motion;

@@ -14,10 +14,12 @@ use crate::place::Place;
 use crate::problem::Problem;
 use crate::source::{Source, format_of};
 use crate::{DataError, Rows, date, located};
+use csv::ByteRecord;
+use std::ops::Range;
 use std::path::Path;
 
 /// The numeric columns of one clock in a file, unchanged.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RawLog {
     /// Topic, for a bag; its stamps are the column `t` (s).
     pub topic: Option<String>,
@@ -31,10 +33,15 @@ pub struct RawLog {
     pub dates: Option<String>,
     /// Units of a line under the header, each with its column, as far as [`crate::unit`] knows them.
     pub units: Vec<(String, &'static str)>,
+    /// Rows where a trajectory begins because a header comes again, in rising order.
+    pub starts: Vec<usize>,
 }
 
 /// Least fraction of numbers among a column's cells for the column to count as numeric.
 const NUMBERS: f64 = 0.5;
+
+/// Name of the column that says to which trajectory a row belongs.
+const TRAJECTORY: &str = "trajectory";
 
 impl RawLog {
     /// Reads a file: one log, or for a bag one log per topic with joints.
@@ -66,6 +73,36 @@ impl RawLog {
         self.columns.get(at).map(Vec::as_slice)
     }
 
+    /// Whether the columns have leastaction's own names, among them one of trajectories.
+    #[must_use]
+    pub fn has_own_trajectories(&self) -> bool {
+        let is_own = |name: &String| {
+            let (stem, _) = name.split_once('[').unwrap_or((name, ""));
+            let field = stem.trim_end_matches(|digit: char| digit.is_ascii_digit());
+            ["q", "v", "a", "u"].contains(&field)
+                || ["t", TRAJECTORY].contains(&stem)
+                || stem.starts_with('_')
+        };
+        self.names.iter().any(|name| name == TRAJECTORY) && self.names.iter().all(is_own)
+    }
+
+    /// Whether the unit of time is known to be s, whatever the stamps are.
+    #[must_use]
+    pub fn is_in_seconds(&self) -> bool {
+        self.topic.is_some() || self.has_own_trajectories()
+    }
+
+    /// Rows of each trajectory: from one header to the next, and of one number in a log with leastaction's own names.
+    #[must_use]
+    pub fn pieces(&self) -> Vec<Range<usize>> {
+        let ids = self.column(TRAJECTORY).filter(|_| self.has_own_trajectories());
+        let changes = |row: usize| ids.is_some_and(|ids| ids[row] != ids[row - 1]);
+        let is_start = |row: &usize| *row == 0 || self.starts.binary_search(row).is_ok() || changes(*row);
+        let starts: Vec<usize> = (0..self.samples()).filter(is_start).collect();
+        let ends = starts.iter().skip(1).copied().chain([self.samples()]);
+        starts.iter().copied().zip(ends).map(|(start, end)| start..end).collect()
+    }
+
     /// The log with one column for the time where it has seconds and nanoseconds.
     #[must_use]
     pub fn with_one_time(mut self, guess: &Guess) -> Self {
@@ -95,27 +132,47 @@ fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
     let any = |name: &[u8]| name.first().is_some_and(u8::is_ascii_alphabetic);
     let sheet = Sheet::open(&content, any)?;
     let names = sheet.names.clone();
-    let mut columns = vec![Vec::new(); names.len()];
-    let mut numbers = Numbers::default();
-    let mut dates = vec![0; names.len()];
-    let layout = sheet.samples(|record, _| {
+    let mut cells =
+        Cells { columns: vec![Vec::new(); names.len()], dates: vec![0; names.len()], ..Cells::default() };
+    let layout = sheet.samples(|record, part| {
+        cells.push(record, part);
+        Ok(())
+    })?;
+    let Cells { columns, dates, starts, rows, .. } = cells;
+    let of_dates = names.iter().zip(dates).find(|(_, dates)| 2 * dates > rows);
+    let dates = of_dates.map(|(name, _)| name.clone());
+    let log = RawLog { units: units(&names, &layout), names, columns, dates, starts, ..RawLog::default() }
+        .of_numbers();
+    if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+}
+
+/// Cells of a CSV file so far.
+#[derive(Default)]
+struct Cells {
+    columns: Vec<Vec<f64>>,
+    /// Number of dates in every column.
+    dates: Vec<usize>,
+    starts: Vec<usize>,
+    rows: usize,
+    part: i64,
+    numbers: Numbers,
+}
+
+impl Cells {
+    fn push(&mut self, record: &ByteRecord, part: i64) {
+        if part != self.part {
+            self.starts.push(self.rows);
+        }
+        (self.rows, self.part) = (self.rows + 1, part);
         let cells = record.iter().chain(std::iter::repeat(&b""[..]));
-        for ((column, dates), cell) in columns.iter_mut().zip(&mut dates).zip(cells) {
+        for ((column, dates), cell) in self.columns.iter_mut().zip(&mut self.dates).zip(cells) {
             let cell = text(cell);
             let date = date::seconds(&cell);
             *dates += usize::from(date.is_some());
-            let number = date.or_else(|| numbers.read(cell, || Place::File).ok());
+            let number = date.or_else(|| self.numbers.read(cell, || Place::File).ok());
             column.push(number.unwrap_or(f64::NAN));
         }
-        Ok(())
-    })?;
-    let samples = columns.first().map_or(0, Vec::len);
-    let of_dates = names.iter().zip(dates).find(|(_, dates)| 2 * dates > samples);
-    let dates = of_dates.map(|(name, _)| name.clone());
-    let log =
-        RawLog { units: units(&names, &layout), topic: None, names, columns, others: Vec::new(), dates }
-            .of_numbers();
-    if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+    }
 }
 
 /// Units of the columns in a line of units, as far as they are known.
@@ -141,14 +198,7 @@ fn of_arrays(arrays: &dyn Named, others: &[String]) -> Result<RawLog, Fault> {
     // The most common length is taken as the length of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
-    let mut log = RawLog {
-        topic: None,
-        names: Vec::new(),
-        columns: Vec::new(),
-        others,
-        dates: None,
-        units: Vec::new(),
-    };
+    let mut log = RawLog { others, ..RawLog::default() };
     for (name, rows) in parts {
         if Some(rows.len()) != samples {
             log.others.push(name.clone());
@@ -177,8 +227,7 @@ fn of_stream(stream: &Stream, clock: &Clock, others: &[String]) -> RawLog {
         names: names.collect(),
         columns: columns.collect(),
         others: others.to_vec(),
-        dates: None,
-        units: Vec::new(),
+        ..RawLog::default()
     }
 }
 
