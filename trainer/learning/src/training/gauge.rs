@@ -16,8 +16,8 @@ const RANK: f64 = 1e-9;
 const HANGS: f64 = 1e-3;
 /// Largest number of learned numbers that are moved: eigenvalues of larger matrices take seconds.
 const MOST_NUMBERS: usize = 200;
-/// Largest number of moves along the free directions.
-const MOVES: usize = 25;
+/// Largest number of times that the normal equations are computed: they take about as long as an iteration of the fit.
+const EVALUATIONS: usize = 30;
 /// Largest relative change of a number in one move.
 const FURTHEST: f64 = 0.3;
 /// Relative change below which numbers are where they should be.
@@ -134,7 +134,9 @@ impl Free<'_> {
         let start = self.objective.completed_loss(&mut best);
         let bound = start * (1.0 + RISE * self.objective.tolerance().max(f64::EPSILON));
         let (mut found, mut step) = (None, FURTHEST);
-        for _ in 0..MOVES {
+        let mut left = EVALUATIONS;
+        while left > 0 {
+            left -= 1;
             let at = At::new(self, &best)?;
             let pull = at.pull();
             let largest = pull.amax();
@@ -144,7 +146,7 @@ impl Free<'_> {
             let steps = (0..HALVINGS).map(|k| step * 0.5_f64.powi(k as i32));
             let mut trials = steps.map(|step| {
                 let change = &pull * (step / largest).min(1.0);
-                Some((step, self.settled(self.moved(&best, (&at, &change)), bound)?))
+                Some((step, self.settled(self.moved(&best, (&at, &change)), (bound, &mut left))?))
             });
             let Some((taken, (trial, loss))) = trials.find_map(|trial| trial) else { break };
             (best, found) = (trial, Some(loss));
@@ -153,14 +155,16 @@ impl Free<'_> {
         found.map(|loss| (best, loss))
     }
 
-    /// Weights with a loss of at most `bound`, by Gauss–Newton steps from these; `None` if they do not lead there.
-    fn settled(self, weights: Vec<f64>, bound: f64) -> Option<(Vec<f64>, f64)> {
+    /// Weights with a loss of at most `bound`, by Gauss–Newton steps from these; `None` if they do not lead there with the
+    /// evaluations that are left.
+    fn settled(self, weights: Vec<f64>, (bound, left): (f64, &mut usize)) -> Option<(Vec<f64>, f64)> {
         let mut trial = weights;
         let mut loss = self.objective.completed_loss(&mut trial);
         for _ in 0..CORRECTIONS {
-            if loss <= bound {
+            if loss <= bound || *left == 0 {
                 break;
             }
+            *left -= 1;
             let at = At::new(self, &trial)?;
             trial = self.moved(&trial, (&at, &at.correction()?));
             loss = self.objective.completed_loss(&mut trial);

@@ -7,6 +7,7 @@ mod results;
 mod robot;
 #[path = "../../../tests/cli_commands/support.rs"]
 mod support;
+mod swings;
 
 /// The program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_leastaction-papers");

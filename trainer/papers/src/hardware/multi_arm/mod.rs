@@ -165,15 +165,30 @@ fn task(model: Model, swings: Arc<Swings>, (quick, arguments): (bool, &str)) -> 
     }
 }
 
+/// A model that is to be tested.
+struct Tested {
+    predictor: Box<dyn Predictor>,
+    numbers: Vec<Number>,
+    seconds: f64,
+}
+
+impl Tested {
+    /// A model that needs no training.
+    fn known(predictor: Box<dyn Predictor>) -> Self {
+        Self { predictor, numbers: Vec::new(), seconds: 0.0 }
+    }
+}
+
 fn outcome(model: Model, swings: &Swings, running: (bool, &Tell)) -> Result<SwingsOutcome, TaskError> {
-    let (predictor, numbers, train_seconds): (Box<dyn Predictor>, _, _) = match model {
-        Model::ConstantVelocity => (Box::new(ConstantVelocity), Vec::new(), 0.0),
+    let tested = match model {
+        Model::ConstantVelocity => Tested::known(Box::new(ConstantVelocity)),
         Model::Published => {
             let (architecture, weights) = published(swings)?;
-            (predictor(&architecture, weights)?, Vec::new(), 0.0)
+            Tested::known(predictor(&architecture, weights)?)
         }
         Model::Learned => learned(swings, running)?,
     };
+    let Tested { predictor, numbers, seconds: train_seconds } = tested;
     let summary = Summary::of(&window_errors(&*predictor, &swings.test));
     let [error_100ms, error_500ms, error_1s] = summary.medians;
     Ok(SwingsOutcome {
@@ -201,10 +216,7 @@ fn published(swings: &Swings) -> Result<(Architecture, Vec<f64>), TaskError> {
 }
 
 /// Learns as `leastaction train` does, from a file of the training swings.
-fn learned(
-    swings: &Swings,
-    (quick, tell): (bool, &Tell),
-) -> Result<(Box<dyn Predictor>, Vec<Number>, f64), TaskError> {
+fn learned(swings: &Swings, (quick, tell): (bool, &Tell)) -> Result<Tested, TaskError> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("swings.npz");
     data::write(&file, &swings.train)?;
@@ -225,7 +237,8 @@ fn learned(
         })
     };
     let numbers = learned.filter_map(number).collect();
-    Ok((predictor(&trained.architecture, trained.best.weights.clone())?, numbers, seconds))
+    let predictor = predictor(&trained.architecture, trained.best.weights.clone())?;
+    Ok(Tested { predictor, numbers, seconds })
 }
 
 fn record(row: &SwingsOutcome) -> Result<Record, serde_json::Error> {
