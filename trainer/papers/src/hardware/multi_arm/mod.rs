@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use windows::window_errors;
 
-/// One of so many swings is tested.
+/// One in this number of swings is tested.
 const TESTED: usize = 5;
 
 /// Swings of a pendulum.
