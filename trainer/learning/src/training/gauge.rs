@@ -17,13 +17,15 @@ const HANGS: f64 = 1e-3;
 /// Largest number of learned numbers that are moved: eigenvalues of larger matrices take seconds.
 const MOST_NUMBERS: usize = 200;
 /// Largest number of times that the normal equations are computed: they take about as long as an iteration of the fit.
-const EVALUATIONS: usize = 30;
+const EVALUATIONS: usize = 60;
 /// Largest relative change of a number in one move.
 const FURTHEST: f64 = 0.3;
 /// Relative change below which numbers are where they should be.
 const NEAR: f64 = 1e-3;
 /// Gauss–Newton steps that lead back to the least loss after a move.
 const CORRECTIONS: usize = 3;
+/// Growth of moves as long as none has to be halved.
+const GROWTH: f64 = 1.5;
 /// Number of times that a move is halved if the loss rises.
 const HALVINGS: usize = 4;
 /// Part of itself that a number above 0 keeps in a move.
@@ -150,7 +152,7 @@ impl Free<'_> {
             });
             let Some((taken, (trial, loss))) = trials.find_map(|trial| trial) else { break };
             (best, found) = (trial, Some(loss));
-            step = (2.0 * taken).min(FURTHEST);
+            step = if taken == step { (GROWTH * step).min(FURTHEST) } else { taken };
         }
         found.map(|loss| (best, loss))
     }

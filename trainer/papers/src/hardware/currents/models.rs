@@ -144,17 +144,15 @@ mod tests {
         let urdf = "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><mass value=\"1\"/>\
             <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>\
             <joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>";
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("ur10e.urdf");
+        std::fs::write(&file, urdf).unwrap();
         let tree: Tree = leastaction_models::urdf::parse(urdf, Default::default()).unwrap();
         let rows = Rows::from_flat(1, vec![0.0]).unwrap();
         let samples = Samples { t: vec![0.0], q: rows.clone(), v: rows.clone(), a: rows.clone(), tau: rows };
         let log = super::super::CurrentLog { file: "log.csv".into(), name: "log".into(), samples };
-        let data = CurrentData {
-            folder: "ur10e".into(),
-            urdf: "ur10e/ur10e.urdf".into(),
-            tree,
-            logs: vec![log],
-            learned: 0,
-        };
+        let data =
+            CurrentData { folder: folder.path().to_owned(), urdf: file, tree, logs: vec![log], learned: 0 };
         let text = configuration(&data, true);
         assert!(text.lines().filter(|line| !line.is_empty()).count() <= 15, "{text}");
         Config::parse(&text, Path::new("machine.toml")).unwrap();
