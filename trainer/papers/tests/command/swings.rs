@@ -26,7 +26,7 @@ fn swing(mut state: [f64; 2]) -> Rows {
             state = moved(state, part / 6.0, rate);
         }
     }
-    Rows::from_rows(1, positions.into_iter()).unwrap()
+    Rows::from_rows(1, positions).unwrap()
 }
 
 fn bench(swings: usize) -> Bench {
