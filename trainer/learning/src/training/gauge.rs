@@ -11,7 +11,7 @@ use crate::matrix::singular;
 use nalgebra::{DMatrix, DVector};
 
 /// Eigenvalue below which a direction is free, if the diagonal of the matrix is scaled to 1.
-const RANK: f64 = 1e-9;
+pub(crate) const RANK: f64 = 1e-9;
 /// Relative change of a number, in a free direction of norm 1, below which the number is determined.
 const HANGS: f64 = 1e-3;
 /// Largest number of learned numbers that are moved: eigenvalues of larger matrices take seconds.
@@ -47,13 +47,17 @@ pub type Combination = Vec<(usize, f64)>;
 impl FreeDirections {
     /// The directions that a matrix JᵀJ leaves free, for numbers of these sizes.
     pub fn of(gram: &DMatrix<f64>, sizes: &[f64]) -> Self {
-        let p = sizes.len();
-        let units = units(gram);
-        let scaled = DMatrix::from_fn(p, p, |i, j| units[i] * units[j] * gram[(i, j)]);
+        let (units, scaled) = with_unit_diagonal(gram);
         let shown = Directions::of(&scaled, |_| RANK);
         let hidden = shown.complement();
-        let relative = DMatrix::from_fn(p, hidden.ncols(), |i, k| units[i] / sizes[i] * hidden[(i, k)]);
+        let relative =
+            DMatrix::from_fn(sizes.len(), hidden.ncols(), |i, k| units[i] / sizes[i] * hidden[(i, k)]);
         Self { basis: orthonormal(relative), shown }
+    }
+
+    /// Directions of the numbers in units of 1/√(JᵀJ)_ii that the samples determine.
+    pub fn shown(&self) -> &Directions {
+        &self.shown
     }
 
     /// Number of directions.
@@ -95,10 +99,12 @@ impl FreeDirections {
     }
 }
 
-/// 1/√A_ii; 0 for a number on which nothing depends.
-fn units(gram: &DMatrix<f64>) -> Vec<f64> {
+/// The units 1/√A_ii of numbers, 0 for a number on which nothing depends, and A in these units.
+pub(crate) fn with_unit_diagonal(gram: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let unit = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
-    (0..gram.nrows()).map(|i| unit(gram[(i, i)])).collect()
+    let units: Vec<f64> = (0..gram.nrows()).map(|i| unit(gram[(i, i)])).collect();
+    let scaled = DMatrix::from_fn(units.len(), units.len(), |i, j| units[i] * units[j] * gram[(i, j)]);
+    (units, scaled)
 }
 
 /// An orthonormal basis of the space that these columns span.
@@ -236,8 +242,7 @@ impl At {
     /// The relative change of a Gauss–Newton step of what the samples determine; `None` if there is none in double
     /// precision.
     fn correction(&self) -> Option<DVector<f64>> {
-        let (units, p) = (units(&self.gram), self.positions.len());
-        let scaled = DMatrix::from_fn(p, p, |i, j| units[i] * units[j] * self.gram[(i, j)]);
+        let ((units, scaled), p) = (with_unit_diagonal(&self.gram), self.positions.len());
         let gradient = DVector::from_fn(p, |i, _| units[i] * self.gradient[i]);
         let step = self.directions.shown.inverse(&scaled)? * gradient;
         Some(DVector::from_fn(p, |i, _| -units[i] / self.sizes[i] * step[i]))

@@ -23,7 +23,7 @@ mod shown;
 pub use adam::{Adam, AdamSettings, Schedule};
 pub use free_states::{StateNoise, free_states_objective};
 pub use gauge::Combination;
-pub(crate) use gauge::{Free, FreeDirections, size};
+pub(crate) use gauge::{Free, FreeDirections, RANK, size, with_unit_diagonal};
 pub use leastaction_models::bounds::{Bounds, LEAST, MARGIN, Range};
 pub use levenberg::{Levenberg, Progress};
 pub use linear_start::{LinearStart, linear_start};

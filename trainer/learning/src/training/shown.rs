@@ -30,6 +30,7 @@ pub fn student(free: usize) -> f64 {
 }
 
 /// Directions, in the space of scaled numbers, that samples determine.
+#[derive(Clone)]
 pub(crate) struct Directions {
     /// Orthonormal basis, as columns.
     basis: DMatrix<f64>,

@@ -22,8 +22,8 @@ use super::loss::WindowLoss;
 use super::rollout::curvatures;
 use crate::matrix::cholesky;
 use crate::training::{
-    Combination, Directions, FreeDirections, LEAST, MARGIN, NormalEquations, Objective, Range, Residuals,
-    normal_equations_of, size, student,
+    Combination, Directions, FreeDirections, LEAST, MARGIN, NormalEquations, Objective, RANK, Range,
+    Residuals, normal_equations_of, size, student, with_unit_diagonal,
 };
 use leastaction_models::parallel;
 use nalgebra::DMatrix;
@@ -41,8 +41,6 @@ const MOST_NUMBERS: usize = 800;
 const WINDOWS: usize = 4096;
 /// Share of a number's information in a single log above which the number counts as belonging to that log.
 const OWN: f64 = 0.99;
-/// Threshold below which eigenvalues of the scaled matrix count as rounding errors of 0.
-const RANK: f64 = 1e-9;
 
 pub use crate::training::Shown;
 
@@ -98,8 +96,11 @@ pub fn certainty(loss: &WindowLoss, weights: &[f64], ranges: &[(usize, Range)]) 
         ranges.iter().any(ends) && !moves(position)
     };
     let positions: Vec<usize> = learned.iter().copied().filter(|position| !is_at_bound(*position)).collect();
+    // Without a number at a bound the directions are those of all numbers.
+    let known = (positions.len() == learned.len()).then(|| free.shown().clone());
     let clusters = Clusters::of(loss);
-    let spread = parallel::within(|| Spread::of((loss, &equations), weights, &positions, &clusters))?;
+    let spread =
+        parallel::within(|| Spread::of((loss, &equations), weights, (&positions, known), &clusters))?;
     let own = |k: usize| {
         let shown = if moves(positions[k]) { Shown::Together } else { spread.shown(k) };
         let strongest = spread.directions.strongest(&spread.inverse, k, |other| !moves(positions[other]));
@@ -141,10 +142,15 @@ impl Equations {
         self.all.entry(i, j) - self.prior.entry(i, j)
     }
 
+    /// JᵀJ without priors, for the numbers at these positions.
+    fn gram(&self, positions: &[usize]) -> DMatrix<f64> {
+        let p = positions.len();
+        DMatrix::from_fn(p, p, |i, j| self.data(positions[i], positions[j]))
+    }
+
     /// Directions that the windows leave free, for the numbers at these positions.
     fn free_directions(&self, weights: &[f64], positions: &[usize]) -> FreeDirections {
-        let p = positions.len();
-        let gram = DMatrix::from_fn(p, p, |i, j| self.data(positions[i], positions[j]));
+        let gram = self.gram(positions);
         let variance = self.all.squares / self.all.rows.max(1) as f64;
         let error = |k: usize| if gram[(k, k)] > 0.0 { (variance / gram[(k, k)]).sqrt() } else { 0.0 };
         let sizes: Vec<f64> =
@@ -197,16 +203,14 @@ impl Spread {
     fn of(
         (loss, equations): (&WindowLoss, &Equations),
         weights: &[f64],
-        positions: &[usize],
+        (positions, known): (&[usize], Option<Directions>),
         clusters: &Clusters,
     ) -> Option<Self> {
         let (p, Equations { all, prior }) = (positions.len(), equations);
         let data = |i: usize, j: usize| equations.data(positions[i], positions[j]);
         let of_prior = |i, j| entry(prior, positions, i, j);
-        let size = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
-        let sizes: Vec<f64> = (0..p).map(|i| size(data(i, i))).collect();
-        let scaled = DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * data(i, j));
-        let directions = Directions::of(&scaled, |_| RANK);
+        let (sizes, scaled) = with_unit_diagonal(&equations.gram(positions));
+        let directions = known.unwrap_or_else(|| Directions::of(&scaled, |_| RANK));
         let ratio = curvature_ratio(loss, weights);
         let own = DMatrix::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of_prior(i, j)));
         let inverse = directions.inverse(&own)?;

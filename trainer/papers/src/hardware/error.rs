@@ -2,7 +2,7 @@
 
 use leastaction_learning::data::DataError;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Reason why logs or a baseline cannot be used.
@@ -73,4 +73,11 @@ pub enum HardwareError {
         /// Problem with the parameters.
         what: String,
     },
+}
+
+impl HardwareError {
+    /// The error of a file or folder whose content cannot be used.
+    pub(super) fn unusable(file: &Path, what: &impl ToString) -> Self {
+        Self::Parameters { file: file.to_owned(), what: what.to_string() }
+    }
 }

@@ -48,7 +48,7 @@ impl Identified {
             return Ok(identified);
         }
         let what = "these are not the inertias of two links: the kinetic energy is not positive".to_owned();
-        Err(HardwareError::Parameters { file: file.to_owned(), what })
+        Err(HardwareError::unusable(file, &what))
     }
 
     /// M for this cosine of q₂.

@@ -22,7 +22,7 @@ impl Parameters {
         let failed = |error| HardwareError::Io { path: file.to_owned(), error };
         if std::fs::metadata(file).map_err(failed)?.len() > LARGEST {
             let what = "not a file of parameters: it is too large".to_owned();
-            return Err(HardwareError::Parameters { file: file.to_owned(), what });
+            return Err(HardwareError::unusable(file, &what));
         }
         let text = std::fs::read_to_string(file).map_err(failed)?;
         let mut all = Self { file: file.to_owned(), numbers: Vec::new() };
@@ -60,7 +60,7 @@ impl Parameters {
         let missing: Vec<&str> = names.into_iter().filter(|name| self.number(name).is_none()).collect();
         if !missing.is_empty() {
             let what = format!("{} missing; needed are {}", missing.join(", "), names.join(", "));
-            return Err(HardwareError::Parameters { file: self.file.clone(), what });
+            return Err(HardwareError::unusable(&self.file, &what));
         }
         Ok(names.map(|name| self.number(name).unwrap_or_default()))
     }

@@ -90,13 +90,13 @@ impl ArmData {
         let file = data.join(Machine::Panda.name()).join(FILE);
         let log = read_measured(&file, &Machine::Panda.columns())?;
         let samples = Samples::prepare(&log, &Preparation::default())
-            .map_err(|error| HardwareError::Parameters { file: file.clone(), what: error.to_string() })?;
+            .map_err(|error| HardwareError::unusable(&file, &error))?;
         let [from, to] = TESTED;
         let test = samples.at(|t| (from - 1e-9..=to + 1e-9).contains(&t));
         let train = samples.at(|t| !(LEARNED[0] - 1e-9..=LEARNED[1] + 1e-9).contains(&t));
         if test.count() == 0 || train.count() == 0 {
             let what = format!("it must last longer than {to} s");
-            return Err(HardwareError::Parameters { file, what });
+            return Err(HardwareError::unusable(&file, &what));
         }
         Ok(Self { file, train, test })
     }

@@ -107,15 +107,18 @@ impl CurrentData {
     pub fn read(data: &Path) -> Result<Self, HardwareError> {
         let folder = data.join(Machine::Ur10e.name());
         let urdf = folder.join("ur10e.urdf");
-        let tree = read(&urdf, Inertias::Required).map_err(|error| unusable(&urdf, &error))?;
+        let tree = read(&urdf, Inertias::Required).map_err(|error| HardwareError::unusable(&urdf, &error))?;
         let joints = Machine::Ur10e.joints();
         if tree.coordinates() != joints {
             let what = format!("{} moving joints; the logs have {joints}", tree.coordinates());
-            return Err(unusable(&urdf, &what));
+            return Err(HardwareError::unusable(&urdf, &what));
         }
         let logs = log_files(&folder)?.into_iter().map(CurrentLog::read).collect::<Result<Vec<_>, _>>()?;
         let learned = logs.iter().position(|log| log.name.contains(LEARNED)).ok_or_else(|| {
-            unusable(&folder, &format!("no log to learn from: the name of one .csv file must have {LEARNED}"))
+            HardwareError::unusable(
+                &folder,
+                &format!("no log to learn from: the name of one .csv file must have {LEARNED}"),
+            )
         })?;
         Ok(Self { folder, urdf, tree, logs, learned })
     }
@@ -126,15 +129,11 @@ impl CurrentData {
     }
 }
 
-fn unusable(file: &Path, what: &impl ToString) -> HardwareError {
-    HardwareError::Parameters { file: file.to_owned(), what: what.to_string() }
-}
-
 impl CurrentLog {
     fn read(file: PathBuf) -> Result<Self, HardwareError> {
         let log = read_measured(&file, &Machine::Ur10e.columns())?;
         let how = Preparation { step: STEP, cut_off: CUT_OFF, every: 1, margin: DROPPED * STEP };
-        let samples = Samples::prepare(&log, &how).map_err(|error| unusable(&file, &error))?;
+        let samples = Samples::prepare(&log, &how).map_err(|error| HardwareError::unusable(&file, &error))?;
         let name = file.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         Ok(Self { file, name, samples })
     }

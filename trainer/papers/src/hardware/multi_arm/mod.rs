@@ -119,7 +119,7 @@ pub fn read_swings(data: &Path) -> Result<Vec<Arc<Swings>>, HardwareError> {
     if found.is_empty() {
         let names = PENDULUMS.map(|pendulum| pendulum.file()).join(", ");
         let what = format!("none of the files {names} is there");
-        return Err(HardwareError::Parameters { file: folder, what });
+        return Err(HardwareError::unusable(&folder, &what));
     }
     found.into_iter().map(|(pendulum, file)| Ok(Arc::new(Swings::read(pendulum, file)?))).collect()
 }
@@ -136,7 +136,7 @@ impl Swings {
                 return Ok(Self { pendulum, file, train, test });
             }
         };
-        Err(HardwareError::Parameters { file, what })
+        Err(HardwareError::unusable(&file, &what))
     }
 }
 
