@@ -54,7 +54,7 @@ pub fn multiply<S: Scalar, const N: usize>(a: &[[S; N]; N], v: &[S; N]) -> [S; N
 
 /// Aᵀ.
 #[inline]
-pub fn transpose<S: Scalar, const N: usize>(a: &[[S; N]; N]) -> [[S; N]; N] {
+pub fn transpose<S: Scalar, const N: usize, const M: usize>(a: &[[S; M]; N]) -> [[S; N]; M] {
     core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
 }
 
@@ -65,6 +65,26 @@ pub fn diagonal<S: Scalar, const N: usize>(entries: [S; N]) -> Matrix<S, N> {
         row[i] = entry;
     }
     matrix
+}
+
+/// The identity matrix.
+pub fn identity<S: Scalar, const N: usize>() -> Matrix<S, N> {
+    diagonal([S::one(); N])
+}
+
+/// AB.
+#[inline]
+pub fn product<S: Scalar, const I: usize, const J: usize, const K: usize>(
+    a: &[[S; J]; I],
+    b: &[[S; K]; J],
+) -> [[S; K]; I] {
+    let mut sum = [[S::zero(); K]; I];
+    for (sum, row) in sum.iter_mut().zip(a) {
+        for (factor, b) in row.iter().zip(b) {
+            *sum = add_scaled(sum, *factor, b);
+        }
+    }
+    sum
 }
 
 /// a + cb.
@@ -107,6 +127,14 @@ pub fn solve_many<R: Real, const N: usize, const C: usize>(
         substitute(&a, b);
     }
     Ok(rhs)
+}
+
+/// A⁻¹B.
+pub fn solve_columns<R: Real, const N: usize>(
+    a: Matrix<R, N>,
+    b: &Matrix<R, N>,
+) -> Result<Matrix<R, N>, SolveError> {
+    Ok(transpose(&solve_many(a, transpose(b))?))
 }
 
 /// A⁻¹b for each b of `rhs` and a symmetric A that is positive (or negative) definite: elimination without pivoting, LDLᵀ, with N divisions

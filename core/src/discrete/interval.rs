@@ -1,3 +1,4 @@
+use super::variation::{PointDerivatives, Variation};
 use super::{GaussPoint, Path};
 use crate::forces::{Control, Forces, System};
 use crate::lagrangian::{Gradient, Lagrangian, Linearization};
@@ -11,8 +12,8 @@ pub struct Interval<R, P, const N: usize> {
     q0: [R; N],
     w: [R; N],
     s: [R; N],
-    h: R,
-    u: Control<R, N>,
+    pub(super) h: R,
+    pub(super) u: Control<R, N>,
     path: PhantomData<P>,
 }
 
@@ -87,77 +88,6 @@ impl<R: Real, P: Path, const N: usize> Linearised<R, P, N> {
         let zero = [[R::zero(); N]; N];
         let bubble = P::bubbles(BubbleDerivatives { momentum_s: zero, bubble_w: zero, bubble_s: zero });
         Self { balance: Balance::zero(), momentum_w: zero, bubble, scale: [R::zero(); N] }
-    }
-}
-
-/// Weights of F and L_v in a first variation at a Gauss point: Σ b (force · F + momentum · L_v).
-#[derive(Clone, Copy, Debug)]
-pub struct Variation<R> {
-    /// Weight of F = L_q + Q + u.
-    pub force: R,
-    /// Weight of L_v.
-    pub momentum: R,
-}
-
-impl<R: Real> Variation<R> {
-    /// D₁, variation of the start position.
-    #[inline(always)]
-    pub fn start(point: &GaussPoint<R>, h: R) -> Self {
-        Self { force: h * (R::one() - point.c), momentum: -R::one() }
-    }
-
-    /// D₂, variation of the end position; also the derivative of position and velocity at the point with
-    /// respect to w.
-    #[inline(always)]
-    pub fn end(point: &GaussPoint<R>, h: R) -> Self {
-        Self { force: h * point.c, momentum: R::one() }
-    }
-
-    /// D_m, variation of the bubble; also the derivative of position and velocity at the point with respect to
-    /// s.
-    #[inline(always)]
-    pub fn bubble(point: &GaussPoint<R>, h: R) -> Self {
-        Self { force: h * point.bubble(), momentum: point.bubble_rate() }
-    }
-}
-
-/// Derivatives of F and L_v at a Gauss point, from the derivatives of L and of the forces.
-struct PointDerivatives<'a, R, const N: usize> {
-    l: &'a Linearization<R, N>,
-    l_qq: Option<&'a Matrix<R, N>>,
-    /// ∂Q/∂q and ∂Q/∂v.
-    forces: (Matrix<R, N>, Matrix<R, N>),
-}
-
-impl<R: Real, const N: usize> PointDerivatives<'_, R, N> {
-    /// Entry i of (∂F, ∂L_v) if coordinate j of the point moves by `column`: its position by the `force` part, its velocity by the
-    /// `momentum` part.
-    #[inline(always)]
-    fn entry(&self, (i, j): (usize, usize), column: Variation<R>) -> (R, R) {
-        let (q_q, q_v) = (self.forces.0[i][j], self.forces.1[i][j]);
-        let force_q = self.l_qq.map_or(q_q, |l_qq| l_qq[i][j] + q_q);
-        let force_v = self.l.l_vq[j][i] + q_v;
-        let mix = |q: R, v: R| q * column.force + v * column.momentum;
-        (mix(force_q, force_v), mix(self.l.l_vq[i][j], self.l.l_vv[i][j]))
-    }
-
-    /// Adds b(row.force · ∂F + row.momentum · ∂L_v) to the block of every row, for a motion of the point by `column`.
-    #[inline(always)]
-    fn add<const C: usize>(
-        &self,
-        weight: R,
-        column: Variation<R>,
-        rows: [(Variation<R>, &mut Matrix<R, N>); C],
-    ) {
-        let mut rows = rows.map(|(row, block)| (weight * row.force, weight * row.momentum, block));
-        for i in 0..N {
-            for j in 0..N {
-                let (force, l_v) = self.entry((i, j), column);
-                for (of_force, of_momentum, block) in &mut rows {
-                    block[i][j] = (block[i][j] + *of_force * force) + *of_momentum * l_v;
-                }
-            }
-        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::dual_number;
 use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::scalar::Real;
 use num_dual::HyperDual64;
 
 /// First derivatives along two directions, and the mixed second one: x + ε₁x₁ + ε₂x₂ + ε₁ε₂x₁₂.
@@ -11,6 +12,25 @@ impl Dual {
     /// x moving along two directions.
     pub fn moving(x: f64, [e1, e2]: [f64; 2]) -> Self {
         Self(HyperDual64::new(x, e1, e2, 0.0))
+    }
+}
+
+/// Comparisons see the values alone.
+impl Real for Dual {
+    const EPSILON: Self =
+        dual_number::Dual(HyperDual64 { re: f64::EPSILON, eps1: 0.0, eps2: 0.0, eps1eps2: 0.0 });
+
+    fn abs(self) -> Self {
+        if self.0.re < 0.0 { -self } else { self }
+    }
+    fn short_way(self) -> Self {
+        self + Self::constant(self.0.re.short_way() - self.0.re)
+    }
+    fn is_finite(self) -> bool {
+        self.0.re.is_finite()
+    }
+    fn to_f64(self) -> f64 {
+        self.0.re
     }
 }
 

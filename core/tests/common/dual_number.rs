@@ -111,3 +111,9 @@ impl<D: Number> Scalar for Dual<D> {
         if self.0.re() > 0.0 { -self } else { self }
     }
 }
+
+impl<D: Number> PartialOrd for Dual<D> {
+    fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
+        self.0.re().partial_cmp(&other.0.re())
+    }
+}

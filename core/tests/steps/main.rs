@@ -6,6 +6,7 @@ mod common;
 mod conservation;
 mod coulomb_bodies;
 mod coulomb_steps;
+mod derivative;
 mod forced_order;
 mod interval;
 mod newton;
