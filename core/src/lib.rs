@@ -32,6 +32,7 @@
 
 pub mod constraints;
 pub mod continuous;
+pub mod control;
 pub mod discrete;
 pub mod energy;
 mod expected;

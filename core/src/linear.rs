@@ -48,7 +48,7 @@ pub fn dot<S: Scalar, const N: usize>(a: &[S; N], b: &[S; N]) -> S {
 
 /// Av.
 #[inline]
-pub fn multiply<S: Scalar, const N: usize>(a: &[[S; N]; N], v: &[S; N]) -> [S; N] {
+pub fn multiply<S: Scalar, const N: usize, const M: usize>(a: &[[S; M]; N], v: &[S; M]) -> [S; N] {
     core::array::from_fn(|i| dot(&a[i], v))
 }
 
@@ -95,7 +95,11 @@ pub fn add_scaled<S: Scalar, const N: usize>(a: &[S; N], c: S, b: &[S; N]) -> [S
 
 /// A + cB.
 #[inline]
-pub fn add_scaled_matrix<S: Scalar, const N: usize>(a: &[[S; N]; N], c: S, b: &[[S; N]; N]) -> [[S; N]; N] {
+pub fn add_scaled_matrix<S: Scalar, const N: usize, const M: usize>(
+    a: &[[S; M]; N],
+    c: S,
+    b: &[[S; M]; N],
+) -> [[S; M]; N] {
     core::array::from_fn(|i| add_scaled(&a[i], c, &b[i]))
 }
 

@@ -105,9 +105,11 @@ fn check<const N: usize>(h: f64, energies: impl Lagrangian<f64, N>, dual: impl L
             v,
             h,
         };
-        (free.check::<Midpoint>(), free.check::<Galerkin>());
+        free.check::<Midpoint>();
+        free.check::<Galerkin>();
         let forced = Case { system: &system, dual: &dual_system, start, v, h };
-        (forced.check::<Midpoint>(), forced.check::<Galerkin>());
+        forced.check::<Midpoint>();
+        forced.check::<Galerkin>();
     }
 }
 

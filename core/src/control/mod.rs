@@ -1,0 +1,46 @@
+//! Optimal control of a plant that is stepped: linear regulators, and motions that meet a goal within limits.
+//!
+//! Data flows one way: [`Plant`] (a step and its derivatives) → [`riccati`] (gains of linear regulators) and [`Ilqr`] (motions, by iterating
+//! such gains) over the caller's array of [`Node`]s. Nothing here knows a mechanism; [`Stepped`] makes a plant of a Lagrangian and its
+//! integrator.
+//!
+//! A state x has D numbers, of a mechanism (q, v); a control u has M. A node is a time over which u is held.
+//!
+//! # Problem
+//!
+//! minimise Σ_k ½(x_k − x*)ᵀQ(x_k − x*) + ½u_kᵀRu_k + ½(x_K − x*)ᵀQ_K(x_K − x*), Q, R and Q_K diagonal, x_{k+1} = f(x_k, u_k), subject to
+//!
+//! - limits of the controls, which every iterate satisfies: a projected Newton method in each backward step;
+//! - limits of the states, and the goal, which is a set of states at the end: an augmented Lagrangian.
+//!
+//! # Iterative LQR
+//!
+//! 1. Rollout: x_{k+1} = f(x_k, u_k) from the start.
+//! 2. Linearisation: A_k, B_k of every node.
+//! 3. Backward pass: from the end to the start, a quadratic model of the cost to go; the change of control that minimises it within the
+//!    limits, k_k, and its dependence on the state, K_k.
+//! 4. Line search: u = u_k + αk_k − K_k(x − x_k) clamped to the limits, for α = 1, ½, … until the cost falls.
+//!
+//! Sources: Li and Todorov, "Iterative linear quadratic regulator design for nonlinear biological movement systems", 2004; Tassa, Mansard
+//! and Todorov, "Control-limited differential dynamic programming", 2014; Howell, Jackson and Manchester, "ALTRO: a fast solver for
+//! constrained trajectory optimization", 2019.
+
+mod backward;
+mod box_newton;
+mod cost;
+mod ilqr;
+mod limits;
+mod node;
+mod plant;
+mod problem;
+pub mod riccati;
+mod rounds;
+mod stepped;
+
+pub use cost::Cost;
+pub use ilqr::Ilqr;
+pub use limits::{Limits, Penalty};
+pub use node::Node;
+pub use plant::{Plant, Transition};
+pub use problem::{Iteration, Options, Problem, Solution, Status};
+pub use stepped::Stepped;

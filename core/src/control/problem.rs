@@ -1,0 +1,115 @@
+use super::backward::Diagonal;
+use super::{Cost, Limits, Node, Penalty};
+use crate::scalar::Real;
+
+/// A problem of optimal control; the [module](super) has its equations.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<P, R, const D: usize, const M: usize> {
+    /// The plant.
+    pub plant: P,
+    /// Cost of states and controls.
+    pub cost: Cost<R, D, M>,
+    /// Limits of the controls, all finite; equal ends hold a control.
+    pub controls: Limits<R, M>,
+    /// Limits of the states that hold at every node's start except the first.
+    pub hard: Penalty<R, D>,
+    /// Limits of the states that only cost, ½w e² for an excess e, at the same places.
+    pub soft: Penalty<R, D>,
+    /// States to be reached at the end.
+    pub goal: Penalty<R, D>,
+}
+
+impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
+    /// Penalties of the limits along the motion.
+    pub(super) fn limits_cost(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> R {
+        self.hard.value(x, multiplier, penalty) + self.soft.value(x, &[R::zero(); D], R::one())
+    }
+
+    /// Cost of the last state, with the penalty of the goal.
+    pub(super) fn end_cost(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> R {
+        self.cost.of_end(x) + self.goal.value(&self.cost.near(x), multiplier, penalty)
+    }
+
+    /// Slope and curvature of the cost of the last state.
+    pub(super) fn end_slope(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> Diagonal<R, D> {
+        let (cost, near) = (&self.cost, self.cost.near(x));
+        let deviation = cost.deviation(x);
+        let (mut slope, mut curvature) = ([R::zero(); D], cost.end);
+        for i in 0..D {
+            let (of_goal, bend) = self.goal.slope(i, near[i], multiplier[i], penalty);
+            slope[i] = cost.end[i] * deviation[i] + of_goal;
+            curvature[i] += bend;
+        }
+        (slope, curvature)
+    }
+
+    /// Slope and curvature of the cost of a node's state.
+    pub(super) fn state_cost<const C: usize>(&self, node: &Node<R, D, C>, penalty: R) -> Diagonal<R, D> {
+        let (cost, deviation) = (&self.cost, self.cost.deviation(&node.x));
+        let (mut slope, mut curvature) = ([R::zero(); D], cost.x);
+        for i in 0..D {
+            let (hard, hard_bend) = self.hard.slope(i, node.x[i], node.multiplier[i], penalty);
+            let (soft, soft_bend) = self.soft.slope(i, node.x[i], R::zero(), R::one());
+            slope[i] = cost.x[i] * deviation[i] + hard + soft;
+            curvature[i] += hard_bend + soft_bend;
+        }
+        (slope, curvature)
+    }
+}
+
+/// Bounds of a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options<R> {
+    /// Maximum number of iterations.
+    pub iterations: u16,
+    /// Fall of the cost, relative to 1 + |cost|, below which the last round ends.
+    pub tolerance: R,
+    /// Largest accepted violation of limits and goal, in deviations of weight 1.
+    pub violation: R,
+    /// Scale ρ > 0 of the penalties in the first round.
+    pub penalty: R,
+    /// Factor above 1 by which ρ grows after a round that did not lower the violation enough.
+    pub growth: R,
+}
+
+/// Result of one iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iteration<R> {
+    /// Number of iterations so far.
+    pub count: u16,
+    /// Augmented cost after the iteration.
+    pub cost: R,
+    /// Fall of the augmented cost in the iteration; 0 if no trial of the line search lowered it.
+    pub fall: R,
+    /// Fall that the quadratic models expected of the whole change.
+    pub expected: R,
+    /// Accepted part α of the change; 0 if none was.
+    pub part: R,
+    /// Largest violation of limits and goal, in deviations of weight 1.
+    pub violation: R,
+}
+
+/// Reason why a search ended.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The cost no longer falls; limits and goal are met.
+    Solved,
+    /// The violation of limits or goal no longer falls.
+    Infeasible,
+    /// The iterations are spent, or the caller stopped the search.
+    Stopped,
+}
+
+/// Result of a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<R> {
+    /// Reason why the search ended.
+    pub status: Status,
+    /// Cost without the penalties of hard limits and goal.
+    pub cost: R,
+    /// Largest violation of limits and goal, in deviations of weight 1.
+    pub violation: R,
+    /// Number of iterations.
+    pub iterations: u16,
+}

@@ -1,0 +1,10 @@
+//! Optimal control: regulators, plants, and motions within limits.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod limits;
+mod linear_plant;
+mod plants;
+mod riccati;
+mod swing_up;

@@ -1,0 +1,63 @@
+//! A mechanism as a plant.
+
+use crate::common::{assert_close, forces, shapes};
+use leastaction_core::control::{Plant, Stepped};
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path, StepError};
+use leastaction_core::forces::{Actuator, System};
+use leastaction_core::linear::add_scaled;
+
+const X: [f64; 6] = [0.4, -0.3, 1.1, 0.7, -0.5, 0.2];
+const U: [f64; 2] = [0.6, -0.9];
+const STEP: f64 = 1e-5;
+
+/// Columns of A and B by central differences of the node's end.
+fn check<P: Path>(ticks: u16) {
+    for model in shapes::of_three() {
+        let system = System { lagrangian: model.in_f64(), forces: forces::all() };
+        let newton = Newton { max_iterations: 40, stop: 0.0, accept: 1e-8 };
+        let actuator = Actuator { gain: [0.7, -1.3, 0.4], offset: [0.2, -0.1, 0.3], delay: 0.0 };
+        let del = Del::<f64, P>::with_newton(0.01, newton);
+        let plant = Stepped { system: &system, del, actuator, inputs: [2, 0], ticks };
+        let end = |x: [f64; 6], u: [f64; 2]| -> [f64; 6] {
+            plant.advance(&mut plant.begin(&x).unwrap(), &u).unwrap()
+        };
+        let found = plant.linearise(&X, &U).unwrap();
+        for j in 0..6 {
+            let moved =
+                |step: f64| end(add_scaled(&X, step, &core::array::from_fn(|i| f64::from(i == j))), U);
+            let (forth, back) = (moved(STEP), moved(-STEP));
+            for i in 0..6 {
+                assert_close("A", found.a[i][j], (forth[i] - back[i]) / (2.0 * STEP), 1e-8);
+            }
+        }
+        for j in 0..2 {
+            let moved =
+                |step: f64| end(X, add_scaled(&U, step, &core::array::from_fn(|i| f64::from(i == j))));
+            let (forth, back) = (moved(STEP), moved(-STEP));
+            for i in 0..6 {
+                assert_close("B", found.b[i][j], (forth[i] - back[i]) / (2.0 * STEP), 1e-8);
+            }
+        }
+    }
+}
+
+#[test]
+fn nodes_are_linearised_exactly() {
+    check::<Midpoint>(1);
+    check::<Midpoint>(3);
+    check::<Galerkin>(2);
+}
+
+#[test]
+fn a_state_that_is_not_a_number_is_refused() {
+    let model = &shapes::of_three()[0];
+    let system = System { lagrangian: model.in_f64(), forces: forces::all() };
+    let del = Del::<f64, Midpoint>::new(0.01);
+    let plant = Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [2, 0], ticks: 1 };
+    let mut x = X;
+    x[1] = f64::NAN;
+    assert_eq!(plant.begin(&x), Err(StepError::NotFinite));
+    let mut motion = plant.begin(&X).unwrap();
+    let end: Result<[f64; 6], _> = plant.advance(&mut motion, &[f64::NAN, 0.0]);
+    assert_eq!(end, Err(StepError::NotFinite));
+}
