@@ -5,7 +5,7 @@
 //!
 //! Data flows one way through the modules of this crate:
 //! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] →
-//! [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`].
+//! [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`] and [`plan`].
 //!
 //! # Notation
 //!
@@ -44,6 +44,7 @@ pub mod network;
 mod newton;
 pub mod observer;
 pub mod particles;
+pub mod plan;
 pub mod scalar;
 #[cfg(feature = "nalgebra")]
 pub mod static_vectors;

@@ -10,6 +10,7 @@ use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path,
 use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Model, ModelError};
+use leastaction_core::plan::Plan;
 use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear, Stepper};
 
 #[panic_handler]
@@ -117,6 +118,14 @@ where
     let _ = black_box(stepper::<L, F, Galerkin, Linear, Direct, N, 1>(model));
     let _ = black_box(stepper::<L, F, Midpoint, Linear, Actuated<N>, N, 5>(model));
     let _ = black_box(stepper::<L, F, Galerkin, Held, Actuated<N>, N, 3>(model));
+}
+
+/// Everything of a plan.
+#[inline(never)]
+pub fn followed<const N: usize, const M: usize>(plan: &Plan<N, M>) {
+    let (tick, at) = (black_box(7), &black_box([0.1; N]));
+    let _ = black_box((plan.command(tick, at, at), plan.force(tick, at, at), plan.reference(tick)));
+    black_box((plan.ticks(), plan.seconds(), plan.file().record(tick)));
 }
 
 /// A file in flash, of which the compiler knows nothing.

@@ -59,20 +59,24 @@ pub use laws::{FrictionNumber, Law, Laws};
 pub use load_forces::{LawNumbers, LoadForces};
 pub use loaded::Model;
 pub use modular::{MAX_TREES, ModularHeader, ModularModel, TreeHeader};
-pub use parse::{Parsed, ParsedAs, ShapeHeader, parse, parse_as};
+pub(crate) use parse::unpadded;
+pub use parse::{Parsed, ParsedAs, ShapeHeader, fingerprint, parse, parse_as};
 pub use range::{CoordinateRange, Interval, Outside, TrainingRange};
 pub use section::{Section, Sections};
 pub use step::TrainedStep;
+pub(crate) use write::File;
 pub use write::{WriteError, write};
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 /// CRC-32/ISO-HDLC without a table: 0 bytes of RAM, no table in flash.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-const CRC_BYTES: usize = 4;
+/// Length of the checksum at the end of a file, bytes.
+pub(crate) const CRC_BYTES: usize = 4;
 /// Maximum number of padding bytes that bring the weights to a multiple of 4.
 const MAX_PADDING: usize = 3;
-const PREFIX_BYTES: usize = MAGIC.len() + 1;
+/// Length of the magic letters and the version, bytes.
+pub(crate) const PREFIX_BYTES: usize = MAGIC.len() + 1;
 
 /// Computes the checksum at the end of a file, from all bytes before it.
 pub fn checksum(body: &[u8]) -> u32 {

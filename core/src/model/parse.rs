@@ -155,10 +155,20 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     Err(ModelError::OtherFamily { found: found.1 })
 }
 
+/// Fingerprint of a model, by which a [plan](crate::plan) knows it: the checksum at the end of the model's file, after a check of the whole
+/// file against it.
+///
+/// # Errors
+/// [`ModelError`] if the bytes are no undamaged model file.
+pub fn fingerprint(bytes: &[u8]) -> Result<u32, ModelError> {
+    check_prefix(bytes)?;
+    check_sum(bytes).map(|(_, sum)| sum)
+}
+
 /// Reads everything before the shape.
 fn begin(bytes: &[u8]) -> Result<Begun<'_>, ModelError> {
     check_prefix(bytes)?;
-    let sections = Sections::new(check_sum(bytes)?)?;
+    let sections = Sections::new(check_sum(bytes)?.0)?;
     let (family, shape) = take(sections.required(Section::Energies)?)?;
     Ok(Begun { sections, family, shape })
 }
@@ -189,7 +199,7 @@ fn finish<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
 }
 
 /// Strips the padding off the weight section: one byte with the number of zeros, then the zeros.
-fn unpadded(section: &[u8]) -> Result<&[u8], ModelError> {
+pub(crate) fn unpadded(section: &[u8]) -> Result<&[u8], ModelError> {
     let padding = || section.split_first().and_then(|(n, rest)| rest.split_at_checked(usize::from(*n)));
     let (zeros, numbers) = padding().ok_or(ModelError::Malformed)?;
     let valid = zeros.len() <= MAX_PADDING && zeros.iter().all(|byte| *byte == 0);
@@ -234,11 +244,11 @@ fn check_prefix(bytes: &[u8]) -> Result<(), ModelError> {
     }
 }
 
-/// Verifies the checksum and returns the bytes between the version and the checksum.
-fn check_sum(bytes: &[u8]) -> Result<&[u8], ModelError> {
+/// Verifies the checksum and returns the bytes between the version and the checksum, and the checksum.
+fn check_sum(bytes: &[u8]) -> Result<(&[u8], u32), ModelError> {
     let short = ModelError::TooShort { bytes: bytes.len() };
     let (body, stored) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(short)?;
     let sections = body.get(PREFIX_BYTES..).ok_or(short)?;
     let (stored, computed) = (u32::from_le_bytes(*stored), checksum(body));
-    if stored == computed { Ok(sections) } else { Err(ModelError::Checksum { stored, computed }) }
+    if stored == computed { Ok((sections, stored)) } else { Err(ModelError::Checksum { stored, computed }) }
 }

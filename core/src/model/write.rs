@@ -17,8 +17,8 @@ pub enum WriteError {
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Self::TooShort => "the memory is too short for the model file",
-            Self::TooLong => "a section of the model file has more than 4,294,967,295 bytes",
+            Self::TooShort => "the memory is too short for the file",
+            Self::TooLong => "a section of the file has more than 4,294,967,295 bytes",
         })
     }
 }
@@ -31,9 +31,7 @@ impl core::error::Error for WriteError {}
 /// # Errors
 /// See [`WriteError`].
 pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Result<&'m [u8], WriteError> {
-    let mut file = File { memory, length: 0 };
-    file.append(&MAGIC)?;
-    file.append(&[FORMAT_VERSION])?;
+    let mut file = File::begin(memory, MAGIC, FORMAT_VERSION)?;
     file.family(&header.family)?;
     if header.laws != Laws::NONE {
         file.section(Section::Forces, |file| file.laws(&header.laws))?;
@@ -42,7 +40,10 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
     if let Some(step) = header.trained_step {
         file.section(Section::Step, |file| file.append(&step.to_bytes()))?;
     }
-    file.section(Section::Weights, |file| file.weights(weights))?;
+    file.section(Section::Weights, |file| {
+        file.pad()?;
+        file.append(weights)
+    })?;
     file.optional(Section::Units, header.units.as_bytes())?;
     file.optional(Section::Range, header.range.map_or(&[], |range| range.bytes()))?;
     file.optional(Section::Provenance, header.provenance.as_bytes())?;
@@ -53,7 +54,7 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
 const ALIGNMENT: usize = 4;
 
 /// A partly written file.
-struct File<'m> {
+pub(crate) struct File<'m> {
     memory: &'m mut [u8],
     length: usize,
 }
@@ -73,7 +74,16 @@ macro_rules! write_any {
 with_families!(write_any);
 
 impl<'m> File<'m> {
-    fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
+    /// Begins a file with its magic letters and its version.
+    pub(crate) fn begin(memory: &'m mut [u8], magic: [u8; 4], version: u8) -> Result<Self, WriteError> {
+        let mut file = Self { memory, length: 0 };
+        file.append(&magic)?;
+        file.append(&[version])?;
+        Ok(file)
+    }
+
+    /// Appends these bytes.
+    pub(crate) fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
         let end = self.length + bytes.len();
         self.memory.get_mut(self.length..end).ok_or(WriteError::TooShort)?.copy_from_slice(bytes);
         self.length = end;
@@ -113,23 +123,23 @@ impl<'m> File<'m> {
         })
     }
 
-    fn document(&mut self, document: &impl Serialize) -> Result<(), WriteError> {
+    /// Appends a postcard document.
+    pub(crate) fn document(&mut self, document: &impl Serialize) -> Result<(), WriteError> {
         let rest = self.memory.get_mut(self.length..).ok_or(WriteError::TooShort)?;
         self.length += postcard::to_slice(document, rest).map_err(|_| WriteError::TooShort)?.len();
         Ok(())
     }
 
-    /// Appends the padding and then the weights. The padding is the number of zeros, then the zeros, which bring the
-    /// weights to a multiple of 4 bytes from the start of the file.
-    fn weights(&mut self, weights: &[u8]) -> Result<(), WriteError> {
+    /// Appends the padding: the number of zeros, then the zeros, after which numbers lie at a multiple of 4 bytes from the start of the file.
+    pub(crate) fn pad(&mut self) -> Result<(), WriteError> {
         let first = self.length + 1;
         let padding = first.next_multiple_of(ALIGNMENT) - first;
         self.append(&[padding as u8])?;
-        (0..padding).try_for_each(|_| self.append(&[0]))?;
-        self.append(weights)
+        (0..padding).try_for_each(|_| self.append(&[0]))
     }
 
-    fn close(mut self) -> Result<&'m [u8], WriteError> {
+    /// Closes the file with its checksum, and returns it.
+    pub(crate) fn close(mut self) -> Result<&'m [u8], WriteError> {
         debug_assert!(self.length >= PREFIX_BYTES, "a file begins with magic and version");
         let sum = checksum(self.memory.get(..self.length).unwrap_or_default());
         self.append(&sum.to_le_bytes())?;

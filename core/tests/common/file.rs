@@ -388,7 +388,12 @@ pub fn assert_changes_are_refused(file: &[u8]) {
 
 /// A file as text: hexadecimal bytes in parts of the given lengths, each part after its name.
 pub fn text(file: &[u8], parts: &[(usize, &str)]) -> String {
-    let mut text = String::from("# A model file, written by core/tests; see core/FORMAT.md.\n");
+    text_of("model file", file, parts)
+}
+
+/// [`text`] of a file of this kind.
+pub fn text_of(kind: &str, file: &[u8], parts: &[(usize, &str)]) -> String {
+    let mut text = format!("# A {kind}, written by core/tests; see core/FORMAT.md.\n");
     let mut rest = file;
     for (length, what) in parts {
         let (part, after) = rest.split_at(*length);

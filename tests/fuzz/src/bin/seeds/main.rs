@@ -4,7 +4,7 @@
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::model::Laws;
+use leastaction_core::model::{Laws, MAGIC};
 use leastaction_core::network::Activation;
 use std::error::Error;
 use std::fs;
@@ -64,11 +64,7 @@ mod logs;
 fn models(corpus: &Path, repository: &Path) -> Done {
     let (mut load, mut steps) = (Seeds::of(corpus, "load")?, Seeds::of(corpus, "steps")?);
     let mut files = small();
-    for entry in fs::read_dir(repository.join("core/tests/golden"))? {
-        let text = fs::read_to_string(entry?.path())?;
-        let digits = text.lines().flat_map(|line| line.split('#').next().unwrap_or("").split_whitespace());
-        files.push(digits.map(|byte| u8::from_str_radix(byte, 16)).collect::<Result<_, _>>()?);
-    }
+    files.extend(golden(repository)?.into_iter().filter(|file| file.starts_with(&MAGIC)));
     for entry in fs::read_dir(repository.join("firmware-sim/chip/models"))? {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "postcard") {
@@ -81,6 +77,17 @@ fn models(corpus: &Path, repository: &Path) -> Done {
         steps.add(&[&[7, 100, 99], sections].concat())?;
     }
     Ok(())
+}
+
+/// Files of core's tests: models and a plan.
+fn golden(repository: &Path) -> Done<Vec<Vec<u8>>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(repository.join("core/tests/golden"))? {
+        let text = fs::read_to_string(entry?.path())?;
+        let digits = text.lines().flat_map(|line| line.split('#').next().unwrap_or("").split_whitespace());
+        files.push(digits.map(|byte| u8::from_str_radix(byte, 16)).collect::<Result<_, _>>()?);
+    }
+    Ok(files)
 }
 
 fn small() -> Vec<Vec<u8>> {

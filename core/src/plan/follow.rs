@@ -1,0 +1,134 @@
+use super::{CommandError, PlanError, PlanFile, Reference};
+use crate::expected::expected;
+use crate::scalar::Real;
+
+/// A plan for a mechanism with `N` coordinates of which `M` are driven, and the law that follows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan<'a, const N: usize, const M: usize> {
+    file: PlanFile<'a>,
+}
+
+impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
+    /// Reads and validates a plan for the model with this [fingerprint](crate::model::fingerprint).
+    ///
+    /// `bytes` must be 4-aligned and is borrowed, not copied.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    pub fn load(bytes: &'a [u8], fingerprint: u32) -> Result<Self, PlanError> {
+        let file = PlanFile::parse(bytes)?;
+        file.check_model(fingerprint)?;
+        Self::new(file)
+    }
+
+    /// Creates the plan of a file, for any model.
+    ///
+    /// # Errors
+    /// [`PlanError::Shape`] unless it has `N` coordinates, `M` of them driven.
+    pub fn new(file: PlanFile<'a>) -> Result<Self, PlanError> {
+        same("coordinates", file.header().n(), N)?;
+        same("driven coordinates", file.header().commands(), M)?;
+        Ok(Self { file })
+    }
+
+    /// The file of the plan.
+    pub const fn file(&self) -> &PlanFile<'a> {
+        &self.file
+    }
+
+    /// Length of the motion in ticks; from this tick on the plan is its goal.
+    pub const fn ticks(&self) -> u32 {
+        self.file.header().ticks()
+    }
+
+    /// Length of the motion, s.
+    pub const fn seconds(&self) -> f32 {
+        self.file.header().seconds()
+    }
+
+    /// The plan at a tick, from 0. A node begins with its record; within the node the motion is the cubic polynomial through its ends,
+    /// the command is held and the gain is linear. From the end on the plan is its last record.
+    pub fn reference(&self, tick: u32) -> Reference<N, M> {
+        let header = self.file.header();
+        if tick >= self.ticks() {
+            return self.record(header.nodes);
+        }
+        let m = header.ticks_per_node;
+        let (node, within) = expected(tick.checked_div(m).zip(tick.checked_rem(m)), (0, 0));
+        let start = self.record(node);
+        if within == 0 {
+            return start;
+        }
+        let (m, end) = (m as f32, self.record(node.saturating_add(1)));
+        start.towards(&end, within as f32 / m, m * header.h)
+    }
+
+    fn record(&self, node: u32) -> Reference<N, M> {
+        let record = self.file.record(node).and_then(|record| Reference::read(&record));
+        expected(record, Reference::ZERO)
+    }
+
+    /// Command of every driven coordinate at a tick and a measured state, N or N m: u = ū − K (x − x̄), x = (q, v), within its limits.
+    ///
+    /// # Errors
+    /// [`CommandError`] for a state that is not finite, or too far from the plan.
+    pub fn command(&self, tick: u32, q: &[f32; N], v: &[f32; N]) -> Result<[f32; M], CommandError> {
+        check_finite('q', q)?;
+        check_finite('v', v)?;
+        let Reference { q: q_bar, v: v_bar, mut u, gain } = self.reference(tick);
+        let (q, v) = (self.position_difference(q, q_bar), difference(v, v_bar));
+        let header = self.file.header();
+        let ranges = header.driven.iter().zip(header.limits);
+        for ((u, gain), (coordinate, [least, most])) in u.iter_mut().zip(&gain).zip(ranges) {
+            *u -= gain.times(&q, &v);
+            if u.is_nan() {
+                return Err(CommandError::Overflow { coordinate: *coordinate });
+            }
+            *u = u.max(*least).min(*most);
+        }
+        Ok(u)
+    }
+
+    /// [`Plan::command`] spread over all coordinates: 0 for those that are not driven.
+    ///
+    /// # Errors
+    /// See [`Plan::command`].
+    pub fn force(&self, tick: u32, q: &[f32; N], v: &[f32; N]) -> Result<[f32; N], CommandError> {
+        let mut force = [0.0; N];
+        for (coordinate, u) in self.file.header().driven.iter().zip(self.command(tick, q, v)?) {
+            if let Some(force) = force.get_mut(usize::from(*coordinate)) {
+                *force = u;
+            }
+        }
+        Ok(force)
+    }
+
+    /// q − q̄, for angles the short way.
+    fn position_difference(&self, q: &[f32; N], q_bar: [f32; N]) -> [f32; N] {
+        let mut difference = difference(q, q_bar);
+        for (difference, angle) in difference.iter_mut().zip(self.file.header().angles) {
+            if *angle == 1 {
+                *difference = difference.short_way();
+            }
+        }
+        difference
+    }
+}
+
+fn difference<const N: usize>(x: &[f32; N], mut x_bar: [f32; N]) -> [f32; N] {
+    for (x_bar, x) in x_bar.iter_mut().zip(x) {
+        *x_bar = x - *x_bar;
+    }
+    x_bar
+}
+
+fn check_finite<const N: usize>(quantity: char, x: &[f32; N]) -> Result<(), CommandError> {
+    let bad = x.iter().enumerate().find(|(_, x)| !x.is_finite());
+    bad.map_or(Ok(()), |(coordinate, value)| {
+        Err(CommandError::NotFinite { quantity, coordinate, value: *value })
+    })
+}
+
+fn same(what: &'static str, found: usize, compiled: usize) -> Result<(), PlanError> {
+    if found == compiled { Ok(()) } else { Err(PlanError::Shape { what, found, compiled }) }
+}

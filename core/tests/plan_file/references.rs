@@ -1,0 +1,97 @@
+//! The plan between its records.
+
+use crate::common::assert_close;
+use crate::sample::{MODEL, Sample};
+use leastaction_core::plan::{Gain, Plan, Reference};
+
+/// The record of a node, read by hand.
+fn record(sample: &Sample, node: usize) -> Reference<3, 2> {
+    let x = &sample.records[20 * node..20 * (node + 1)];
+    let three = |i: usize| [x[i], x[i + 1], x[i + 2]];
+    Reference {
+        q: three(0),
+        v: three(3),
+        u: [x[6], x[7]],
+        gain: [8, 14].map(|i| Gain { q: three(i), v: three(i + 3) }),
+    }
+}
+
+#[test]
+fn nodes_begin_with_their_records() {
+    let sample = Sample::random(1);
+    let file = sample.file();
+    let plan = Plan::<3, 2>::load(file.bytes(), MODEL).unwrap();
+    assert_eq!(plan.ticks(), 20);
+    assert_close("seconds", plan.seconds().into(), 0.2, 1e-7);
+    for node in 0..=5 {
+        assert_eq!(plan.reference(4 * node), record(&sample, node as usize));
+    }
+    for tick in [21, 23, 24, 1000, u32::MAX] {
+        assert_eq!(plan.reference(tick), record(&sample, 5));
+    }
+}
+
+#[test]
+fn commands_are_held_and_gains_are_linear() {
+    let sample = Sample::random(2);
+    let file = sample.file();
+    let plan = Plan::<3, 2>::load(file.bytes(), MODEL).unwrap();
+    for tick in 0..20 {
+        let (node, s) = (tick as usize / 4, f64::from(tick % 4) / 4.0);
+        let (found, start, end) = (plan.reference(tick), record(&sample, node), record(&sample, node + 1));
+        assert_eq!(found.u, start.u);
+        for row in 0..2 {
+            let between = |a: f32, b: f32| f64::from(a) + s * (f64::from(b) - f64::from(a));
+            for i in 0..3 {
+                let ([found, start, end], name) = ([&found, &start, &end].map(|x| x.gain[row]), "gain");
+                assert_close(name, found.q[i].into(), between(start.q[i], end.q[i]), 2e-7);
+                assert_close(name, found.v[i].into(), between(start.v[i], end.v[i]), 2e-7);
+            }
+        }
+    }
+}
+
+/// Position and velocity of a cubic motion at t seconds.
+fn cubic([a, b, c, d]: [f64; 4], t: f64) -> [f64; 2] {
+    [a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * 3.0 * d)]
+}
+
+/// Plans of a cubic motion, sampled by nodes of several lengths.
+#[test]
+fn a_cubic_motion_is_reproduced() {
+    let motion = [[0.5, -1.0, 2.0, -0.75], [-3.0, 4.0, 0.25, 1.5]];
+    for (ticks_per_node, nodes) in [(1, 12), (2, 6), (3, 4), (12, 1)] {
+        let (h, mut records) = (0.125, Vec::new());
+        for node in 0..=nodes {
+            let t = h * f64::from(node * ticks_per_node);
+            let [x, y] = motion.map(|motion| cubic(motion, t));
+            records.extend([x[0], y[0], x[1], y[1], 0.0, 0.0, 0.0, 0.0, 0.0].map(|x| x as f32));
+        }
+        let sample = Sample { h: h as f32, ticks_per_node, nodes, records, ..Sample::golden() };
+        let file = sample.file();
+        let plan = Plan::<2, 1>::load(file.bytes(), MODEL).unwrap();
+        assert_eq!(plan.seconds(), 1.5);
+        for tick in 0..=12 {
+            let found = plan.reference(tick);
+            for (i, motion) in motion.into_iter().enumerate() {
+                let [q, v] = cubic(motion, h * f64::from(tick));
+                assert_close("q", found.q[i].into(), q, 1e-6);
+                assert_close("v", found.v[i].into(), v, 2e-6);
+            }
+        }
+    }
+}
+
+/// The plan's own angles are continuous: between 3 and 3.5 rad lies 3.25 rad, not an angle wrapped to ±π.
+#[test]
+fn planned_angles_pass_half_a_turn() {
+    let mut sample = Sample { ticks_per_node: 2, nodes: 1, h: 0.25, ..Sample::golden() };
+    sample.records.truncate(18);
+    for (node, q) in [3.0, 3.5].into_iter().enumerate() {
+        sample.records[9 * node] = q;
+        sample.records[9 * node + 2] = 1.0;
+    }
+    let file = sample.file();
+    let found = Plan::<2, 1>::load(file.bytes(), MODEL).unwrap().reference(1);
+    assert_eq!((found.q[0], found.v[0]), (3.25, 1.0));
+}
