@@ -2,6 +2,7 @@
 # Fuzzes: `run.sh` every target for a minute, `run.sh TARGET SECONDS` one of them. Stable Rust and a C++ compiler are enough.
 #   load        model files of every family, their checksum corrected
 #   steps       like load, then accelerations and ten steps of either order
+#   plan        files of plans, their checksum corrected, followed from many states
 #   link        bytes and requests sent to a processor
 #   csv npz mcap db3 mat toml urdf safetensors checkpoint   the other readers
 # A target begins with inputs from our own writers and from earlier runs (corpus/TARGET, which grows), and ends with a line of executions,
@@ -9,7 +10,7 @@
 # than 1 GB (`MEMORY`, in MB). Further options are libFuzzer's: `run.sh load 60 -jobs=2`.
 set -euo pipefail
 cd "$(dirname "$0")"
-targets=(load steps link csv npz mcap db3 mat toml urdf safetensors checkpoint)
+targets=(load steps plan link csv npz mcap db3 mat toml urdf safetensors checkpoint)
 target=${1:-all} seconds=${2:-60}
 shift $(($# < 2 ? $# : 2))
 
@@ -35,7 +36,7 @@ export CXXFLAGS=-O2
 longest() {
     case $1 in
         load | steps | checkpoint) echo 4096 ;;
-        link) echo 1024 ;;
+        link | plan) echo 1024 ;;
         csv) echo 512 ;;
         db3) echo 16384 ;;
         *) echo 8192 ;;

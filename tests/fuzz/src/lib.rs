@@ -10,6 +10,7 @@ pub mod link;
 #[cfg(feature = "logs")]
 pub mod logs;
 pub mod model;
+pub mod plan;
 pub mod sections;
 #[cfg(feature = "steps")]
 pub mod steps;
@@ -20,6 +21,8 @@ pub mod weights;
 
 /// Number of bytes of the target `steps` before the sections.
 pub const HEAD: usize = 3;
+/// Number of bytes of the target `plan` before the numbers of a plan that it writes.
+pub const PLAN_HEAD: usize = 9;
 /// First bytes of a checkpoint.
 pub const CHECKPOINT: &[u8] = b"LARUN\x08";
 

@@ -5,29 +5,36 @@ use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::forces::{Coulomb, Dissipation, PotentialCorrection, Viscous};
 use leastaction_core::model::{
-    ArmModel, BodiesModel, Family, GraphModel, InertiaNetworkModel, MAGIC, ModelError, ModularModel, parse,
+    ArmModel, BodiesModel, FORMAT_VERSION, Family, GraphModel, InertiaNetworkModel, MAGIC, ModelError,
+    ModularModel, parse,
 };
 use leastaction_core::scalar::{FileWeightFormat, Weights, f16};
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
-/// A whole model file, placed as a linker would place it.
+/// A whole model file or plan, placed as a linker would place it.
 pub struct File {
     words: Vec<u32>,
     length: usize,
 }
 
 impl File {
-    /// Creates a file around these sections, with the prefix and the right checksum.
+    /// Creates a model file around these sections, with the prefix and the right checksum.
     #[must_use]
     pub fn of(sections: &[u8]) -> Self {
-        let length = MAGIC.len() + 1 + sections.len() + 4;
+        Self::with(MAGIC, FORMAT_VERSION, sections)
+    }
+
+    /// Creates a file around these contents, with this prefix and the right checksum.
+    #[must_use]
+    pub fn with(magic: [u8; 4], version: u8, contents: &[u8]) -> Self {
+        let length = magic.len() + 1 + contents.len() + 4;
         let mut words = vec![0_u32; length.div_ceil(4)];
         let bytes: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut words)[..length];
-        bytes[..4].copy_from_slice(&MAGIC);
-        bytes[4] = leastaction_core::model::FORMAT_VERSION;
+        bytes[..4].copy_from_slice(&magic);
+        bytes[4] = version;
         let (body, sum) = bytes.split_at_mut(length - 4);
-        body[5..].copy_from_slice(sections);
+        body[5..].copy_from_slice(contents);
         sum.copy_from_slice(&CRC.checksum(body).to_le_bytes());
         Self { words, length }
     }

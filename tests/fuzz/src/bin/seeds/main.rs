@@ -6,6 +6,7 @@ use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::model::{Laws, MAGIC};
 use leastaction_core::network::Activation;
+use leastaction_core::plan;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,7 @@ fn main() -> Done {
     let corpus = Path::new(&corpus);
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     models(corpus, &repository)?;
+    plans(corpus, &repository)?;
     #[cfg(feature = "link")]
     link::documents(&mut Seeds::of(corpus, "link")?)?;
     #[cfg(feature = "logs")]
@@ -75,6 +77,20 @@ fn models(corpus: &Path, repository: &Path) -> Done {
         let sections = file.get(5..file.len() - 4).ok_or("a model file is longer")?;
         load.add(sections)?;
         steps.add(&[&[7, 100, 99], sections].concat())?;
+    }
+    Ok(())
+}
+
+/// Writes contents of the plan of core's tests, and sizes of plans with numbers.
+fn plans(corpus: &Path, repository: &Path) -> Done {
+    let mut plan = Seeds::of(corpus, "plan")?;
+    for file in golden(repository)?.into_iter().filter(|file| file.starts_with(&plan::MAGIC)) {
+        plan.add(&[&[0], &file[5..file.len() - 4]].concat())?;
+    }
+    let numbers: Vec<u8> = (0..40).flat_map(|i| (i as f32 / 8.0 - 1.0).to_le_bytes()).collect();
+    for [n, driven, angles] in [[1, 1, 1], [2, 2, 1], [2, 3, 0], [3, 5, 6], [5, 8, 3]] {
+        let head = [&[1, n, driven, angles, 3, 2][..], &0.05_f32.to_le_bytes()].concat();
+        plan.add(&[head, numbers.clone()].concat())?;
     }
     Ok(())
 }
