@@ -32,6 +32,7 @@ from control_nlp import Program
 from control_problem import read_problem
 from control_runs import WARM, Ours, Rival, best, guessed_controls, judged, read_controls, starts, write_controls
 from control_tick import Stepper
+from control_tinympc import print_rows, regulate
 
 PROBLEMS = ("pendulum", "cartpole", "acrobot", "pendubot", "arm")
 FLAGS = ["-O3", "-march=native"]
@@ -160,6 +161,7 @@ def parse(arguments):
     parser.add_argument("--only", metavar="NAME", action="append", choices=PROBLEMS, help="one problem; may be given again")
     parser.add_argument("--casadi-only", action="store_true", help="measure CasADi alone")
     parser.add_argument("--self-test", action="store_true", help="check CasADi's functions against numpy and differences, and stop")
+    parser.add_argument("--tinympc", action="store_true", help="only the regulator of a cart-pole, with TinyMPC as a further rival")
     parser.add_argument("--leastaction", type=Path, metavar="PATH", help="use this program instead of building it")
     parser.add_argument("--guess", type=Path, metavar="CSV", help="controls (t, u1, …) that both programs start from, with one --only")
     parser.add_argument("--require", type=float, metavar="RATIO", help="fail unless ours takes at most 1/RATIO of the time at no higher cost")
@@ -172,6 +174,8 @@ def parse(arguments):
     options = parser.parse_args(arguments)
     if options.casadi_only and (options.leastaction or options.require is not None):
         parser.error("--casadi-only excludes --leastaction and --require")
+    if options.tinympc and options.only:
+        parser.error("--tinympc excludes --only")
     if options.guess and len(options.only or []) != 1:
         parser.error("--guess needs exactly one --only")
     return options
@@ -197,14 +201,21 @@ def run_self_test(options, configs):
 def benchmark(options, configs, folder):
     need("gcc", "install a C compiler, e.g. `apt install gcc`")
     program, reports = executable(options), []
+    rows = regulate(read_problem(configs[0])) if options.tinympc else None
     if not options.json:
         print(f"CasADi {ca.__version__}, gcc {run(['gcc', '-dumpfullversion']).strip()} {' '.join(FLAGS)}\n")
+        if rows:
+            print_rows(rows)
     for config in configs:
         reports.append(Comparison(config, options, folder).run(program))
         if not options.json:
             print_report(reports[-1])
     if options.json:
-        print(json.dumps({"casadi": ca.__version__, "flags": FLAGS, "problems": reports}))
+        print(json.dumps({"casadi": ca.__version__, "flags": FLAGS, "problems": reports, "tinympc": rows}))
+    check(reports, options)
+
+
+def check(reports, options):
     for report in reports:
         check_agreement(report, options.tolerance)
         if options.require is not None:
@@ -213,7 +224,8 @@ def benchmark(options, configs, folder):
 
 def main(arguments):
     options = parse(arguments)
-    configs = [HERE / "control" / f"{name}.toml" for name in options.only or PROBLEMS]
+    names = ("balance",) if options.tinympc else options.only or PROBLEMS
+    configs = [HERE / "control" / f"{name}.toml" for name in names]
 
     def compare():
         if options.self_test:
