@@ -22,7 +22,6 @@ from common import HERE, Failure, build_ours, exit_code, need, positive, run
 
 try:
     import casadi as ca
-    import numpy as np
 except ImportError as error:
     print(f"error: {error}: run `pip install casadi` for the interpreter {sys.executable}", file=sys.stderr)
     sys.exit(2)
