@@ -73,7 +73,6 @@ pub fn identity<S: Scalar, const N: usize>() -> Matrix<S, N> {
 }
 
 /// AB.
-#[inline]
 pub fn product<S: Scalar, const I: usize, const J: usize, const K: usize>(
     a: &[[S; J]; I],
     b: &[[S; K]; J],

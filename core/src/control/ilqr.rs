@@ -105,12 +105,18 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
 
     /// Linearises every node of the present motion.
     fn linearise(&mut self) -> Result<(), StepError<R>> {
-        if !self.linearised {
-            for node in self.nodes.iter_mut() {
-                node.transition = self.problem.plant.linearise(&node.x, &node.u)?;
-            }
-            self.linearised = true;
+        if self.linearised {
+            return Ok(());
         }
+        let plant = &self.problem.plant;
+        let (mut x, mut frame) = (self.end.x, plant.frame(&self.end.x));
+        for node in self.nodes.iter_mut().rev() {
+            let start = plant.frame(&node.x);
+            let ends = [(&node.x, &start), (&x, &frame)];
+            node.transition = plant.linearise(ends, &node.u, &node.course)?;
+            (x, frame) = (node.x, start);
+        }
+        self.linearised = true;
         Ok(())
     }
 
@@ -157,12 +163,12 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
         let mut cost = R::zero();
         for (k, node) in self.nodes.iter_mut().enumerate() {
             let u = problem.controls.clamped(&node.control(part, &x));
-            node.trial = (x, u);
+            (node.trial.0, node.trial.1) = (x, u);
             cost += problem.cost.of_node(&x, &u);
             if k > 0 {
                 cost += problem.limits_cost(&x, &node.multiplier, self.penalty);
             }
-            x = problem.plant.advance(&mut motion, &u)?;
+            x = problem.plant.advance(&mut motion, &u, &mut node.trial.2)?;
         }
         self.end.trial = x;
         Ok(cost + problem.end_cost(&x, &self.end.multiplier, self.penalty))
@@ -176,7 +182,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
     /// Makes the trial motion the present one.
     fn accept(&mut self) {
         for node in self.nodes.iter_mut() {
-            (node.x, node.u) = node.trial;
+            (node.x, node.u, node.course) = node.trial;
         }
         self.end.x = self.end.trial;
         self.linearised = false;

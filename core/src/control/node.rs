@@ -17,8 +17,10 @@ pub struct Node<R, const D: usize, const M: usize> {
     pub gain: [[R; D]; M],
     /// Multipliers of the limits of x.
     pub multiplier: [R; D],
-    /// State and control of the trial under way.
-    pub(super) trial: ([R; D], [R; M]),
+    /// Course of the node, as its plant keeps it ([`Plant::advance`](super::Plant::advance)).
+    pub course: [R; D],
+    /// State, control and course of the trial under way.
+    pub(super) trial: ([R; D], [R; M], [R; D]),
 }
 
 impl<R: Real, const D: usize, const M: usize> Node<R, D, M> {
@@ -32,7 +34,8 @@ impl<R: Real, const D: usize, const M: usize> Node<R, D, M> {
             change: [R::zero(); M],
             gain: [zero; M],
             multiplier: zero,
-            trial: (zero, u),
+            course: zero,
+            trial: (zero, u, zero),
         }
     }
 

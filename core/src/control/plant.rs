@@ -29,6 +29,8 @@ impl<R: Real, const D: usize, const M: usize> Transition<R, D, M> {
 pub trait Plant<R: Real, const D: usize, const M: usize> {
     /// A motion under way: the state with whatever its steps carry on.
     type Motion;
+    /// Data of a state that both nodes which meet there need for their linearisation.
+    type Frame;
 
     /// Begins a motion at a state.
     ///
@@ -36,31 +38,70 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
     /// [`StepError::NotFinite`] if a number is not finite.
     fn begin(&self, x: &[R; D]) -> Result<Self::Motion, StepError<R>>;
 
-    /// Advances a motion by one node under the control u, and returns the state at the node's end.
+    /// Advances a motion by one node under the control u, and returns the state at the node's end. `course` receives what
+    /// [`Plant::linearise`] may use again.
     ///
     /// # Errors
     /// [`StepError`] if the node cannot be computed; the motion is then over.
-    fn advance(&self, motion: &mut Self::Motion, u: &[R; M]) -> Result<[R; D], StepError<R>>;
+    fn advance(
+        &self,
+        motion: &mut Self::Motion,
+        u: &[R; M],
+        course: &mut [R; D],
+    ) -> Result<[R; D], StepError<R>>;
+
+    /// Data of a state.
+    fn frame(&self, x: &[R; D]) -> Self::Frame;
+
+    /// Linearises a node from its two ends, each a state with its data, its control and its course.
+    ///
+    /// # Errors
+    /// As [`Plant::advance`].
+    fn linearise(
+        &self,
+        ends: [(&[R; D], &Self::Frame); 2],
+        u: &[R; M],
+        course: &[R; D],
+    ) -> Result<Transition<R, D, M>, StepError<R>>;
 
     /// Linearises the node that begins at x under the control u.
     ///
     /// # Errors
     /// As [`Plant::advance`].
-    fn linearise(&self, x: &[R; D], u: &[R; M]) -> Result<Transition<R, D, M>, StepError<R>>;
+    fn linearise_at(&self, x: &[R; D], u: &[R; M]) -> Result<Transition<R, D, M>, StepError<R>> {
+        let mut course = [R::zero(); D];
+        let end = self.advance(&mut self.begin(x)?, u, &mut course)?;
+        self.linearise([(x, &self.frame(x)), (&end, &self.frame(&end))], u, &course)
+    }
 }
 
 impl<R: Real, T: Plant<R, D, M>, const D: usize, const M: usize> Plant<R, D, M> for &T {
     type Motion = T::Motion;
+    type Frame = T::Frame;
 
     fn begin(&self, x: &[R; D]) -> Result<Self::Motion, StepError<R>> {
         (**self).begin(x)
     }
 
-    fn advance(&self, motion: &mut Self::Motion, u: &[R; M]) -> Result<[R; D], StepError<R>> {
-        (**self).advance(motion, u)
+    fn advance(
+        &self,
+        motion: &mut Self::Motion,
+        u: &[R; M],
+        course: &mut [R; D],
+    ) -> Result<[R; D], StepError<R>> {
+        (**self).advance(motion, u, course)
     }
 
-    fn linearise(&self, x: &[R; D], u: &[R; M]) -> Result<Transition<R, D, M>, StepError<R>> {
-        (**self).linearise(x, u)
+    fn frame(&self, x: &[R; D]) -> Self::Frame {
+        (**self).frame(x)
+    }
+
+    fn linearise(
+        &self,
+        ends: [(&[R; D], &Self::Frame); 2],
+        u: &[R; M],
+        course: &[R; D],
+    ) -> Result<Transition<R, D, M>, StepError<R>> {
+        (**self).linearise(ends, u, course)
     }
 }

@@ -1,5 +1,5 @@
 use super::{Plant, Transition};
-use crate::discrete::{Control, Del, EndDerivative, Path, State, StepError};
+use crate::discrete::{Control, Del, Interval, Path, State, StepDerivative, StepError};
 use crate::forces::{Actuator, Forces, System};
 use crate::lagrangian::{Lagrangian, Linearization};
 use crate::linear::{Matrix, add_scaled_matrix, identity, product, solve_columns};
@@ -54,29 +54,6 @@ where
             })
         })
     }
-
-    /// Passes derivatives of (q, p) through a step.
-    fn through<const C: usize>(
-        [by_q, by_p]: [&EndDerivative<R, N>; 2],
-        [q, p]: &Halves<R, N, C>,
-    ) -> Halves<R, N, C> {
-        [(&by_q.q, &by_p.q), (&by_q.p, &by_p.p)]
-            .map(|(of_q, of_p)| add_scaled_matrix(&product(of_q, q), R::one(), &product(of_p, p)))
-    }
-
-    fn position_and_velocity(&self, state: &State<R, N>) -> Result<([R; N], [R; N]), StepError<R>> {
-        Ok((state.q(), state.velocity(&self.system.lagrangian)?))
-    }
-
-    /// Derivatives of (q, v) from those of (q, p): δv = M⁻¹(δp − L_vq δq).
-    fn of_velocity<const C: usize>(
-        l: &Linearization<R, N>,
-        [q, p]: &Halves<R, N, C>,
-    ) -> Result<Halves<R, N, C>, StepError<R>> {
-        let right = add_scaled_matrix(p, -R::one(), &product(&l.l_vq, q));
-        let inverse = solve_columns(l.l_vv, &identity())?;
-        Ok([*q, product(&inverse, &right)])
-    }
 }
 
 /// Splits a state into q and v.
@@ -100,43 +77,104 @@ where
     P: Path,
 {
     type Motion = State<R, N>;
+    type Frame = Linearization<R, N>;
 
     fn begin(&self, x: &[R; D]) -> Result<State<R, N>, StepError<R>> {
         let (q, v) = halves(x);
         State::new(&self.system.lagrangian, q, v)
     }
 
-    fn advance(&self, motion: &mut State<R, N>, u: &[R; M]) -> Result<[R; D], StepError<R>> {
+    fn advance(
+        &self,
+        motion: &mut State<R, N>,
+        u: &[R; M],
+        course: &mut [R; D],
+    ) -> Result<[R; D], StepError<R>> {
         let control = self.control(u);
         for _ in 0..self.ticks {
             self.del.step(self.system, motion, &control)?;
         }
-        let (q, v) = self.position_and_velocity(motion)?;
-        Ok(joined(&[q, v]))
+        *course = joined(&[motion.last_increment(), motion.last_bubble()]);
+        Ok(joined(&[motion.q(), motion.velocity(&self.system.lagrangian)?]))
     }
 
-    fn linearise(&self, x: &[R; D], u: &[R; M]) -> Result<Transition<R, D, M>, StepError<R>> {
-        let ((q, v), control) = (halves::<R, N, D>(x), self.control(u));
-        let start = self.system.lagrangian.linearization(&q, &v);
-        let mut state = State::with_momentum(q, start.l_v, v)?;
-        let mut a: [Halves<R, N, N>; 2] = [[identity(), start.l_vq], [[[R::zero(); N]; N], start.l_vv]];
-        let mut b: Halves<R, N, M> = [[[R::zero(); M]; N]; 2];
-        for _ in 0..self.ticks {
-            let step = self.del.step_with_derivative(self.system, &mut state, &control)?;
-            let by = [&step.by_q, &step.by_p];
-            let held = step.by_held();
-            a = a.map(|columns| Self::through(by, &columns));
-            let [q, p] = Self::through(by, &b);
-            b = [(q, &held.q), (p, &held.p)]
-                .map(|(through, by_tau)| add_scaled_matrix(&through, R::one(), &self.driven(by_tau)));
-        }
-        let (q, v) = self.position_and_velocity(&state)?;
-        let end = self.system.lagrangian.linearization(&q, &v);
-        let [by_q, by_v] = [Self::of_velocity(&end, &a[0])?, Self::of_velocity(&end, &a[1])?];
-        let rows = |half: usize| core::array::from_fn(|i| joined::<R, N, D>(&[by_q[half][i], by_v[half][i]]));
-        Ok(Transition {
-            a: joined::<[R; D], N, D>(&[rows(0), rows(1)]),
-            b: joined(&Self::of_velocity(&end, &b)?),
-        })
+    fn frame(&self, x: &[R; D]) -> Linearization<R, N> {
+        let (q, v) = halves(x);
+        self.system.lagrangian.linearization(&q, &v)
     }
+
+    fn linearise(
+        &self,
+        [(x, start), (_, end)]: [(&[R; D], &Linearization<R, N>); 2],
+        u: &[R; M],
+        course: &[R; D],
+    ) -> Result<Transition<R, D, M>, StepError<R>> {
+        let ((q, v), control) = (halves::<R, N, D>(x), self.control(u));
+        let mut moved = Moved::start(start);
+        if self.ticks == 1 {
+            let (w, s) = halves(course);
+            let path = Interval::<R, P, N>::new(q, w, self.del.h(), control).moved(&[R::zero(); N], &s);
+            moved.step(&path.end_derivative(self.system)?, |by_tau| self.driven(by_tau));
+        } else {
+            let mut state = State::with_momentum(q, start.l_v, v)?;
+            for _ in 0..self.ticks {
+                let step = self.del.step_with_derivative(self.system, &mut state, &control)?;
+                moved.step(&step, |by_tau| self.driven(by_tau));
+            }
+        }
+        moved.end(end)
+    }
+}
+
+/// Derivatives of (q, p) with respect to the node's (q, v) and u.
+struct Moved<R, const N: usize, const M: usize> {
+    by_q: Halves<R, N, N>,
+    by_v: Halves<R, N, N>,
+    by_u: Halves<R, N, M>,
+}
+
+impl<R: Real, const N: usize, const M: usize> Moved<R, N, M> {
+    /// At the start: δp = L_vq δq + M δv.
+    fn start(l: &Linearization<R, N>) -> Self {
+        let none = [[R::zero(); N]; N];
+        Self { by_q: [identity(), l.l_vq], by_v: [none, l.l_vv], by_u: [[[R::zero(); M]; N]; 2] }
+    }
+
+    /// Passes through a step; `driven` takes the columns of the driven coordinates.
+    fn step(&mut self, step: &StepDerivative<R, N>, driven: impl Fn(&Matrix<R, N>) -> [[R; M]; N]) {
+        let held = step.by_held();
+        self.by_q = through(step, &self.by_q);
+        self.by_v = through(step, &self.by_v);
+        let [q, p] = through(step, &self.by_u);
+        self.by_u = [(q, &held.q), (p, &held.p)]
+            .map(|(through, by_tau)| add_scaled_matrix(&through, R::one(), &driven(by_tau)));
+    }
+
+    /// At the end: δv = M⁻¹(δp − L_vq δq).
+    fn end<const D: usize>(&self, l: &Linearization<R, N>) -> Result<Transition<R, D, M>, StepError<R>> {
+        let inverse = solve_columns(l.l_vv, &identity())?;
+        let (by_q, by_v) = (velocities(&inverse, l, &self.by_q), velocities(&inverse, l, &self.by_v));
+        let rows = |half: usize| core::array::from_fn(|i| joined::<R, N, D>(&[by_q[half][i], by_v[half][i]]));
+        let a = joined::<[R; D], N, D>(&[rows(0), rows(1)]);
+        Ok(Transition { a, b: joined(&velocities(&inverse, l, &self.by_u)) })
+    }
+}
+
+/// Passes derivatives of (q, p) through a step.
+fn through<R: Real, const N: usize, const C: usize>(
+    StepDerivative { by_q, by_p, .. }: &StepDerivative<R, N>,
+    [q, p]: &Halves<R, N, C>,
+) -> Halves<R, N, C> {
+    [(&by_q.q, &by_p.q), (&by_q.p, &by_p.p)]
+        .map(|(of_q, of_p)| add_scaled_matrix(&product(of_q, q), R::one(), &product(of_p, p)))
+}
+
+/// Derivatives of (q, v) from those of (q, p).
+fn velocities<R: Real, const N: usize, const C: usize>(
+    inverse_mass: &Matrix<R, N>,
+    l: &Linearization<R, N>,
+    [q, p]: &Halves<R, N, C>,
+) -> Halves<R, N, C> {
+    let right = add_scaled_matrix(p, -R::one(), &product(&l.l_vq, q));
+    [*q, product(inverse_mass, &right)]
 }

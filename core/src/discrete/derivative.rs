@@ -6,8 +6,8 @@
 //! R_w dw + R_s ds = −∂R,  dq₁ = dq₀ + h dw,  dp₁ = dp₀ + ∂impulse + impulse_w dw + impulse_s ds.
 //!
 //! Unlike Newton's matrix, the derivatives contain L_qq ([`Lagrangian::hessian`]). They are exact for the step as it is computed, so without
-//! dissipation A = ∂(q₁, p₁)/∂(q₀, p₀) is symplectic, AᵀJA = J, to rounding. Only programs that call [`Del::step_with_derivative`] contain the
-//! code.
+//! dissipation A = ∂(q₁, p₁)/∂(q₀, p₀) is symplectic, AᵀJA = J, to rounding. Only programs that call [`Interval::end_derivative`] contain
+//! the code.
 
 use super::variation::{PointDerivatives, Variation};
 use super::{Control, Del, GaussPoint, Interval, Path, State, StepError};

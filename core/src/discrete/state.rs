@@ -81,6 +81,11 @@ impl<R: Real, const N: usize> State<R, N> {
         self.history[0].w
     }
 
+    /// The bubble of the last step; 0 at order 2, and before the first step.
+    pub fn last_bubble(&self) -> [R; N] {
+        self.history[0].s
+    }
+
     /// Guess of the next path: increment and bubble, each extrapolated by the polynomial through its last
     /// values.
     pub(super) fn initial_guess<P: Path>(&self, h: R, u: &Control<R, N>) -> Interval<R, P, N> {

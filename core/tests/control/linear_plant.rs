@@ -24,17 +24,30 @@ impl<const D: usize, const M: usize> Linear<D, M> {
 
 impl<const D: usize, const M: usize> Plant<f64, D, M> for Linear<D, M> {
     type Motion = [f64; D];
+    type Frame = ();
 
     fn begin(&self, x: &[f64; D]) -> Result<[f64; D], StepError<f64>> {
         Ok(*x)
     }
 
-    fn advance(&self, motion: &mut [f64; D], u: &[f64; M]) -> Result<[f64; D], StepError<f64>> {
+    fn advance(
+        &self,
+        motion: &mut [f64; D],
+        u: &[f64; M],
+        _: &mut [f64; D],
+    ) -> Result<[f64; D], StepError<f64>> {
         *motion = self.0.apply(motion, u);
         Ok(*motion)
     }
 
-    fn linearise(&self, _: &[f64; D], _: &[f64; M]) -> Result<Transition<f64, D, M>, StepError<f64>> {
+    fn frame(&self, _: &[f64; D]) {}
+
+    fn linearise(
+        &self,
+        _: [(&[f64; D], &()); 2],
+        _: &[f64; M],
+        _: &[f64; D],
+    ) -> Result<Transition<f64, D, M>, StepError<f64>> {
         Ok(self.0)
     }
 }

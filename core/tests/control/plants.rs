@@ -19,9 +19,9 @@ fn check<P: Path>(ticks: u16) {
         let del = Del::<f64, P>::with_newton(0.01, newton);
         let plant = Stepped { system: &system, del, actuator, inputs: [2, 0], ticks };
         let end = |x: [f64; 6], u: [f64; 2]| -> [f64; 6] {
-            plant.advance(&mut plant.begin(&x).unwrap(), &u).unwrap()
+            plant.advance(&mut plant.begin(&x).unwrap(), &u, &mut [0.0; 6]).unwrap()
         };
-        let found = plant.linearise(&X, &U).unwrap();
+        let found = plant.linearise_at(&X, &U).unwrap();
         for j in 0..6 {
             let moved =
                 |step: f64| end(add_scaled(&X, step, &core::array::from_fn(|i| f64::from(i == j))), U);
@@ -58,6 +58,6 @@ fn a_state_that_is_not_a_number_is_refused() {
     x[1] = f64::NAN;
     assert_eq!(plant.begin(&x), Err(StepError::NotFinite));
     let mut motion = plant.begin(&X).unwrap();
-    let end: Result<[f64; 6], _> = plant.advance(&mut motion, &[f64::NAN, 0.0]);
+    let end: Result<[f64; 6], _> = plant.advance(&mut motion, &[f64::NAN, 0.0], &mut [0.0; 6]);
     assert_eq!(end, Err(StepError::NotFinite));
 }

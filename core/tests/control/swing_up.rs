@@ -98,7 +98,7 @@ impl<const N: usize, const D: usize> Task<N, D> {
         for node in nodes {
             assert_eq!(node.x, x);
             assert!(node.u[0].abs() <= R::constant(self.limit));
-            x = plant.advance(&mut motion, &node.u).unwrap();
+            x = plant.advance(&mut motion, &node.u, &mut [R::zero(); D]).unwrap();
         }
         assert_eq!(*end, x);
     }

@@ -35,7 +35,7 @@ fn control<R: Real, const N: usize>([_, _, start, end]: Start<R, N>) -> Control<
     Control { start, end }
 }
 
-/// The same step in both number types.
+/// A step in both number types.
 struct Case<'a, L, D, F, G, const N: usize> {
     system: &'a System<L, F>,
     dual: &'a System<D, G>,

@@ -39,5 +39,5 @@ pub use forces::{AllForces, ForcesOf, Friction, Networks};
 pub use motion::Motion;
 pub use particles::ParticleSystem;
 pub use replica::Replica;
-pub use sizes::{COORDINATES, OfSize, Visitor};
+pub use sizes::{COORDINATES, OfSize, StateVisitor, Visitor};
 pub use watch::Watch;

@@ -3,7 +3,8 @@ use crate::particles::{ParticleEvaluator, ParticleMotion};
 use crate::sizes::AnySystem;
 use crate::watch::watch;
 use crate::{
-    Actuators, Control, Evaluator, Motion, ParticleSystem, ReplicaError, Step, SystemOf, Visitor, Watch,
+    Actuators, Control, Evaluator, Motion, ParticleSystem, ReplicaError, StateVisitor, Step, SystemOf,
+    Visitor, Watch,
 };
 use leastaction_core::discrete::Newton;
 use leastaction_core::model::{
@@ -46,6 +47,11 @@ impl<'f> Replica<'f> {
     /// Passes the system itself to a visitor, with its size as a type: for loops that are written for core's types.
     pub fn visit<'c, V: Visitor<'c>>(&'c self, visitor: V) -> V::Output {
         self.system.visit(visitor)
+    }
+
+    /// Passes the system to a visitor with the sizes of its position and of its state as types.
+    pub fn visit_states<'c, V: StateVisitor<'c>>(&'c self, visitor: V) -> V::Output {
+        self.system.visit_states(visitor)
     }
 
     /// Creates an evaluator of energies and accelerations.

@@ -23,6 +23,18 @@ pub trait Visitor<'c> {
     fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output;
 }
 
+/// An operation on a system whose state (q, v) has D = 2N numbers; stable Rust does not compute one size from another.
+pub trait StateVisitor<'c> {
+    /// Result of the visit.
+    type Output;
+
+    /// Visits a system of N coordinates.
+    fn states<const N: usize, const D: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output;
+
+    /// Visits a graph in any number of dimensions, which has no state of a fixed size.
+    fn graph(self) -> Self::Output;
+}
+
 /// Access to the system of a replica that has N coordinates, for each N of [`COORDINATES`].
 pub trait OfSize<const N: usize> {
     /// Returns the system; `None` if it has a different number of coordinates, or is a graph.
@@ -30,7 +42,7 @@ pub trait OfSize<const N: usize> {
 }
 
 macro_rules! sizes {
-    ($($size:ident = $n:literal),*) => {
+    ($($size:ident = $n:literal, $d:literal);*) => {
         /// Numbers of coordinates that core is compiled for in this program; graphs may have any.
         pub const COORDINATES: [usize; [$($n),*].len()] = [$($n),*];
 
@@ -66,9 +78,16 @@ macro_rules! sizes {
                     Self::Space(particles) => visitor.particles(particles),
                 }
             }
+
+            pub fn visit_states<'c, V: StateVisitor<'c>>(&'c self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$size(system) => visitor.states::<$n, $d>(system),)*
+                    Self::Plane(_) | Self::Space(_) => visitor.graph(),
+                }
+            }
         }
     };
 }
 
 // Each size takes two to three seconds of processor time to compile in release.
-sizes!(One = 1, Two = 2, Three = 3, Four = 4, Five = 5, Six = 6, Seven = 7, Eight = 8, Twelve = 12);
+sizes!(One = 1, 2; Two = 2, 4; Three = 3, 6; Four = 4, 8; Five = 5, 10; Six = 6, 12; Seven = 7, 14; Eight = 8, 16; Twelve = 12, 24);

@@ -1,0 +1,184 @@
+//! Start guesses: commands from which a search begins.
+
+use crate::Task;
+use leastaction_core::continuous::inverse_dynamics;
+use leastaction_models::Model;
+use leastaction_replica::SystemOf;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
+/// Kind of a start guess.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Guess {
+    /// Commands of every node.
+    Given(Vec<Vec<f64>>),
+    /// Forces of the straight line from the start to the goal, at rest at both ends.
+    Line,
+    /// Forces along the motion until the energy is that of the goal.
+    Energy,
+    /// The best of a few random waves.
+    Random(u64),
+}
+
+impl Guess {
+    /// Name of the guess.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Given(_) => "given".to_owned(),
+            Self::Line => "straight line".to_owned(),
+            Self::Energy => "energy".to_owned(),
+            Self::Random(k) => format!("random {k}"),
+        }
+    }
+
+    /// The guesses of a search.
+    pub fn of_search(starts: usize) -> Vec<Self> {
+        let fixed = [Self::Line, Self::Energy];
+        fixed.into_iter().chain((0..).map(Self::Random)).take(starts).collect()
+    }
+}
+
+/// Number of random waves of which the best is taken.
+const SHOTS: usize = 24;
+/// Number of waves that are added up.
+const WAVES: usize = 3;
+
+/// Makes commands of K nodes for a system.
+pub struct Guesser<'s, const N: usize> {
+    /// The task.
+    pub task: &'s Task,
+    /// The model, whose actuator turns commands into forces.
+    pub model: &'s Model,
+    /// The system.
+    pub system: &'s SystemOf<'s, N>,
+}
+
+impl<const N: usize> Guesser<'_, N> {
+    /// Commands of `nodes` nodes; `end` returns how far from the goal a sequence of commands ends, infinite if it cannot be computed, and
+    /// `states` its states.
+    pub fn commands(
+        &self,
+        guess: &Guess,
+        nodes: usize,
+        roll: impl Fn(&mut dyn FnMut(usize, &[f64]) -> [f64; N]) -> f64,
+    ) -> Vec<[f64; N]> {
+        match guess {
+            Guess::Given(rows) => resampled(rows, nodes),
+            Guess::Line => (0..nodes).map(|k| self.on_line((k as f64 + 0.5) / nodes as f64, nodes)).collect(),
+            Guess::Energy => {
+                let mut commands = vec![[0.0; N]; nodes];
+                roll(&mut |k, x| {
+                    let u = self.pumped(x);
+                    if let Some(slot) = commands.get_mut(k) {
+                        *slot = u;
+                    }
+                    u
+                });
+                commands
+            }
+            Guess::Random(k) => {
+                let mut random =
+                    Pcg64Mcg::seed_from_u64(self.task.search.seed.wrapping_add(k.wrapping_mul(0x9e37_79b9)));
+                let shots = (0..SHOTS).map(|_| self.waves(&mut random, nodes));
+                let scored = shots.map(|commands| (roll(&mut |k, _| commands[k]), commands));
+                let best = scored.min_by(|a, b| a.0.total_cmp(&b.0));
+                best.map_or_else(|| vec![[0.0; N]; nodes], |(_, commands)| commands)
+            }
+        }
+    }
+
+    /// Command that a force needs, within the limits.
+    fn command(&self, tau: [f64; N]) -> [f64; N] {
+        let actuator = &self.model.facts.actuator;
+        from_fn(|i| match self.task.limits.is_driven(i) {
+            true => {
+                let [least, most] = self.task.limits.planned(i);
+                ((tau[i] - actuator.offset(i)) / actuator.gain(i)).clamp(least, most)
+            }
+            false => 0.0,
+        })
+    }
+
+    /// Command at the part s of the straight line, in the time law of least jerk.
+    fn on_line(&self, s: f64, nodes: usize) -> [f64; N] {
+        let (goal, seconds) = (self.task.goal.middle(), nodes as f64 * self.task.node_seconds());
+        let way = |i: usize| {
+            let way = goal[i] - self.task.start[i];
+            let turn = self.task.goal.turns[i];
+            if turn { way - TAU * (way / TAU).round() } else { way }
+        };
+        let place = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+        let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / seconds;
+        let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (seconds * seconds);
+        let q = from_fn(|i| (self.task.start[i] + way(i) * place) as f32);
+        let (v, a) = (from_fn(|i| (way(i) * rate) as f32), from_fn(|i| (way(i) * bend) as f32));
+        inverse_dynamics(self.system, &q, &v, &a).map_or([0.0; N], |tau| self.command(tau.map(f64::from)))
+    }
+
+    /// Command that brings the energy to that of the goal, at full force.
+    fn pumped(&self, x: &[f64]) -> [f64; N] {
+        let goal = self.task.goal.middle();
+        let state = |x: &[f64]| -> [[f32; N]; 2] {
+            [
+                from_fn(|i| x.get(i).map_or(0.0, |x| *x as f32)),
+                from_fn(|i| x.get(N + i).map_or(0.0, |x| *x as f32)),
+            ]
+        };
+        let energy = |[q, v]: [[f32; N]; 2]| {
+            let of = self.system.energies(&q, &v);
+            f64::from(of.kinetic + of.potential)
+        };
+        let wanted = self.task.goal.energy.unwrap_or_else(|| energy(state(&goal)));
+        let (lack, start) = (wanted - energy(state(x)), energy(state(&self.task.start)));
+        let share = lack / (wanted - start).abs().max(1e-9);
+        from_fn(|i| match self.task.limits.is_driven(i) {
+            true => {
+                let [least, most] = self.task.limits.planned(i);
+                let v = x.get(N + i).copied().unwrap_or_default();
+                let gain = self.model.facts.actuator.gain(i).signum();
+                // A little push at rest, where no force adds energy.
+                let push = (10.0 * share * (v + 0.01)).clamp(-1.0, 1.0) * gain;
+                if push > 0.0 { push * most } else { -push * least }
+            }
+            false => 0.0,
+        })
+    }
+
+    /// Sums of random waves within the limits.
+    fn waves(&self, random: &mut impl Rng, nodes: usize) -> Vec<[f64; N]> {
+        let waves: [[[f64; 3]; WAVES]; N] = from_fn(|_| {
+            from_fn(|_| {
+                let periods = 0.25 + 5.0 * random.random::<f64>();
+                [0.7 * random.random::<f64>(), periods, TAU * random.random::<f64>()]
+            })
+        });
+        let at = |k: usize, i: usize| {
+            let s = k as f64 / nodes as f64;
+            let sum = waves[i].iter().map(|[size, periods, phase]| size * (TAU * periods * s + phase).sin());
+            let [least, most] = self.task.limits.planned(i);
+            let middle = 0.5 * (least + most);
+            (middle + 0.5 * (most - least) * sum.sum::<f64>()).clamp(least, most)
+        };
+        let driven = |k: usize, i: usize| if self.task.limits.is_driven(i) { at(k, i) } else { 0.0 };
+        (0..nodes).map(|k| from_fn(|i| driven(k, i))).collect()
+    }
+}
+
+/// Commands of another number of nodes, by linear interpolation over the same course.
+fn resampled<const N: usize>(rows: &[Vec<f64>], nodes: usize) -> Vec<[f64; N]> {
+    let at = |row: usize, i: usize| rows.get(row).and_then(|row| row.get(i)).copied().unwrap_or_default();
+    let last = rows.len().saturating_sub(1);
+    (0..nodes)
+        .map(|k| {
+            if rows.len() == nodes {
+                return from_fn(|i| at(k, i));
+            }
+            let place = (k as f64 + 0.5) / nodes as f64 * rows.len() as f64 - 0.5;
+            let place = place.clamp(0.0, last as f64);
+            let (low, part) = (place as usize, place.fract());
+            from_fn(|i| at(low, i) + part * (at((low + 1).min(last), i) - at(low, i)))
+        })
+        .collect()
+}

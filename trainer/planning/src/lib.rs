@@ -1,0 +1,30 @@
+//! Motions of a model: plans from a start to a goal within the limits of drives, joints and speeds, with the gains that follow them.
+//!
+//! Data flows one way:
+//!
+//! ```text
+//! PlanConfig (TOML) ─► Machine (the model, names and limits of its joints)
+//!                  └─► Task (numbers, checked) ─► plan: start guesses ─► iterative LQR, several side by side ─► Plan
+//! ```
+//!
+//! `leastaction-core` does the numerical work in [`control`](leastaction_core::control), the steps in the chip's arithmetic: the states of
+//! a plan are those that the chip computes under its commands.
+
+mod config;
+mod configured;
+mod error;
+mod follow;
+mod guess;
+mod machine;
+mod plan;
+mod plant;
+mod problem;
+mod search;
+mod task;
+
+pub use config::PlanConfig;
+pub use error::PlanError;
+pub use machine::Machine;
+pub use plan::{Plan, PlanNode, StartReport, Tube};
+pub use search::{Progress, plan};
+pub use task::{CostWeights, Follow, Goal, LimitsOf, Search, Task};

@@ -1,0 +1,71 @@
+use crate::PlanError;
+use leastaction_models::bodies::space::ArmArchitecture;
+use leastaction_models::tree::{Limits, Tree};
+use leastaction_models::urdf::{self, Described, Followers, Inertias, Options};
+use leastaction_models::{Model, Number};
+use std::path::Path;
+
+/// A model with what is known of its joints.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// The model.
+    pub model: Model,
+    /// Names of the coordinates.
+    pub names: Vec<String>,
+    /// Limits of the joints; infinite where they are not known.
+    pub limits: Vec<Limits>,
+    /// Notes for the user.
+    pub notes: Vec<String>,
+}
+
+impl Machine {
+    /// A machine from a model, without names or limits of joints.
+    pub fn new(model: Model) -> Self {
+        let n = model.n();
+        let names = (1..=n).map(|i| format!("q{i}")).collect();
+        Self { model, names, limits: vec![Limits::none(); n], notes: Vec::new() }
+    }
+
+    /// Whether a file is a robot description, by its name.
+    pub fn is_description(file: &Path) -> bool {
+        let end = file.extension().and_then(|end| end.to_str()).unwrap_or_default();
+        ["urdf", "xml", "mjcf", "xacro"].iter().any(|known| end.eq_ignore_ascii_case(known))
+    }
+
+    /// Reads a robot description, whose numbers are all known. Friction is not part of it.
+    ///
+    /// # Errors
+    /// [`PlanError::Model`].
+    pub fn of_description(file: &Path) -> Result<Self, PlanError> {
+        let options =
+            Options { inertias: Inertias::Required, followers: Followers::Held, ..Options::default() };
+        let Described { tree, notes } =
+            urdf::read_with(file, &options).map_err(|error| PlanError::model(file, error))?;
+        let model = known(&tree).ok_or_else(|| PlanError::model(file, "a joint follows another one"))?;
+        let coordinates = 0..tree.coordinates();
+        Ok(Self {
+            model,
+            names: coordinates.clone().map(|k| tree.coordinate_name(k).to_owned()).collect(),
+            limits: coordinates.map(|k| tree.limits(k)).collect(),
+            notes: notes.iter().map(ToString::to_string).collect(),
+        })
+    }
+
+    /// Number of coordinates n.
+    pub fn n(&self) -> usize {
+        self.model.n()
+    }
+
+    /// Flags of the coordinates that are angles.
+    pub fn angles(&self) -> Vec<bool> {
+        self.model.architecture.coordinates().chars().map(|letter| letter == 'a').collect()
+    }
+}
+
+/// Model of a tree with known numbers.
+fn known(tree: &Tree) -> Option<Model> {
+    let architecture = ArmArchitecture::new(tree, |_| false, |k| Number::known(tree.rotors[k]))?;
+    let architecture = leastaction_models::Architecture::from(architecture);
+    let weights = architecture.initial_weights(0);
+    Some(Model::new(architecture, weights))
+}

@@ -1,0 +1,96 @@
+//! A task as a problem of optimal control, its sizes being types.
+
+use crate::Task;
+use crate::plant::{SteppedOf, Widened};
+use leastaction_core::control::{Cost, Limits, Options, Penalty, Plant, Problem, Stepped};
+use leastaction_core::discrete::{Del, Order, Path};
+use leastaction_core::forces::Actuator;
+use leastaction_models::Model;
+use leastaction_replica::SystemOf;
+use std::array::from_fn;
+
+/// Numbers of a list; 0 beyond its end.
+fn array<const K: usize>(list: &[f64]) -> [f64; K] {
+    from_fn(|i| list.get(i).copied().unwrap_or_default())
+}
+
+/// Ends of a list of intervals.
+fn ends<const K: usize>(list: &[[f64; 2]]) -> Limits<f64, K> {
+    let end = |side: usize| from_fn(|i| list.get(i).map_or(0.0, |range| range[side]));
+    Limits { least: end(0), most: end(1) }
+}
+
+impl Task {
+    /// The model under the task's steps. Coordinates that are not driven have no gain.
+    pub(crate) fn plant<'s, const N: usize>(
+        &self,
+        system: &'s SystemOf<'s, N>,
+        model: &Model,
+    ) -> Widened<'s, N> {
+        match self.order {
+            Order::Two => Widened::Two(self.stepped(system, model)),
+            Order::Four => Widened::Four(self.stepped(system, model)),
+        }
+    }
+
+    fn stepped<'s, P: Path, const N: usize>(
+        &self,
+        system: &'s SystemOf<'s, N>,
+        model: &Model,
+    ) -> SteppedOf<'s, P, N> {
+        let actuator = &model.facts.actuator;
+        let gain = |i: usize| if self.limits.is_driven(i) { actuator.gain(i) as f32 } else { 0.0 };
+        Stepped {
+            system,
+            del: Del::new(self.tick as f32),
+            actuator: Actuator {
+                gain: from_fn(gain),
+                offset: from_fn(|i| actuator.offset(i) as f32),
+                delay: 0.0,
+            },
+            inputs: from_fn(|i| i),
+            ticks: self.ticks_per_node,
+        }
+    }
+
+    /// The problem over a plant.
+    pub(crate) fn problem<P: Plant<f64, D, N>, const N: usize, const D: usize>(
+        &self,
+        plant: P,
+    ) -> Problem<P, f64, D, N> {
+        let dt = self.node_seconds();
+        let weights = |list: &[f64]| list.iter().map(|weight| weight * dt).collect::<Vec<_>>();
+        let controls: Vec<[f64; 2]> = (0..N)
+            .map(|i| if self.limits.is_driven(i) { self.limits.planned(i) } else { [0.0; 2] })
+            .collect();
+        let unit = [1.0; D];
+        Problem {
+            plant,
+            cost: Cost {
+                goal: array(&self.goal.middle()),
+                turns: from_fn(|i| self.goal.turns.get(i).copied().unwrap_or_default()),
+                x: array(&weights(&self.cost.x)),
+                u: array(&weights(&self.cost.u)),
+                end: [0.0; D],
+            },
+            controls: ends(&controls),
+            hard: Penalty { limits: ends(&self.limits.x), weights: unit },
+            soft: Penalty { limits: ends(&self.soft.0), weights: [self.soft.1 * dt; D] },
+            goal: Penalty { limits: ends(&self.goal.state), weights: unit },
+        }
+    }
+
+    /// Bounds of the search.
+    pub(crate) fn options(&self) -> Options<f64> {
+        Options {
+            iterations: self.search.iterations,
+            tolerance: 1e-6,
+            violation: ACCEPTED,
+            penalty: 1.0,
+            growth: 10.0,
+        }
+    }
+}
+
+/// Largest accepted violation of limits and goal, rad, m, rad/s or m/s: the steps are in single precision.
+pub const ACCEPTED: f64 = 1e-4;

@@ -1,0 +1,243 @@
+//! The search for a plan.
+
+use crate::follow::Gains;
+use crate::guess::{Guess, Guesser};
+use crate::plan::{Plan, PlanNode, StartReport, Tube};
+use crate::problem::ACCEPTED;
+use crate::{Machine, PlanError, Task};
+use leastaction_core::control::{Ilqr, Iteration, Node, Plant, Solution};
+use leastaction_core::discrete::StepError;
+use leastaction_models::Model;
+use leastaction_replica::{ModelFile, StateVisitor, SystemOf};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Observer of a search, called from several threads.
+pub trait Progress: Sync {
+    /// Sees an iteration from a start guess with `nodes` nodes.
+    fn iteration(&self, guess: &str, nodes: usize, iteration: &Iteration<f64>);
+}
+
+impl Progress for () {
+    fn iteration(&self, _: &str, _: usize, _: &Iteration<f64>) {}
+}
+
+/// Finds a plan. `given` replaces the start guesses by commands, one row per node; `stop` ends the search, which keeps the best motion so
+/// far.
+///
+/// # Errors
+/// [`PlanError::Motion`] if no motion from the start can be computed, or the model has no states of a fixed size.
+pub fn plan(
+    machine: &Machine,
+    task: &Task,
+    given: Option<Vec<Vec<f64>>>,
+    (stop, progress): (&AtomicBool, &dyn Progress),
+) -> Result<Plan, PlanError> {
+    let failed = |error: &dyn std::fmt::Display| PlanError::Motion(error.to_string());
+    let bytes = machine.model.to_bytes().map_err(|error| failed(&error))?;
+    let file = ModelFile::new(&bytes).map_err(|error| failed(&error))?;
+    let part = machine.model.architecture.part().map(|(_, name)| name);
+    let replica = file.replica(part).map_err(|error| failed(&error))?;
+    replica.visit_states(Searching { task, model: &machine.model, given, stop, progress })
+}
+
+/// A search whose sizes become types.
+struct Searching<'t> {
+    task: &'t Task,
+    model: &'t Model,
+    given: Option<Vec<Vec<f64>>>,
+    stop: &'t AtomicBool,
+    progress: &'t dyn Progress,
+}
+
+impl<'c> StateVisitor<'c> for Searching<'_> {
+    type Output = Result<Plan, PlanError>;
+
+    fn states<const N: usize, const D: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
+        self.search::<N, D>(system)
+    }
+
+    fn graph(self) -> Self::Output {
+        Err(PlanError::Motion(
+            "graphs of particles cannot be planned; plans are for inertia networks and trees".to_owned(),
+        ))
+    }
+}
+
+/// A motion that a search found.
+struct Found<const N: usize, const D: usize> {
+    nodes: Vec<Node<f64, D, N>>,
+    end: [f64; D],
+    report: StartReport,
+}
+
+impl<const N: usize, const D: usize> Found<N, D> {
+    /// Order in which motions are preferred: feasible ones by their cost, others by their violation.
+    fn rank(&self, time: f64) -> (bool, f64) {
+        let Solution { cost, violation, .. } = self.report.solution;
+        let misses = violation > ACCEPTED;
+        (misses, if misses { violation } else { cost + time * self.nodes.len() as f64 })
+    }
+}
+
+impl Searching<'_> {
+    fn search<'c, const N: usize, const D: usize>(
+        self,
+        system: &'c SystemOf<'c, N>,
+    ) -> Result<Plan, PlanError> {
+        let (least, most) = (*self.task.nodes.start(), *self.task.nodes.end());
+        let guesses = match &self.given {
+            Some(rows) => vec![Guess::Given(rows.clone())],
+            None => Guess::of_search(self.task.search.starts),
+        };
+        let first = if least == most { most } else { (2 * most + least) / 3 };
+        let found: Vec<_> = guesses.par_iter().map(|guess| self.from::<N, D>(system, guess, first)).collect();
+        let mut all = Vec::new();
+        let mut error = None;
+        for found in found {
+            match found {
+                Ok(found) => all.push(found),
+                Err(reason) => error = Some(reason),
+            }
+        }
+        let per_node = self.task.cost.time * self.task.node_seconds();
+        let best = |all: &[Found<N, D>]| {
+            let ranks = all.iter().map(|found| found.rank(per_node)).enumerate();
+            ranks.min_by(|a, b| a.1.0.cmp(&b.1.0).then(a.1.1.total_cmp(&b.1.1))).map(|(index, _)| index)
+        };
+        if least < most {
+            self.shorten::<N, D>(system, &mut all, best, (least, most))?;
+        }
+        let Some(index) = best(&all) else {
+            return Err(PlanError::Motion(
+                error.map_or("no start guess was made".to_owned(), |error| error.to_string()),
+            ));
+        };
+        let chosen = all.remove(index);
+        let others = all.into_iter().map(|found| found.report);
+        Ok(self.finished::<N, D>(system, chosen, others.collect()))
+    }
+
+    /// Searches from a start guess.
+    fn from<'c, const N: usize, const D: usize>(
+        &self,
+        system: &'c SystemOf<'c, N>,
+        guess: &Guess,
+        count: usize,
+    ) -> Result<Found<N, D>, StepError<f64>> {
+        let plant = self.task.plant::<N>(system, self.model);
+        let start = state::<D>(&self.task.start);
+        let guesser = Guesser { task: self.task, model: self.model, system };
+        let goal = state::<D>(&self.task.goal.middle());
+        let roll = |command: &mut dyn FnMut(usize, &[f64]) -> [f64; N]| -> f64 {
+            let ended = rolled(&plant, &start, count, |k, x: &[f64; D]| command(k, x));
+            ended
+                .map_or(f64::INFINITY, |x| x.iter().zip(&goal).map(|(x, goal)| (x - goal) * (x - goal)).sum())
+        };
+        let commands = guesser.commands(guess, count, roll);
+        let mut nodes: Vec<Node<f64, D, N>> = commands.into_iter().map(Node::new).collect();
+        let begun = Instant::now();
+        let mut search = Ilqr::new(self.task.problem(&plant), self.task.options(), start, &mut nodes)?;
+        let (name, mut iterations) = (guess.name(), Vec::new());
+        let solution = search.solve(|iteration| {
+            iterations.push(*iteration);
+            self.progress.iteration(&name, count, iteration);
+            !self.stop.load(Ordering::Relaxed)
+        })?;
+        let end = *search.end();
+        let seconds = begun.elapsed().as_secs_f64();
+        let report = StartReport { guess: name, nodes: count, solution, iterations, seconds };
+        Ok(Found { nodes, end, report })
+    }
+
+    /// Looks for a better time by golden sections, each from the best motion so far.
+    fn shorten<'c, const N: usize, const D: usize>(
+        &self,
+        system: &'c SystemOf<'c, N>,
+        all: &mut Vec<Found<N, D>>,
+        best: impl Fn(&[Found<N, D>]) -> Option<usize>,
+        (mut least, mut most): (usize, usize),
+    ) -> Result<(), PlanError> {
+        let per_node = self.task.cost.time * self.task.node_seconds();
+        while most - least > ((most + least) / 200).max(1) && !self.stop.load(Ordering::Relaxed) {
+            let Some(now) = best(all).map(|index| &all[index]) else { return Ok(()) };
+            let (count, rank) = (now.nodes.len(), now.rank(per_node));
+            // The larger of the two sides of the best time is tried next.
+            let shorter = count.saturating_sub(least) >= most.saturating_sub(count);
+            let tried = if shorter { count - golden(count - least) } else { count + golden(most - count) };
+            let rows = now.nodes.iter().map(|node| node.u.to_vec()).collect();
+            let better = match self.from::<N, D>(system, &Guess::Given(rows), tried) {
+                Ok(found) => {
+                    let better = found.rank(per_node) < rank;
+                    all.push(found);
+                    better
+                }
+                Err(_) => false,
+            };
+            match (shorter, better) {
+                (true, true) => most = count,
+                (true, false) => least = tried,
+                (false, true) => least = count,
+                (false, false) => most = tried,
+            }
+        }
+        Ok(())
+    }
+
+    /// The plan of the chosen motion.
+    fn finished<'c, const N: usize, const D: usize>(
+        &self,
+        system: &'c SystemOf<'c, N>,
+        chosen: Found<N, D>,
+        others: Vec<StartReport>,
+    ) -> Plan {
+        let Found { mut nodes, end, report } = chosen;
+        let plant = self.task.plant::<N>(system, self.model);
+        for node in &mut nodes {
+            if let Ok(transition) = plant.linearise_at(&node.x, &node.u) {
+                node.transition = transition;
+            }
+        }
+        let gains = self.task.gains((&plant, system, self.model), (&nodes, &end));
+        let tube: Tube = self.task.tube(&gains, &nodes);
+        let Gains { nodes: regulators, end: at_end, command, holds } = gains;
+        let each = nodes.iter().zip(&regulators);
+        let per_node = self.task.cost.time * self.task.node_seconds();
+        Plan {
+            task: self.task.clone(),
+            nodes: each.map(|(node, of)| PlanNode::new(&node.x, &node.u, &of.gain)).collect(),
+            end: PlanNode::new(&end, &command, &at_end.gain),
+            holds,
+            cost: report.solution.cost + per_node * nodes.len() as f64,
+            solution: report.solution,
+            starts: std::iter::once(report).chain(others).collect(),
+            tube,
+            interrupted: self.stop.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// The smaller part of a golden section, at least 1.
+fn golden(length: usize) -> usize {
+    ((length as f64 * 0.382).round() as usize).max(1)
+}
+
+fn state<const D: usize>(list: &[f64]) -> [f64; D] {
+    std::array::from_fn(|i| list.get(i).copied().unwrap_or_default())
+}
+
+/// The end of a motion under commands that may depend on the state; `None` if it cannot be computed.
+fn rolled<P: Plant<f64, D, N>, const N: usize, const D: usize>(
+    plant: &P,
+    start: &[f64; D],
+    count: usize,
+    mut command: impl FnMut(usize, &[f64; D]) -> [f64; N],
+) -> Option<[f64; D]> {
+    let mut motion = plant.begin(start).ok()?;
+    let mut x = *start;
+    for k in 0..count {
+        x = plant.advance(&mut motion, &command(k, &x), &mut [0.0; D]).ok()?;
+    }
+    Some(x)
+}
