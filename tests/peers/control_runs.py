@@ -84,8 +84,10 @@ def starts(problem, layout, seeds, first_seed):
 
 
 def write_controls(path, problem, controls):
-    header = ["t", *(f"u{i + 1}" for i in range(problem.coordinates))]
-    rows = [[node * problem.node_seconds, *row] for node, row in enumerate(controls.tolist())]
+    """A log with these controls; its positions are not used."""
+    header = ["t", *named("qu", problem)]
+    zeros = [0.0] * problem.coordinates
+    rows = [[node * problem.node_seconds, *zeros, *row] for node, row in enumerate(controls.tolist())]
     with open(path, "w", newline="") as file:
         csv.writer(file).writerows([header, *rows])
 

@@ -76,6 +76,11 @@ pub trait Family {
         Vec::new()
     }
 
+    /// Positions of the numbers that grow with the mass of each body, a list per body; empty for a family without bodies.
+    fn masses(&self) -> Vec<Vec<usize>> {
+        Vec::new()
+    }
+
     /// Moves numbers that have a range but are learned directly (masses, damping) back into it.
     fn project(&self, _weights: &mut [f64]) {}
 

@@ -39,6 +39,9 @@ pub struct PlanConfig {
     /// Gains that follow the plan.
     #[serde(default)]
     pub follow: FollowConfig,
+    /// Trial of the plan.
+    #[serde(default)]
+    pub check: CheckConfig,
 }
 
 /// Number of nodes below which a motion is divided into ticks by default.
@@ -162,6 +165,26 @@ pub struct FollowConfig {
     pub v: Option<Vec<f64>>,
     /// Deviations of the commands; by default half the limits.
     pub u: Option<Vec<f64>>,
+}
+
+/// Trial of the plan: the law follows it from random starts, also on a plant whose masses are off.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CheckConfig {
+    /// Number of starts; 0: no trial.
+    pub starts: usize,
+    /// Largest deviation of the positions, rad or m.
+    pub q: f64,
+    /// Largest deviation of the velocities, rad/s or m/s.
+    pub v: f64,
+    /// Part by which every body's mass is off, up or down.
+    pub masses: f64,
+}
+
+impl Default for CheckConfig {
+    fn default() -> Self {
+        Self { starts: 20, q: 0.05, v: 0.1, masses: 0.05 }
+    }
 }
 
 impl PlanConfig {

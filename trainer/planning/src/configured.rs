@@ -1,7 +1,9 @@
 //! From a configuration and a machine to numbers that have been checked.
 
-use crate::config::{CostConfig, DEFAULT_NODES, FollowConfig, GoalConfig, PlanConfig, Range, Seconds};
-use crate::task::{CostWeights, Follow, Goal, LimitsOf, Search, Task};
+use crate::config::{
+    CheckConfig, CostConfig, DEFAULT_NODES, FollowConfig, GoalConfig, PlanConfig, Range, Seconds,
+};
+use crate::task::{Check, CostWeights, Follow, Goal, LimitsOf, Search, Task};
 use crate::{Machine, PlanError};
 use leastaction_core::discrete::Order;
 use std::ops::RangeInclusive;
@@ -42,6 +44,7 @@ impl Task {
             cost: cost(&config.cost, &limits)?,
             search: search(config)?,
             follow: follow(&config.follow, &limits)?,
+            check: check(&config.check, n)?,
             limits,
         };
         task.check(machine)?;
@@ -64,6 +67,20 @@ impl Task {
             if from > most || to < least {
                 let message = format!("of {joint} is {from} … {to}, outside its limits {least} … {most}");
                 return Err(PlanError::value(format!("goal.{kind}"), message));
+            }
+        }
+        for i in (0..n).filter(|i| !self.goal.turns[*i]) {
+            let [from, to] = self.goal.state[i];
+            let way = (from - self.start[i]).max(self.start[i] - to);
+            let speed = self.limits.x[n + i].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let seconds = *self.nodes.end() as f64 * self.node_seconds();
+            if way > speed * seconds {
+                let joint = &machine.names[i];
+                let least = way / speed;
+                let message = format!(
+                    "is {seconds}: {joint} needs at least {least:.3} s for its way of {way:.3} at its largest speed {speed}"
+                );
+                return Err(PlanError::value("seconds", message));
             }
         }
         if !(0..n).any(|i| self.limits.is_driven(i)) {
@@ -260,6 +277,19 @@ fn follow(config: &FollowConfig, limits: &LimitsOf) -> Result<Follow, PlanError>
         positive(key, x)?;
     }
     Ok(Follow { x, u })
+}
+
+fn check(config: &CheckConfig, n: usize) -> Result<Check, PlanError> {
+    let CheckConfig { starts, q, v, masses } = *config;
+    for (key, x) in [("check.q", q), ("check.v", v), ("check.masses", masses)] {
+        if !(x >= 0.0 && x.is_finite()) {
+            return Err(PlanError::value(key, format!("is {x}; it must not be negative")));
+        }
+    }
+    if masses >= 1.0 {
+        return Err(PlanError::value("check.masses", format!("is {masses}; it is a part below 1")));
+    }
+    Ok(Check { starts, x: [vec![q; n], vec![v; n]].concat(), masses })
 }
 
 /// Numbers of a list, which must be n finite ones.

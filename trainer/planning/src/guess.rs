@@ -172,7 +172,8 @@ fn resampled<const N: usize>(rows: &[Vec<f64>], nodes: usize) -> Vec<[f64; N]> {
     let last = rows.len().saturating_sub(1);
     (0..nodes)
         .map(|k| {
-            if rows.len() == nodes {
+            // A log of a plan has one row more, at its end.
+            if rows.len() == nodes || rows.len() == nodes + 1 {
                 return from_fn(|i| at(k, i));
             }
             let place = (k as f64 + 0.5) / nodes as f64 * rows.len() as f64 - 0.5;

@@ -10,9 +10,11 @@
 //! `leastaction-core` does the numerical work in [`control`](leastaction_core::control), the steps in the chip's arithmetic: the states of
 //! a plan are those that the chip computes under its commands.
 
+mod check;
 mod config;
 mod configured;
 mod error;
+mod file;
 mod follow;
 mod guess;
 mod machine;
@@ -21,10 +23,14 @@ mod plant;
 mod problem;
 mod search;
 mod task;
+mod words;
 
+pub use check::Trials;
 pub use config::PlanConfig;
 pub use error::PlanError;
 pub use machine::Machine;
 pub use plan::{Plan, PlanNode, StartReport, Tube};
+pub use problem::ACCEPTED;
 pub use search::{Progress, plan};
-pub use task::{CostWeights, Follow, Goal, LimitsOf, Search, Task};
+pub use task::{Check, CostWeights, Follow, Goal, LimitsOf, Search, Task};
+pub use words::ending;

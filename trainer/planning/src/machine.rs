@@ -16,6 +16,8 @@ pub struct Machine {
     pub limits: Vec<Limits>,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// Model file as it is shipped, if there is one; else plans are bound to the file that [`Model::to_bytes`] makes.
+    pub file: Option<Vec<u8>>,
 }
 
 impl Machine {
@@ -23,7 +25,7 @@ impl Machine {
     pub fn new(model: Model) -> Self {
         let n = model.n();
         let names = (1..=n).map(|i| format!("q{i}")).collect();
-        Self { model, names, limits: vec![Limits::none(); n], notes: Vec::new() }
+        Self { model, names, limits: vec![Limits::none(); n], notes: Vec::new(), file: None }
     }
 
     /// Whether a file is a robot description, by its name.
@@ -48,7 +50,19 @@ impl Machine {
             names: coordinates.clone().map(|k| tree.coordinate_name(k).to_owned()).collect(),
             limits: coordinates.map(|k| tree.limits(k)).collect(),
             notes: notes.iter().map(ToString::to_string).collect(),
+            file: None,
         })
+    }
+
+    /// Bytes of the model file that plans are bound to.
+    ///
+    /// # Errors
+    /// [`PlanError::Motion`] if the model cannot be encoded.
+    pub fn shipped(&self) -> Result<Vec<u8>, PlanError> {
+        match &self.file {
+            Some(bytes) => Ok(bytes.clone()),
+            None => self.model.to_bytes().map_err(|error| PlanError::Motion(error.to_string())),
+        }
     }
 
     /// Number of coordinates n.

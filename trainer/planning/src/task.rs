@@ -26,6 +26,8 @@ pub struct Task {
     pub search: Search,
     /// Gains that follow the plan.
     pub follow: Follow,
+    /// Trial of the plan.
+    pub check: Check,
 }
 
 /// End of a motion.
@@ -101,6 +103,17 @@ pub struct Follow {
     pub x: Vec<f64>,
     /// Deviations of the commands.
     pub u: Vec<f64>,
+}
+
+/// Trial of a plan from other starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// Number of starts.
+    pub starts: usize,
+    /// Largest deviations of the starts, a state.
+    pub x: Vec<f64>,
+    /// Part by which masses are off.
+    pub masses: f64,
 }
 
 impl Task {

@@ -15,6 +15,8 @@ use std::path::Path;
 pub enum FileKind {
     /// A model file.
     Model,
+    /// A plan.
+    Plan,
     /// A Rust module with a model.
     RustModule,
     /// A C header with a model.
@@ -47,6 +49,7 @@ impl FileKind {
     fn name(self) -> &'static str {
         match self {
             Self::Model => "model file",
+            Self::Plan => "plan",
             Self::RustModule => "Rust module of `leastaction export`",
             Self::CHeader => "C header with a model",
             Self::Log => "log of motion",
@@ -64,6 +67,7 @@ impl FileKind {
     fn head(self, path: &Path) -> Option<&'static [u8]> {
         match self {
             Self::Model => Some(&MAGIC),
+            Self::Plan => Some(&leastaction_core::plan::MAGIC),
             Self::RustModule => Some(RUST_HEAD.as_bytes()),
             Self::CHeader => Some(C_HEAD.as_bytes()),
             Self::Configuration => Some(CONFIGURATION_HEAD.as_bytes()),

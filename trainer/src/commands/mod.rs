@@ -12,6 +12,7 @@ mod inspect;
 mod interrupt;
 mod look;
 mod motion;
+mod plan;
 mod progress;
 mod reproduce;
 mod shell;
@@ -50,6 +51,7 @@ enum Command {
     Demo(demo::Demo),
     Evaluate(evaluate::Evaluate),
     Excite(excite::Excite),
+    Plan(plan::Plan),
     Import(import::Import),
     Doctor(doctor::Doctor),
     Completions(shell::Completions),
@@ -74,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Demo(command) => command.run(output),
         Command::Evaluate(command) => command.run(output),
         Command::Excite(command) => command.run(output),
+        Command::Plan(command) => command.run(output),
         Command::Import(command) => command.run(output),
         Command::Doctor(command) => command.run(output),
         Command::Completions(command) => command.run(output),

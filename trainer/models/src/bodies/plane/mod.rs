@@ -113,6 +113,12 @@ impl Family for BodiesArchitecture {
         each.filter(|(_, (number, _))| number.learned).map(|(at, (_, range))| (at, range)).collect()
     }
 
+    fn masses(&self) -> Vec<Vec<usize>> {
+        // Mass, inertia and rotor of every body.
+        let of_body = |k: usize| [3, 6, 7].map(|i| GRAVITY_PARAMETERS + BODY_PARAMETERS * k + i).to_vec();
+        (0..self.numbers.len()).map(of_body).collect()
+    }
+
     fn number_names(&self) -> Vec<Option<NumberName>> {
         let gravity =
             ["x", "y"].map(|axis| NumberName { name: format!("gravity along {axis}"), unit: "m/s²" });

@@ -209,6 +209,11 @@ impl Family for ArmArchitecture {
         learned.filter_map(chart).collect()
     }
 
+    fn masses(&self) -> Vec<Vec<usize>> {
+        let of_body = |k: usize| (Self::inertia_position(k)..).take(INERTIAL + 1).collect();
+        (0..self.bodies.len()).map(of_body).collect()
+    }
+
     fn number_names(&self) -> Vec<Option<NumberName>> {
         let gravity =
             ["x", "y", "z"].map(|axis| NumberName { name: format!("gravity along {axis}"), unit: "m/s²" });
