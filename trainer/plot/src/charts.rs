@@ -133,7 +133,7 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Draws panels one above the other over the same time axis.
+/// Draws panels one above the other over the same time axis; curves of a panel with the same label have the same colour.
 ///
 /// # Errors
 /// [`PlotError`] if the file cannot be written.
@@ -179,7 +179,7 @@ fn draw_panel(
     (time, y): (&Axis, Axis),
     x_label: &str,
 ) -> Result<(), DrawError> {
-    let colours: Vec<_> = (0..panel.series.len()).collect();
+    let colours = colours_by_label(panel.series);
     draw_legend(canvas, (top, left), panel.series, &colours)?;
     let chart = Chart {
         x: time.clone(),

@@ -262,6 +262,7 @@ fn draw_stroke(
     match stroke {
         Stroke::Solid => path(line(colour, 1.6)),
         Stroke::Wide => path(line(colour.mix(0.35), 5.0)),
+        Stroke::Thin => path(line(colour.mix(0.6), 0.8)),
         Stroke::Dashed => {
             let (dash, space) = (units(6.0), units(3.5));
             canvas.draw(&DashedPathElement::new(points.to_vec(), dash, space, line(colour, 1.6)))

@@ -1,4 +1,4 @@
-//! Charts as SVG files: loss curves, phase portraits, time series and log-log plots.
+//! Charts as SVG files: loss curves, phase portraits, time series and log-log plots; and pages that hold them ([`page`]).
 //!
 //! The files are self-contained: no script, no font file, no style sheet. The colours are the seven of Okabe and Ito that the colour-blind
 //! can distinguish; after that they repeat. Every label appears once in the legend. A file is replaced atomically. Curves are thinned to
@@ -9,6 +9,7 @@ mod axis;
 mod charts;
 mod curve;
 mod figure;
+pub mod page;
 mod series;
 #[cfg(test)]
 mod tests;

@@ -9,6 +9,8 @@ pub enum Stroke {
     Solid,
     /// A dashed line.
     Dashed,
+    /// A thin pale line, for the edges of a band.
+    Thin,
     /// A wide pale line, for a truth with another curve drawn over it.
     Wide,
     /// A thin line with a dot at each point, for a few measured values.

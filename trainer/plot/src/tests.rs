@@ -181,6 +181,18 @@ fn reference_slopes_go_with_the_nearest_curve() {
 }
 
 #[test]
+fn curves_of_a_panel_with_one_label_have_one_colour() {
+    let at = |label: &str, y: f64, stroke| Series::new(label, [(0.0, y), (1.0, y)]).with_stroke(stroke);
+    let curves =
+        [at("u", 0.0, Stroke::Solid), at("limit", -1.0, Stroke::Thin), at("limit", 1.0, Stroke::Thin)];
+    let svg = stacked_svg("Commands", "time (s)", &[Panel::new("u (N)", &curves)]).unwrap();
+    check_layout(&svg);
+    // Two lines and the swatch of the legend.
+    assert_eq!(svg.matches("stroke=\"#D55E00\" stroke-width=\"3\"").count(), 3, "{svg}");
+    assert!(!svg.contains("#009E73"));
+}
+
+#[test]
 fn points_in_no_order_are_dots_without_a_line() {
     let svg = |stroke| {
         let series = Series::new("", [(0.0, 0.0), (2.0, 1.0), (1.0, 2.0)]).with_stroke(stroke);

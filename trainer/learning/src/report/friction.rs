@@ -1,6 +1,5 @@
 //! Friction plots: the model's friction force against the velocity of every coordinate.
 
-use super::page::number;
 use super::pictures::MOST;
 use super::shape::column;
 use super::unit_of;
@@ -8,6 +7,7 @@ use crate::evaluate::horizons::{Predictions, Predictor};
 use crate::evaluate::percentile;
 use leastaction_core::model::ModelError;
 use leastaction_models::forces::Driven;
+use leastaction_plot::page::number;
 use leastaction_plot::{NotDrawn, Series, Stroke, Vertical, curves_svg};
 
 /// Number of points per curve.

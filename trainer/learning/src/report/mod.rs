@@ -3,7 +3,6 @@
 
 mod friction;
 mod numbers;
-pub mod page;
 mod pictures;
 mod shape;
 
@@ -13,8 +12,8 @@ use crate::training::Residuals;
 use crate::windows::{CalibrationLayout, Certainty, WindowLogs, WindowLoss, certainty};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
+use leastaction_plot::page::{cell, escaped, folded, list, number, paragraph, picture, section, table};
 use leastaction_plot::{NotDrawn, Stroke};
-use page::{cell, escaped, folded, list, number, paragraph, picture, section, table};
 use thiserror::Error;
 
 /// A report that cannot be made.
@@ -118,7 +117,7 @@ impl Page<'_> {
         body += &section("Residuals", &self.residuals()?);
         body += &self.numbers();
         body += &section("What hardly moved", &[list(&self.still())]);
-        Ok(page::page(&self.title, &body))
+        Ok(leastaction_plot::page::page(&self.title, &body))
     }
 
     fn logs(&self) -> &WindowLogs {

@@ -1,10 +1,10 @@
 //! The learned numbers with their standard errors.
 
-use super::page::{escaped, folded, list, number, paragraph, section, table};
 use crate::torque_numbers::TorqueNumbers;
 use crate::training::Combination;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
 use leastaction_models::{Architecture, NumberName};
+use leastaction_plot::page::{escaped, folded, list, number, paragraph, section, table};
 
 /// Relative standard error above which a number counts as poorly determined.
 const HARDLY: f64 = 0.5;

@@ -6,6 +6,7 @@
 
 mod dynamics;
 mod inertia;
+mod kinematics;
 mod nearest;
 
 pub use inertia::{INERTIAL, Inertia, LogCholesky};

@@ -1,6 +1,6 @@
 use super::super::{Overview, Paper, distinct};
 use super::{Finished, Row, Table, exceptions, failures, number, tables};
-use leastaction_learning::report::page::{escaped, page as framed};
+use leastaction_plot::page::{escaped, page as framed};
 use std::path::Path;
 
 /// Returns a self-contained page: the tables with the paper's numbers, ours, their ratio and the spread over the seeds,

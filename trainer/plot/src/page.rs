@@ -1,4 +1,4 @@
-//! Self-contained pages: text, tables and pictures in one HTML file.
+//! Self-contained pages: text, tables and pictures in one HTML file, without a script, font or style of another file.
 
 use std::fmt::Display;
 
@@ -27,24 +27,24 @@ pub fn escaped(text: &str) -> String {
 }
 
 /// A section of HTML parts; empty if all parts are empty.
-pub(super) fn section(title: &str, parts: &[String]) -> String {
+pub fn section(title: &str, parts: &[String]) -> String {
     let parts = parts.concat();
     if parts.is_empty() { parts } else { format!("<h2>{}</h2>\n{parts}", escaped(title)) }
 }
 
 /// A paragraph of plain text.
-pub(super) fn paragraph(text: &str) -> String {
+pub fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escaped(text))
 }
 
 /// A list of plain texts; empty if there are none.
-pub(super) fn list(items: &[String]) -> String {
+pub fn list(items: &[String]) -> String {
     let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escaped(item))).collect();
     if items.is_empty() { items } else { format!("<ul>\n{items}</ul>\n") }
 }
 
 /// A table of HTML cells; `text` lists the columns that hold text.
-pub(super) fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> String {
+pub fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> String {
     let class = |k: usize| if text.contains(&k) { " class=\"text\"" } else { "" };
     let head: String =
         head.iter().enumerate().map(|(k, name)| format!("<th{}>{}</th>", class(k), escaped(name))).collect();
@@ -56,19 +56,19 @@ pub(super) fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> Stri
 }
 
 /// A part that is folded until the reader opens it.
-pub(super) fn folded(summary: &str, body: &str) -> String {
+pub fn folded(summary: &str, body: &str) -> String {
     format!("<details><summary>{}</summary>\n{body}</details>\n", escaped(summary))
 }
 
 /// A picture that scrolls on a narrow screen rather than shrinking until it cannot be read.
-pub(super) fn picture(svg: &str) -> String {
+pub fn picture(svg: &str) -> String {
     let start = svg.find("<svg").unwrap_or(0);
     let svg = svg[start..].replacen("<svg", "<svg style=\"min-width:34rem\"", 1);
     format!("<div class=\"wide\">{svg}</div>\n")
 }
 
 /// Formats a number with three significant digits.
-pub(super) fn number(x: f64) -> String {
+pub fn number(x: f64) -> String {
     let size = x.abs();
     if x.is_nan() {
         "–".to_owned()
@@ -85,7 +85,7 @@ pub(super) fn number(x: f64) -> String {
 }
 
 /// A table cell: a value, with smaller text below it.
-pub(super) fn cell(of: impl Display, below: &str) -> String {
+pub fn cell(of: impl Display, below: &str) -> String {
     let below = if below.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(below)) };
     format!("<b>{of}</b>{below}")
 }
