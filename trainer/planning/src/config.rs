@@ -18,7 +18,7 @@ pub struct PlanConfig {
     pub order: Option<u8>,
     /// Duration, s, or the shortest and the longest if the time is free.
     pub seconds: Seconds,
-    /// Number of ticks for which a command is held; by default as many as keep the motion below [`DEFAULT_NODES`] nodes.
+    /// Number of ticks for which a command is held; by default as many as keep the motion below 500 nodes.
     pub ticks_per_node: Option<u16>,
     /// Start of the motion.
     pub start: StartConfig,

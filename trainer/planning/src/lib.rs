@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! PlanConfig (TOML) ─► Machine (the model, names and limits of its joints)
-//!                  └─► Task (numbers, checked) ─► plan: start guesses ─► iterative LQR, several side by side ─► Plan
+//!                  └─► Task (numbers, checked) ─► plan: start guesses ─► iterative LQR, several side by side ─► Plan ─► page (HTML)
 //! ```
 //!
 //! `leastaction-core` does the numerical work in [`control`](leastaction_core::control), the steps in the chip's arithmetic: the states of
@@ -18,6 +18,7 @@ mod file;
 mod follow;
 mod guess;
 mod machine;
+mod page;
 mod plan;
 mod plant;
 mod problem;
@@ -29,6 +30,7 @@ pub use check::Trials;
 pub use config::PlanConfig;
 pub use error::PlanError;
 pub use machine::Machine;
+pub use page::page;
 pub use plan::{Plan, PlanNode, StartReport, Tube};
 pub use problem::ACCEPTED;
 pub use search::{Progress, plan};

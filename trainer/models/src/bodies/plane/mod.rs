@@ -2,6 +2,7 @@
 
 pub mod config;
 pub mod describe;
+mod host;
 
 use super::{letters_of_joints, tree_type};
 use crate::bounds::Range;
