@@ -188,8 +188,8 @@ fn draw_curves(
 ) -> Result<(), DrawError> {
     let scales = (chart.x.scale(), chart.y.scale());
     let mut curves: Vec<_> = chart.series.iter().zip(chart.colours).collect();
-    // A stable sort: wide curves go beneath, the rest keep their order.
-    curves.sort_by_key(|(series, _)| series.stroke != Stroke::Wide);
+    // A stable sort: wide curves go beneath, then thin ones; the rest keep their order.
+    curves.sort_by_key(|(series, _)| (series.stroke != Stroke::Wide, series.stroke != Stroke::Thin));
     let mut drawn = 0;
     for (series, &number) in curves {
         for piece in pieces(&series.points, scales, &place) {

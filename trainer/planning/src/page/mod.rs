@@ -17,7 +17,7 @@ use words::Words;
 
 /// Returns a self-contained HTML page that shows a plan.
 ///
-/// Its only script moves the drawn mechanism; without it the page shows everything else.
+/// A script moves the drawn mechanism; without it the page shows everything else.
 ///
 /// # Errors
 /// [`NotDrawn`] if a chart cannot be drawn.

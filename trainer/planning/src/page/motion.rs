@@ -137,14 +137,14 @@ fn path(plan: &Plan, n: usize) -> Vec<Vec<f64>> {
     (0..=count).map(at).collect()
 }
 
-/// Ranges in which the coordinates move: their limits, or else a little more than the motion.
+/// Ranges in which the coordinates move: their limits, or else 0 and a little more than the motion.
 fn ranges(plan: &Plan, path: &[Vec<f64>]) -> Vec<[f64; 2]> {
     let range = |(i, limits): (usize, &[f64; 2])| {
         let along = || path.iter().map(|q| q[i]);
         let (least, most) =
             (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
         let beyond = 0.1 * (most - least).max(0.5);
-        let moved = [least - beyond, most + beyond];
+        let moved = [(least - beyond).min(0.0), (most + beyond).max(0.0)];
         if limits.iter().all(|x| x.is_finite()) { *limits } else { moved }
     };
     plan.task.limits.x.iter().take(path.first().map_or(0, Vec::len)).enumerate().map(range).collect()

@@ -32,7 +32,8 @@ impl Schematic {
         let n = letters.len();
         let last = n - 1;
         let is_upright = stiffness(model, (last, last)).is_some_and(|own| own < 0.0);
-        let is_absolute = rods == 2 && is_apart(model);
+        // Elements of a modular model have their angles from the vertical.
+        let is_absolute = rods == 2 && (model.architecture.family.modular().is_some() || is_apart(model));
         let up = if is_upright { 1.0 } else { -1.0 };
         let mut bodies = Vec::new();
         for k in 0..n {
@@ -57,11 +58,11 @@ impl Schematic {
 
     /// Sentence that says what is drawn.
     pub fn about(&self) -> String {
-        let zero = if self.is_upright { "upright" } else { "hanging" };
+        let zero = if self.is_upright { "stand upright" } else { "hang" };
         let from = if self.is_absolute { ", both from the vertical" } else { "" };
         format!(
-            "A schematic: the model does not know its geometry. Rods have the length {ROD} m and are {zero} at 0, as the model's \
-             gravity has them; angles count counter-clockwise{from}."
+            "A schematic: the model does not know its geometry. Rods have the length {ROD} m and {zero} at 0, as its gravity says; angles \
+             count counter-clockwise{from}."
         )
     }
 }
@@ -99,4 +100,66 @@ fn stiffness(model: &Model, (i, j): (usize, usize)) -> Option<f64> {
 fn is_apart(model: &Model) -> bool {
     let [own, cross] = [(1, 1), (0, 1)].map(|pair| stiffness(model, pair).unwrap_or_default().abs());
     cross < 0.2 * own
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Machine;
+    use leastaction_core::energy::bodies::{BodyParameters, Joint as PlanarJoint, TreeBody};
+    use leastaction_core::energy::modular::{ModularShape, TransformShape, TypeShape};
+    use leastaction_models::modular::{ModularArchitecture, NamedTree, NamedType};
+    use leastaction_models::{Architecture, BodiesArchitecture, Number};
+    use std::path::Path;
+
+    fn described(name: &str) -> Option<Schematic> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/peers/control");
+        Schematic::new(&Machine::of_description(&folder.join(name)).unwrap().model)
+    }
+
+    /// Two rods of 1 kg and 1 m, whose angles are both from the vertical.
+    fn rods() -> Model {
+        let kind = TypeShape { transform: TransformShape::Rod, potential: None };
+        let shape = ModularShape::new(&[], &[kind], None).unwrap();
+        let numbers = [1.0, 0.1, 0.5, 1.0, 0.0].map(Number::known);
+        let rod = NamedType { name: "rod".to_owned(), numbers };
+        let coefficients = [9.81, 0.0].map(Number::known);
+        let chain = vec![NamedTree::chain("rods", &[0, 0])];
+        let architecture =
+            Architecture::from(ModularArchitecture::new(shape, vec![rod], coefficients, chain));
+        let weights = architecture.initial_weights(0);
+        Model::new(architecture, weights)
+    }
+
+    #[test]
+    fn gravity_tells_upright_rods_from_hanging_ones() {
+        let upright = ["pendulum.urdf", "cartpole.urdf", "acrobot.urdf", "pendubot.urdf"]
+            .map(|name| described(name).unwrap().is_upright);
+        assert_eq!(upright, [true, true, false, false]);
+        assert!(described("arm.urdf").is_none());
+    }
+
+    #[test]
+    fn angles_from_the_vertical_are_known_by_the_family_or_the_forces() {
+        let apart = BodiesArchitecture::new([0.0, -9.81].map(Number::known), [hanging(), hanging()]).unwrap();
+        let weights: Vec<f64> = apart.all_numbers().map(|number| number.value).collect();
+        assert!(Schematic::new(&Model::new(apart, weights)).unwrap().is_absolute);
+        assert!(!described("acrobot.urdf").unwrap().is_absolute);
+    }
+
+    /// A rod of 1 kg that hangs from the ground.
+    fn hanging() -> (TreeBody, BodyParameters<Number>) {
+        let numbers = [0.0, 0.0, 0.0, 1.0, 0.0, -0.5, 0.1, 0.0, 1.0].map(Number::known);
+        (TreeBody { joint: PlanarJoint::Revolute, parent: None }, BodyParameters::from_array(numbers))
+    }
+
+    #[test]
+    fn level_rods_reach_twice_their_length() {
+        let rods = Schematic::new(&rods()).unwrap();
+        assert!(rods.is_absolute && !rods.is_upright && rods.about().contains("both from the vertical"));
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let ends = rods.tree.poses(&rods.joints(&[quarter, quarter]));
+        let tip = ends[1].translation + ends[1].rotation * Vector3::new(0.0, 0.0, -ROD);
+        assert!((tip - Vector3::x() * 2.0 * ROD).amax() < 1e-9, "{tip}");
+    }
 }

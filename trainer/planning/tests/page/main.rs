@@ -1,5 +1,7 @@
 //! Pages of plans for the mechanisms on which solvers are compared.
 
+use leastaction_core::energy::inertia_network::Coordinate;
+use leastaction_models::{Architecture, InertiaNetworkArchitecture, Model};
 use leastaction_planning::{Machine, Plan, PlanConfig, Task, page, plan};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -91,6 +93,37 @@ fn an_arm_has_a_small_page() {
     assert!(frames.iter().all(|frame| frame.len() == 2 * (1 + 7 + 1)));
     assert_eq!(labelled(&html, "limit"), 3 * 7);
     assert!(html.contains("joint7") && html.contains("<h2>Reach of the feedback</h2>"));
+}
+
+/// Page of a model that does not know its geometry, moved a little in a second.
+fn without_geometry(of: &str, kinds: &[Coordinate]) -> String {
+    let architecture = Architecture::from(InertiaNetworkArchitecture::new(kinds, 4));
+    let weights = architecture.initial_weights(1);
+    let machine = Machine::new(Model::new(architecture, weights));
+    let each = |text: &str| vec![text; kinds.len()].join(", ");
+    let text = format!(
+        "model = \"\"\ntick = 0.02\nseconds = 1.0\n[start]\nq = [{}]\n[goal]\nq = [{}]\n[limits]\nu = [{}]\n\
+         [search]\nstarts = 1\niterations = 3\n",
+        each("0.5"),
+        each("0.6"),
+        each("2.0")
+    );
+    let task = Task::new(&PlanConfig::parse(&text, Path::new(of)).unwrap(), &machine).unwrap();
+    let plan = plan(&machine, &task, None, (&AtomicBool::new(false), &())).unwrap();
+    kept(of, page(&plan, &machine).unwrap())
+}
+
+#[test]
+fn models_without_geometry_have_a_schematic_or_curves_alone() {
+    use Coordinate::{Angle, Translation};
+    let (cart, rods) =
+        (without_geometry("cart", &[Translation, Angle]), without_geometry("rods", &[Angle, Angle]));
+    assert!(cart.contains("A schematic:") && rods.contains("A schematic:"));
+    assert_eq!((frames(&cart).len(), frames(&rods).len()), (51, 51));
+    assert_eq!((cart.matches("<rect data-p=").count(), rods.matches("<rect data-p=").count()), (11, 0));
+    let slides = without_geometry("slides", &[Translation, Translation]);
+    assert!(slides.contains("only its curves are drawn") && !slides.contains("id=\"frames\""));
+    check_self_contained(&slides);
 }
 
 #[test]
