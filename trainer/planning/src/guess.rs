@@ -42,6 +42,8 @@ impl Guess {
 
 /// Number of random waves of which the best is taken.
 const SHOTS: usize = 24;
+/// Rate of the feedback to the straight line, times the duration of the motion.
+const FEEDBACK: f64 = 20.0;
 /// Number of waves that are added up.
 const WAVES: usize = 3;
 
@@ -66,18 +68,8 @@ impl<const N: usize> Guesser<'_, N> {
     ) -> Vec<[f64; N]> {
         match guess {
             Guess::Given(rows) => resampled(rows, nodes),
-            Guess::Line => (0..nodes).map(|k| self.on_line((k as f64 + 0.5) / nodes as f64, nodes)).collect(),
-            Guess::Energy => {
-                let mut commands = vec![[0.0; N]; nodes];
-                roll(&mut |k, x| {
-                    let u = self.pumped(x);
-                    if let Some(slot) = commands.get_mut(k) {
-                        *slot = u;
-                    }
-                    u
-                });
-                commands
-            }
+            Guess::Line => recorded(nodes, roll, |k, x| self.on_line((k, nodes), x)),
+            Guess::Energy => recorded(nodes, roll, |_, x| self.pumped(x)),
             Guess::Random(k) => {
                 let mut random =
                     Pcg64Mcg::seed_from_u64(self.task.search.seed.wrapping_add(k.wrapping_mul(0x9e37_79b9)));
@@ -101,20 +93,24 @@ impl<const N: usize> Guesser<'_, N> {
         })
     }
 
-    /// Command at the part s of the straight line, in the time law of least jerk.
-    fn on_line(&self, s: f64, nodes: usize) -> [f64; N] {
+    /// Command of node k that follows the straight line from the start to the goal, in the time law of least jerk: inverse dynamics, with
+    /// feedback of the distance from the line.
+    fn on_line(&self, (k, nodes): (usize, usize), x: &[f64]) -> [f64; N] {
         let (goal, seconds) = (self.task.goal.middle(), nodes as f64 * self.task.node_seconds());
-        let way = |i: usize| {
-            let way = goal[i] - self.task.start[i];
-            let turn = self.task.goal.turns[i];
-            if turn { way - TAU * (way / TAU).round() } else { way }
-        };
+        let (s, omega) = ((k as f64 + 0.5) / nodes as f64, FEEDBACK / seconds);
         let place = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
         let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / seconds;
         let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (seconds * seconds);
-        let q = from_fn(|i| (self.task.start[i] + way(i) * place) as f32);
-        let (v, a) = (from_fn(|i| (way(i) * rate) as f32), from_fn(|i| (way(i) * bend) as f32));
-        inverse_dynamics(self.system, &q, &v, &a).map_or([0.0; N], |tau| self.command(tau.map(f64::from)))
+        let now = |i: usize| x.get(i).copied().unwrap_or_default();
+        let acceleration = |i: usize| {
+            let way = goal[i] - self.task.start[i];
+            let way = if self.task.goal.turns[i] { way - TAU * (way / TAU).round() } else { way };
+            let behind = self.task.start[i] + way * place - now(i);
+            (way * bend + 2.0 * omega * (way * rate - now(N + i)) + omega * omega * behind) as f32
+        };
+        let (q, v) = (from_fn(|i| now(i) as f32), from_fn(|i| now(N + i) as f32));
+        let tau = inverse_dynamics(self.system, &q, &v, &from_fn(acceleration));
+        tau.map_or([0.0; N], |tau| self.command(tau.map(f64::from)))
     }
 
     /// Command that brings the energy to that of the goal, at full force.
@@ -164,6 +160,23 @@ impl<const N: usize> Guesser<'_, N> {
         let driven = |k: usize, i: usize| if self.task.limits.is_driven(i) { at(k, i) } else { 0.0 };
         (0..nodes).map(|k| from_fn(|i| driven(k, i))).collect()
     }
+}
+
+/// Commands of a law along the motion that they make.
+fn recorded<const N: usize>(
+    nodes: usize,
+    roll: impl Fn(&mut dyn FnMut(usize, &[f64]) -> [f64; N]) -> f64,
+    law: impl Fn(usize, &[f64]) -> [f64; N],
+) -> Vec<[f64; N]> {
+    let mut commands = vec![[0.0; N]; nodes];
+    roll(&mut |k, x| {
+        let u = law(k, x);
+        if let Some(slot) = commands.get_mut(k) {
+            *slot = u;
+        }
+        u
+    });
+    commands
 }
 
 /// Commands of another number of nodes, by linear interpolation over the same course.

@@ -52,6 +52,8 @@ pub struct Plan {
     pub solution: Solution<f64>,
     /// All searches; the first one is that of the plan.
     pub starts: Vec<StartReport>,
+    /// Start guesses from which no motion could be computed, with the reason.
+    pub failed: Vec<(String, String)>,
     /// Reach of the feedback.
     pub tube: Tube,
     /// Whether the search was stopped before its end.

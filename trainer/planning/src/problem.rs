@@ -3,7 +3,7 @@
 use crate::Task;
 use crate::plant::{SteppedOf, Widened};
 use leastaction_core::control::{Cost, Limits, Options, Penalty, Plant, Problem, Stepped};
-use leastaction_core::discrete::{Del, Order, Path};
+use leastaction_core::discrete::{Del, Newton, Order, Path};
 use leastaction_core::forces::Actuator;
 use leastaction_models::Model;
 use leastaction_replica::SystemOf;
@@ -42,7 +42,7 @@ impl Task {
         let gain = |i: usize| if self.limits.is_driven(i) { actuator.gain(i) as f32 } else { 0.0 };
         Stepped {
             system,
-            del: Del::new(self.tick as f32),
+            del: Del::with_newton(self.tick as f32, newton()),
             actuator: Actuator {
                 gain: from_fn(gain),
                 offset: from_fn(|i| actuator.offset(i) as f32),
@@ -84,13 +84,20 @@ impl Task {
     pub(crate) fn options(&self) -> Options<f64> {
         Options {
             iterations: self.search.iterations,
-            tolerance: 1e-6,
-            violation: ACCEPTED,
-            penalty: 1.0,
+            tolerance: 1e-5,
+            violation: WANTED,
+            penalty: 10.0,
             growth: 10.0,
         }
     }
 }
 
+/// Bounds of Newton's method: a residual that rounding does not see is carried to the next step, and need not be solved away.
+fn newton() -> Newton<f32> {
+    Newton { stop: 1e-6, ..Newton::new() }
+}
+
+/// Violation at which the search is content, in the units of [`ACCEPTED`].
+const WANTED: f64 = 2e-5;
 /// Largest accepted violation of limits and goal, rad, m, rad/s or m/s: the steps are in single precision.
 pub const ACCEPTED: f64 = 1e-4;

@@ -93,12 +93,11 @@ impl Searching<'_> {
         };
         let first = if least == most { most } else { (2 * most + least) / 3 };
         let found: Vec<_> = guesses.par_iter().map(|guess| self.from::<N, D>(system, guess, first)).collect();
-        let mut all = Vec::new();
-        let mut error = None;
-        for found in found {
+        let (mut all, mut failed) = (Vec::new(), Vec::new());
+        for (found, guess) in found.into_iter().zip(&guesses) {
             match found {
                 Ok(found) => all.push(found),
-                Err(reason) => error = Some(reason),
+                Err(error) => failed.push((guess.name(), error.to_string())),
             }
         }
         let per_node = self.task.cost.time * self.task.node_seconds();
@@ -110,13 +109,13 @@ impl Searching<'_> {
             self.shorten::<N, D>(system, &mut all, best, (least, most))?;
         }
         let Some(index) = best(&all) else {
-            return Err(PlanError::Motion(
-                error.map_or("no start guess was made".to_owned(), |error| error.to_string()),
-            ));
+            let reason =
+                failed.pop().map_or_else(String::new, |(guess, error)| format!("; {guess}: {error}"));
+            return Err(PlanError::Motion(format!("no motion from the start can be computed{reason}")));
         };
         let chosen = all.remove(index);
         let others = all.into_iter().map(|found| found.report);
-        Ok(self.finished::<N, D>(system, chosen, others.collect()))
+        Ok(self.finished::<N, D>(system, chosen, (others.collect(), failed)))
     }
 
     /// Searches from a start guess.
@@ -190,7 +189,7 @@ impl Searching<'_> {
         &self,
         system: &'c SystemOf<'c, N>,
         chosen: Found<N, D>,
-        others: Vec<StartReport>,
+        (others, failed): (Vec<StartReport>, Vec<(String, String)>),
     ) -> Plan {
         let Found { mut nodes, end, report } = chosen;
         let plant = self.task.plant::<N>(system, self.model);
@@ -212,6 +211,7 @@ impl Searching<'_> {
             cost: report.solution.cost + per_node * nodes.len() as f64,
             solution: report.solution,
             starts: std::iter::once(report).chain(others).collect(),
+            failed,
             tube,
             interrupted: self.stop.load(Ordering::Relaxed),
         }

@@ -40,7 +40,8 @@ impl Plan {
 pub fn ending(status: Status, feasible: bool) -> &'static str {
     match (status, feasible) {
         (Status::Solved, _) => "solved",
-        (Status::Infeasible, _) => "out of reach",
+        (Status::Infeasible, true) => "solved as far as single precision allows",
+        (Status::Infeasible, false) => "out of reach",
         (Status::Stopped, true) => "stopped, within limits and at the goal",
         (Status::Stopped, false) => "stopped before it reached the goal",
     }

@@ -134,6 +134,11 @@ impl Plan {
         let found = plan(&machine, &task, given, (stop as &AtomicBool, &shown));
         shown.finish();
         let found = found.map_err(|error| Failure::Work(error.to_string()))?;
+        let failed = found
+            .failed
+            .iter()
+            .map(|(guess, error)| format!("the start guess {guess} gave no motion: {error}"));
+        output.notes(&failed.collect::<Vec<_>>());
         let files = self.write(&machine, &found, &config)?;
         let followed = followed(&machine, &found)?;
         output.report(&Report { followed, ..self.report(&found, files) })?;
