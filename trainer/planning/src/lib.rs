@@ -5,6 +5,8 @@
 //! ```text
 //! PlanConfig (TOML) ─► Machine (the model, names and limits of its joints)
 //!                  └─► Task (numbers, checked) ─► plan: start guesses ─► iterative LQR, several side by side ─► Plan ─► page (HTML)
+//!
+//! linearise (a model's step) ─► LinearSystem ─► delayed (drives that act late) ─► regulator
 //! ```
 //!
 //! `leastaction-core` does the numerical work in [`control`](leastaction_core::control), the steps in the chip's arithmetic: the states of
@@ -13,10 +15,13 @@
 mod check;
 mod config;
 mod configured;
+mod delay;
 mod error;
 mod file;
 mod follow;
 mod guess;
+mod linearise;
+mod lqr;
 mod machine;
 mod page;
 mod plan;
@@ -29,7 +34,10 @@ mod words;
 pub use check::Trials;
 pub use config::PlanConfig;
 pub use error::PlanError;
+pub use linearise::{NodeStep, linearise};
+pub use lqr::{LinearRegulator, LinearSystem, LqrError, MAX_DELAY};
 pub use machine::Machine;
+pub use nalgebra::DMatrix;
 pub use page::page;
 pub use plan::{Plan, PlanNode, StartReport, Tube};
 pub use problem::ACCEPTED;

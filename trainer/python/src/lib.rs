@@ -5,6 +5,7 @@
 //!                             ├► motion  (the same, step by step), observer
 //!                             └► double  (programs of any size, in f64)
 //! files ─► training, tools (what the command does, by its library)
+//! files, models ─► planning, regulators (plans and linear regulators, of leastaction-planning)
 //! ```
 //!
 //! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size, so
@@ -20,6 +21,8 @@ mod facts;
 mod model;
 mod motion;
 mod observer;
+mod planning;
+mod regulators;
 mod single;
 mod tools;
 mod training;
@@ -59,6 +62,11 @@ fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<motion::Motions>()?;
     module.add_class::<observer::Observer>()?;
+    module.add_class::<planning::Plan>()?;
+    module.add_function(wrap_pyfunction!(planning::plan_motion, module)?)?;
+    module.add_function(wrap_pyfunction!(regulators::linearize, module)?)?;
+    module.add_function(wrap_pyfunction!(regulators::linearize_step, module)?)?;
+    module.add_function(wrap_pyfunction!(regulators::regulator, module)?)?;
     module.add_function(wrap_pyfunction!(training::train_run, module)?)?;
     module.add_function(wrap_pyfunction!(training::defaults, module)?)?;
     module.add_function(wrap_pyfunction!(training::checked, module)?)?;

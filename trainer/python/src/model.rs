@@ -58,6 +58,11 @@ impl Model {
         &self.host
     }
 
+    /// The bytes of the file.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// The model in the chip's arithmetic.
     pub fn chip(&self) -> PyResult<&Arc<OnChip>> {
         self.chip

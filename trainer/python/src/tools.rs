@@ -123,11 +123,12 @@ pub fn model_of_run(folder: PathBuf) -> PyResult<Model> {
     Ok(Model::new(Loaded { model, bytes }))
 }
 
-/// Writes bytes atomically; replaces only a file of the same kind: model, rust, c, log, configuration or page.
+/// Writes bytes atomically; replaces only a file of the same kind: model, plan, rust, c, log, configuration or page.
 #[pyfunction]
 pub fn write_file(path: PathBuf, bytes: &[u8], kind: &str) -> PyResult<()> {
     let kind = match kind {
         "model" => FileKind::Model,
+        "plan" => FileKind::Plan,
         "rust" => FileKind::RustModule,
         "c" => FileKind::CHeader,
         "log" => FileKind::Log,

@@ -22,6 +22,8 @@ from ._leastaction import __version__, defaults
 from ._logs import Evaluation, Log, Look, evaluate, look, report
 from ._model import Model, Motion, StepReport, Trajectory, from_bytes, load
 from ._observer import Observer
+from ._planning import Plan, PlanProgress, Start, plan
+from ._regulators import Linearization, LinearStep, Regulator, RestRegulator, lqr
 from ._training import Progress, Run, open_run, train
 
 __all__ = [
@@ -29,14 +31,21 @@ __all__ = [
     "Error",
     "Evaluation",
     "InputError",
+    "LinearStep",
+    "Linearization",
     "Log",
     "Look",
     "Model",
     "Motion",
     "Observer",
+    "Plan",
+    "PlanProgress",
     "Progress",
+    "Regulator",
+    "RestRegulator",
     "Run",
     "SolveError",
+    "Start",
     "StepReport",
     "Trajectory",
     "WorkError",
@@ -49,7 +58,9 @@ __all__ = [
     "from_symo",
     "load",
     "look",
+    "lqr",
     "open_run",
+    "plan",
     "report",
     "train",
 ]

@@ -12,9 +12,12 @@ from . import _leastaction as _core
 from ._errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from ._observer import Observer
+    from ._regulators import Linearization, LinearStep, RestRegulator
 
     Array = NDArray[Any]
     Control = Union[ArrayLike, Callable[[float, Array, Array], ArrayLike], None]
@@ -307,6 +310,53 @@ class Model:
         from ._observer import Observer
 
         return Observer(self, **settings)
+
+    # Linear approximations and regulators.
+
+    def linearize(self, q: ArrayLike, v: ArrayLike, u: ArrayLike | None = None) -> Linearization:
+        """Derivatives of acceleration and inverse dynamics at a single state, q, v and u [n], in double precision. u is the command
+        (gain and offset of the drives included, without delay). SolveError where they do not exist."""
+        from ._regulators import linearize
+
+        return linearize(self, q, v, u)
+
+    def linearize_step(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        u: ArrayLike | None = None,
+        *,
+        h: float | None = None,
+        order: int | None = None,
+        ticks: int = 1,
+    ) -> LinearStep:
+        """A and B of x = (q, v) over `ticks` steps of the chip's arithmetic, from a single state under a held command u [n] (gain and
+        offset of the drives included, without delay). h (s) and order are by default those of training."""
+        from ._regulators import linearize_step
+
+        return linearize_step(self, (q, v, u), self._step(h, order), ticks)
+
+    def lqr(
+        self,
+        q: ArrayLike,
+        Q: ArrayLike,
+        R: ArrayLike,
+        *,
+        driven: Sequence[int] | None = None,
+        delay: float | None = None,
+        h: float | None = None,
+        order: int | None = None,
+        ticks: int = 1,
+    ) -> RestRegulator:
+        """The regulator that holds the model at rest at q [n], a command every `ticks` steps: `regulator.command(q, v, past)`.
+
+        Q, R    weights of (q, v) and of the commands, as in `leastaction.lqr`; [2n] and [driven] are diagonals.
+        driven  coordinates that commands act on; by default all. The others must be at rest by themselves.
+        delay   time until a command acts, s; by default that of the model's drives. Commands already sent are then states.
+        """
+        from ._regulators import regulate
+
+        return regulate(self, q, (Q, R), self._step(h, order), ticks, delay, driven)
 
     # Other programs.
 

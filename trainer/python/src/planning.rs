@@ -1,0 +1,213 @@
+//! Plans with the command's behaviour, and a callback for every iteration.
+
+use crate::arrays::{rows, tables};
+use crate::errors::{Kind, failure, input};
+use crate::model::Model;
+use leastaction::models::{Loaded, of_file_or_run, of_part, read};
+use leastaction_core::control::Iteration;
+use leastaction_planning::{self as planning, Machine, PlanConfig, PlanError, PlanNode, Progress, Task};
+use numpy::PyReadonlyArray2;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+/// Time between checks for Ctrl-C.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Start guess, number of nodes, iteration, cost, violation.
+type Row = (String, usize, u16, f64, f64);
+
+/// Sends iterations from the threads of a search to that of Python.
+struct Sent(Option<Sender<Row>>);
+
+impl Progress for Sent {
+    fn iteration(&self, guess: &str, nodes: usize, iteration: &Iteration<f64>) {
+        if let Some(sender) = &self.0 {
+            let Iteration { count, cost, violation, .. } = *iteration;
+            // Nobody listens any more after an exception, which also stops the search.
+            let _ = sender.send((guess.to_owned(), nodes, count, cost, violation));
+        }
+    }
+}
+
+/// A plan with the machine that it is for.
+#[pyclass(frozen, module = "leastaction._leastaction")]
+pub struct Plan {
+    machine: Machine,
+    found: planning::Plan,
+}
+
+fn refused(error: PlanError) -> PyErr {
+    match error {
+        PlanError::Motion(message) => Kind::Work.says(message),
+        error => input(error),
+    }
+}
+
+/// The machine of a configuration; a model of Python stands for its file.
+fn machine(config: &PlanConfig, model: Option<&Model>) -> PyResult<Machine> {
+    let shipped = |model, bytes| Machine { file: Some(bytes), ..Machine::new(model) };
+    if let Some(model) = model {
+        return Ok(shipped(model.host().clone(), model.bytes().to_vec()));
+    }
+    let (path, part) = (&config.model, config.part.as_deref());
+    if Machine::is_description(path) {
+        return Machine::of_description(path).map_err(input);
+    }
+    if path.is_dir() {
+        return of_file_or_run(path, part).map(Machine::new).map_err(failure);
+    }
+    let Loaded { model, bytes } = read(path).map_err(failure)?;
+    Ok(shipped(of_part(path, model, part).map_err(failure)?, bytes))
+}
+
+/// Commands of a start guess.
+fn given(guess: &PyReadonlyArray2<'_, f64>, n: usize) -> PyResult<Vec<Vec<f64>>> {
+    let array = guess.as_array();
+    if array.ncols() != n || array.nrows() == 0 {
+        let shape = array.shape();
+        return Err(input(format!("guess has the shape {shape:?}; it must be [nodes, {n}]")));
+    }
+    if array.iter().any(|u| !u.is_finite()) {
+        return Err(input("guess has a number that is not finite"));
+    }
+    Ok(array.rows().into_iter().map(|row| row.to_vec()).collect())
+}
+
+/// Plans from a configuration, the TOML file `file` or `text`. Ctrl-C keeps the best motion so far; an exception of `callback` stops the
+/// search and is raised.
+#[pyfunction]
+pub fn plan_motion(
+    py: Python<'_>,
+    config: (PathBuf, Option<String>),
+    model: Option<&Model>,
+    guess: Option<PyReadonlyArray2<'_, f64>>,
+    callback: Option<Py<PyAny>>,
+) -> PyResult<Plan> {
+    let config = match config {
+        (file, Some(text)) => PlanConfig::parse(&text, &file),
+        (file, None) => PlanConfig::read(&file),
+    };
+    let config = config.map_err(refused)?;
+    let machine = machine(&config, model)?;
+    let task = Task::new(&config, &machine).map_err(refused)?;
+    let given = guess.map(|guess| given(&guess, machine.n())).transpose()?;
+    let (found, raised) = py.detach(|| searched((&machine, &task), given, callback));
+    match raised.filter(|error| !Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))) {
+        Some(error) => Err(error),
+        None => Ok(Plan { found: found.map_err(refused)?, machine }),
+    }
+}
+
+/// Searches on another thread, while this one calls back and watches for Ctrl-C. Returns the plan, and the exception that stopped it.
+fn searched(
+    (machine, task): (&Machine, &Task),
+    given: Option<Vec<Vec<f64>>>,
+    callback: Option<Py<PyAny>>,
+) -> (Result<planning::Plan, PlanError>, Option<PyErr>) {
+    let stop = AtomicBool::new(false);
+    let (sender, receiver) = channel();
+    let (done, ended) = channel::<()>();
+    let sent = Sent(callback.is_some().then_some(sender));
+    std::thread::scope(|scope| {
+        let search = scope.spawn(|| {
+            let _done = done;
+            let sent = sent;
+            planning::plan(machine, task, given, (&stop, &sent))
+        });
+        let raised = match callback {
+            Some(callback) => attended(&receiver, &stop, |py, row| callback.call1(py, row).map(|_| ())),
+            None => attended(&ended, &stop, |_, ()| Ok(())),
+        };
+        let found = search.join();
+        (found.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), raised)
+    })
+}
+
+/// Passes on messages until their sender is gone. The first exception stops the search, and no message is passed on after it.
+fn attended<T>(
+    receiver: &Receiver<T>,
+    stop: &AtomicBool,
+    tell: impl Fn(Python<'_>, T) -> PyResult<()>,
+) -> Option<PyErr> {
+    loop {
+        let message = match receiver.recv_timeout(PAUSE) {
+            Ok(message) => Some(message),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => return None,
+        };
+        let heard = Python::attach(|py| {
+            py.check_signals()?;
+            message.map_or(Ok(()), |message| tell(py, message))
+        });
+        if let Err(error) = heard {
+            stop.store(true, Ordering::Relaxed);
+            return Some(error);
+        }
+    }
+}
+
+#[pymethods]
+impl Plan {
+    /// Returns arrays over the nodes and the end, and what is known of the search.
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (found, n) = (&self.found, self.machine.n());
+        let nodes: Vec<&PlanNode> = found.nodes.iter().chain([&found.end]).collect();
+        let of = |get: &dyn Fn(&PlanNode) -> Vec<f64>| nodes.iter().flat_map(|node| get(node)).collect();
+        let facts = PyDict::new(py);
+        facts.set_item("x", rows(py, of(&|node| node.x.clone()), [nodes.len(), 2 * n])?)?;
+        facts.set_item("u", rows(py, of(&|node| node.u.clone()), [nodes.len(), n])?)?;
+        facts.set_item("gains", tables(py, of(&|node| node.gain.concat()), [nodes.len(), n, 2 * n])?)?;
+        let tube = &found.tube.widths;
+        facts.set_item("tube", rows(py, tube.concat(), [tube.len(), 2 * n])?)?;
+        facts.set_item("node_seconds", found.task.node_seconds())?;
+        facts.set_item("tick", found.task.tick)?;
+        facts.set_item("order", found.task.order.number())?;
+        facts.set_item("ticks_per_node", found.task.ticks_per_node)?;
+        facts.set_item("cost", found.cost)?;
+        facts.set_item("feasible", found.is_feasible())?;
+        facts.set_item("violation", found.solution.violation)?;
+        facts.set_item("worst", found.worst(&self.machine))?;
+        facts.set_item("seconds", found.seconds())?;
+        facts.set_item("iterations", found.solution.iterations)?;
+        facts.set_item("ending", found.ending())?;
+        facts.set_item("holds", found.holds)?;
+        facts.set_item("interrupted", found.interrupted)?;
+        facts.set_item("names", &self.machine.names)?;
+        facts.set_item("notes", &self.machine.notes)?;
+        Ok(facts)
+    }
+
+    /// Returns guess, nodes, ending, cost, violation, iterations and seconds of every search; the first one is that of the plan.
+    fn starts(&self) -> Vec<(String, usize, &'static str, f64, f64, u16, f64)> {
+        let start = |of: &planning::StartReport| {
+            let (solution, seconds) = (of.solution, of.seconds);
+            let ended = planning::ending(solution.status, solution.violation <= planning::ACCEPTED);
+            (
+                of.guess.clone(),
+                of.nodes,
+                ended,
+                solution.cost,
+                solution.violation,
+                solution.iterations,
+                seconds,
+            )
+        };
+        self.found.starts.iter().map(start).collect()
+    }
+
+    /// Returns the model of the machine.
+    fn model(&self) -> PyResult<Model> {
+        let bytes = self.machine.shipped().map_err(refused)?;
+        Ok(Model::new(Loaded { model: self.machine.model.clone(), bytes }))
+    }
+
+    /// Returns the bytes of the plan's file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.found.to_bytes(&self.machine).map_err(refused)?))
+    }
+}
