@@ -211,7 +211,7 @@ fn goal(goal: &GoalConfig, config: &PlanConfig, machine: &Machine) -> Result<Goa
     {
         return Err(PlanError::value("goal.energy", format!("is {energy}, not a number")));
     }
-    // Where a joint has limits, its turns differ.
+    // The turns of a joint with limits differ.
     let free = |i: usize| {
         let limited = config
             .limits

@@ -1,7 +1,7 @@
 use leastaction_core::discrete::Order;
 use std::ops::RangeInclusive;
 
-/// What is to be planned: numbers that fit a model of n coordinates. States have 2n numbers, q and then v.
+/// Numbers of what is to be planned, which fit a model of n coordinates. States have 2n numbers, q and then v.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
     /// Tick h, s.

@@ -1,4 +1,4 @@
-//! What a plan says about itself, in words.
+//! Words of a plan about itself.
 
 use crate::{Machine, Plan};
 use leastaction_core::control::Status;

@@ -9,7 +9,9 @@ use leastaction_core::control::Iteration;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::atomic;
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
-use leastaction_planning::{Machine, Plan as Found, PlanConfig, PlanError, Progress, Task, ending, plan};
+use leastaction_planning::{
+    Machine, Plan as Found, PlanConfig, PlanError, Progress, Task, ending, page, plan,
+};
 use serde::Serialize;
 use std::fmt;
 use std::io::{IsTerminal, stderr};
@@ -20,8 +22,8 @@ use std::time::{Duration, Instant};
 
 /// Plan a motion from a start to a goal within the limits of drives, joints and speeds, with the gains that follow it.
 ///
-/// The folder receives plan.postcard (shipped like the model, and bound to it), plan.csv (one row a node, and the end), and model.postcard
-/// if the model is a robot description. The dynamics are the steps that the chip takes, so the motion is the one that it computes.
+/// The folder receives plan.postcard (shipped like the model, and bound to it), plan.csv (one row a node, and the end), plan.html (the motion
+/// drawn over time, commands against their limits, convergence), and model.postcard if the model is a robot description. The dynamics are the steps that the chip takes, so the motion is the one that it computes.
 /// Ctrl-C keeps the best motion so far.
 ///
 /// Example: leastaction plan swing-up.toml -o swing-up
@@ -45,6 +47,7 @@ pub struct Plan {
 #[derive(Clone, Debug, Serialize)]
 struct Files {
     csv: PathBuf,
+    page: PathBuf,
     plan: Option<PathBuf>,
     model: Option<PathBuf>,
 }
@@ -113,8 +116,8 @@ impl fmt::Display for Report {
                 "followed from {exact} of {starts} starts around it, and from {off} with other masses"
             )?;
         }
-        let Files { csv, plan, model } = &self.files;
-        let files = [plan.as_ref(), Some(csv), model.as_ref()];
+        let Files { csv, page, plan, model } = &self.files;
+        let files = [plan.as_ref(), Some(csv), Some(page), model.as_ref()];
         let names: Vec<_> = files.into_iter().flatten().map(|file| file.display().to_string()).collect();
         writeln!(f, "{}", names.join(", "))
     }
@@ -154,6 +157,7 @@ impl Plan {
         folder(&self.output)?;
         replaceable(&self.path("plan.csv"), FileKind::Log)?;
         replaceable(&self.path("plan.postcard"), FileKind::Plan)?;
+        replaceable(&self.path("plan.html"), FileKind::Page)?;
         replaceable(&self.path("model.postcard"), FileKind::Model)
     }
 
@@ -176,7 +180,9 @@ impl Plan {
             true => Some(save("model.postcard", &machine.model.to_bytes().map_err(|error| failed(&error))?)?),
             false => None,
         };
-        Ok(Files { csv, plan, model })
+        let html = page(found, machine).map_err(|error| failed(&error))?;
+        let page = save("plan.html", html.as_bytes())?;
+        Ok(Files { csv, page, plan, model })
     }
 
     fn report(&self, found: &Found, files: Files) -> Report {
