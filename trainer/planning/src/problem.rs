@@ -86,7 +86,7 @@ impl Task {
             iterations: self.search.iterations,
             tolerance: 1e-5,
             violation: WANTED,
-            penalty: 10.0,
+            penalty: 1.0,
             growth: 10.0,
         }
     }

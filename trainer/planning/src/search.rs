@@ -92,9 +92,13 @@ impl Searching<'_> {
             None => Guess::of_search(self.task.search.starts),
         };
         let first = if least == most { most } else { (2 * most + least) / 3 };
-        let found: Vec<_> = guesses.par_iter().map(|guess| self.from::<N, D>(system, guess, first)).collect();
+        // A search that is stopped begins no other guess.
+        let begins = |k: usize| k == 0 || !self.stop.load(Ordering::Relaxed);
+        let from =
+            |(k, guess): (usize, &Guess)| begins(k).then(|| (guess, self.from::<N, D>(system, guess, first)));
+        let found: Vec<_> = guesses.par_iter().enumerate().filter_map(from).collect();
         let (mut all, mut failed) = (Vec::new(), Vec::new());
-        for (found, guess) in found.into_iter().zip(&guesses) {
+        for (guess, found) in found {
             match found {
                 Ok(found) => all.push(found),
                 Err(error) => failed.push((guess.name(), error.to_string())),
