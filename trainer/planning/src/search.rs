@@ -94,9 +94,8 @@ impl Searching<'_> {
         let first = if least == most { most } else { (2 * most + least) / 3 };
         // A search that is stopped begins no other guess.
         let begins = |k: usize| k == 0 || !self.stop.load(Ordering::Relaxed);
-        let from =
-            |(k, guess): (usize, &Guess)| begins(k).then(|| (guess, self.from::<N, D>(system, guess, first)));
-        let found: Vec<_> = guesses.par_iter().enumerate().filter_map(from).collect();
+        let each = guesses.par_iter().enumerate().filter(|(k, _)| begins(*k));
+        let found: Vec<_> = each.map(|(_, guess)| (guess, self.from::<N, D>(system, guess, first))).collect();
         let (mut all, mut failed) = (Vec::new(), Vec::new());
         for (guess, found) in found {
             match found {
