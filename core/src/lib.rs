@@ -5,7 +5,7 @@
 //!
 //! Data flows one way through the modules of this crate:
 //! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] →
-//! [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`] and [`plan`].
+//! [`continuous`] and [`discrete`] → [`control`], [`observer`] and [`model`] → [`stepper`] and [`plan`].
 //!
 //! # Notation
 //!
@@ -24,6 +24,8 @@
 //! | Q | `force` | generalised non-conservative force: control, damping | N or N m |
 //! | L_d(q₀, q₁) | `d1_ld`, `d2_ld` | discrete Lagrangian ≈ ∫L dt and its slot derivatives | J s |
 //! | w = (q₁ − q₀)/h | `w` | increment, the unknown of a DEL step | m/s or rad/s |
+//! | A, B | `transition` | derivatives of a step's or node's end in its start and in the control | |
+//! | K | `gain` | feedback u = ū − K(x − x̄), x = (q, v) | |
 //! | s | `bubble` | mid-path deviation of the order-4 path over h | m/s or rad/s |
 //!
 //! The papers: **SyMo** (Santos, Ekal, Ventura, L4DC 2022), **ModLaNet** (Lu, Lin, Shi, Chen, ICML 2022),

@@ -38,7 +38,7 @@ pub struct StartReport {
 /// A motion with its gains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// What was planned.
+    /// Task that was planned.
     pub task: Task,
     /// Nodes of the motion.
     pub nodes: Vec<PlanNode>,

@@ -1,4 +1,4 @@
-//! What is wrong in a configuration is said with its key.
+//! Errors in a configuration name their key.
 
 use crate::problem;
 use leastaction_planning::PlanConfig;
