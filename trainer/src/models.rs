@@ -5,6 +5,7 @@ use leastaction_core::model::ModelError;
 use leastaction_learning::checkpoint::{Best, Trained};
 use leastaction_models::Model;
 use leastaction_models::file::{Precision, decode, encode_in};
+use leastaction_planning::{Machine, PlanConfig};
 use leastaction_replica::{ModelFile, Replica};
 use std::path::Path;
 
@@ -79,6 +80,22 @@ pub fn of_file_or_run(path: &Path, part: Option<&str>) -> Result<Model, Failure>
         .map_err(|error| refused(&error))?;
     let model = decode(&bytes).map_err(|error| refused(&error))?;
     of_part(path, model, part)
+}
+
+/// The machine that a plan is for: a robot description, a run, or a model file, to whose bytes its plans are bound.
+///
+/// # Errors
+/// [`Failure::Input`] if there is none.
+pub fn machine(config: &PlanConfig) -> Result<Machine, Failure> {
+    let (path, part) = (&config.model, config.part.as_deref());
+    if Machine::is_description(path) {
+        return Machine::of_description(path).map_err(|error| Failure::Input(error.to_string()));
+    }
+    if path.is_dir() {
+        return of_file_or_run(path, part).map(Machine::new);
+    }
+    let Loaded { model, bytes } = read(path)?;
+    Ok(Machine { file: Some(bytes), ..Machine::new(of_part(path, model, part)?) })
 }
 
 /// The model of a run, with its file.

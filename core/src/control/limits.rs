@@ -41,7 +41,7 @@ fn clamped<R: Real>(x: R, least: R, most: R) -> R {
 
 /// Augmented Lagrangian of a box of states, ½ρw_i e_i² − ½μ_i²/(ρw_i), with e the excess of x + μ/(ρw) over the box.
 ///
-/// Its slope is ρwe, its curvature ρw where e ≠ 0. The multipliers of the next round are the slopes of this one. Soft limits keep μ = 0.
+/// The slope is ρwe, the curvature ρw where e ≠ 0. The multipliers of the next round are the slopes of this one. Soft limits keep μ = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<R, const D: usize> {
     /// The box.

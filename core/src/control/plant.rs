@@ -56,7 +56,7 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
     /// Linearises a node from its two ends, each a state with its data, its control and its course.
     ///
     /// # Errors
-    /// As [`Plant::advance`].
+    /// [`StepError`] if the node cannot be computed.
     fn linearise(
         &self,
         ends: [(&[R; D], &Self::Frame); 2],
@@ -67,7 +67,7 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
     /// Linearises the node that begins at x under the control u.
     ///
     /// # Errors
-    /// As [`Plant::advance`].
+    /// [`StepError`] if the node cannot be computed.
     fn linearise_at(&self, x: &[R; D], u: &[R; M]) -> Result<Transition<R, D, M>, StepError<R>> {
         let mut course = [R::zero(); D];
         let end = self.advance(&mut self.begin(x)?, u, &mut course)?;

@@ -1,11 +1,12 @@
 //! Trial of a plan: the chip's law follows it from other starts, on the plant as it is and on one whose masses are off.
 
+use crate::machine::visit;
 use crate::task::Check;
 use crate::{Machine, Plan, PlanError};
 use leastaction_core::control::Plant;
 use leastaction_core::plan::{Plan as Followed, PlanFile};
 use leastaction_models::Model;
-use leastaction_replica::{ModelFile, StateVisitor, SystemOf};
+use leastaction_replica::{StateVisitor, SystemOf};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::array::from_fn;
@@ -47,12 +48,7 @@ impl Plan {
 
     /// Whether the plant of a model reaches the end from a start that deviates.
     fn reaches(&self, model: &Model, plan: &[u8], deviation: &[f64]) -> Result<bool, PlanError> {
-        let failed = |error: &dyn std::fmt::Display| PlanError::Motion(error.to_string());
-        let bytes = model.to_bytes().map_err(|error| failed(&error))?;
-        let file = ModelFile::new(&bytes).map_err(|error| failed(&error))?;
-        let part = model.architecture.part().map(|(_, name)| name);
-        let replica = file.replica(part).map_err(|error| failed(&error))?;
-        replica.visit_states(Trial { plan: self, model, file: plan, deviation })
+        visit(model, Trial { plan: self, model, file: plan, deviation })
     }
 }
 

@@ -40,7 +40,6 @@ pub use machine::Machine;
 pub use nalgebra::DMatrix;
 pub use page::page;
 pub use plan::{Plan, PlanNode, StartReport, Tube};
-pub use problem::ACCEPTED;
+pub(crate) use problem::ACCEPTED;
 pub use search::{Progress, plan};
 pub use task::{Check, CostWeights, Follow, Goal, LimitsOf, Search, Task};
-pub use words::ending;

@@ -2,9 +2,9 @@
 
 use crate::PlanError;
 use crate::lqr::LinearSystem;
-use crate::plant::{SteppedOf, Widened};
-use leastaction_core::control::{Plant, Stepped, Transition};
-use leastaction_core::discrete::{Del, Order, Path};
+use crate::plant::{PlantStep, Widened};
+use leastaction_core::control::{Plant, Transition};
+use leastaction_core::discrete::{Newton, Order};
 use leastaction_core::forces;
 use leastaction_models::Actuator;
 use leastaction_replica::{Replica, StateVisitor, SystemOf};
@@ -69,7 +69,11 @@ impl<'c> StateVisitor<'c> for Linearising<'_> {
     type Output = Result<LinearSystem, PlanError>;
 
     fn states<const N: usize, const D: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
-        let plant = self.plant::<N>(system);
+        let of = |get: fn(&Actuator, usize) -> f64| from_fn(|i| get(self.actuator, i) as f32);
+        let actuator =
+            forces::Actuator { gain: of(Actuator::gain), offset: of(Actuator::offset), delay: 0.0 };
+        let NodeStep { tick, order, ticks } = *self.step;
+        let plant = Widened::new(system, PlantStep { tick, order, ticks, newton: Newton::new(), actuator });
         let [q, v, u] = self.at;
         let x: [f64; D] = from_fn(|i| if i < N { q[i] } else { v[i - N] });
         let found: Result<Transition<f64, D, N>, _> = plant.linearise_at(&x, &from_fn(|i| u[i]));
@@ -82,25 +86,5 @@ impl<'c> StateVisitor<'c> for Linearising<'_> {
     fn graph(self) -> Self::Output {
         let message = "graphs of particles have no step in (q, v); inertia networks and trees have";
         Err(PlanError::Motion(message.to_owned()))
-    }
-}
-
-impl Linearising<'_> {
-    fn plant<'s, const N: usize>(&self, system: &'s SystemOf<'s, N>) -> Widened<'s, N> {
-        match self.step.order {
-            Order::Two => Widened::Two(self.stepped(system)),
-            Order::Four => Widened::Four(self.stepped(system)),
-        }
-    }
-
-    fn stepped<'s, P: Path, const N: usize>(&self, system: &'s SystemOf<'s, N>) -> SteppedOf<'s, P, N> {
-        let of = |get: fn(&Actuator, usize) -> f64| from_fn(|i| get(self.actuator, i) as f32);
-        Stepped {
-            system,
-            del: Del::new(self.step.tick as f32),
-            actuator: forces::Actuator { gain: of(Actuator::gain), offset: of(Actuator::offset), delay: 0.0 },
-            inputs: from_fn(|i| i),
-            ticks: self.step.ticks,
-        }
     }
 }

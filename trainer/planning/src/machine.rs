@@ -3,6 +3,7 @@ use leastaction_models::bodies::space::ArmArchitecture;
 use leastaction_models::tree::{Limits, Tree};
 use leastaction_models::urdf::{self, Described, Followers, Inertias, Options};
 use leastaction_models::{Model, Number};
+use leastaction_replica::{ModelFile, StateVisitor};
 use std::path::Path;
 
 /// A model with what is known of its joints.
@@ -74,6 +75,18 @@ impl Machine {
     pub fn angles(&self) -> Vec<bool> {
         self.model.architecture.coordinates().chars().map(|letter| letter == 'a').collect()
     }
+}
+
+/// Passes the system of a model, in the chip's arithmetic, to a visitor.
+pub fn visit<T>(
+    model: &Model,
+    visitor: impl for<'c> StateVisitor<'c, Output = Result<T, PlanError>>,
+) -> Result<T, PlanError> {
+    let failed = |error: &dyn std::fmt::Display| PlanError::Motion(error.to_string());
+    let bytes = model.to_bytes().map_err(|error| failed(&error))?;
+    let file = ModelFile::new(&bytes).map_err(|error| failed(&error))?;
+    let part = model.architecture.part().map(|(_, name)| name);
+    file.replica(part).map_err(|error| failed(&error))?.visit_states(visitor)
 }
 
 /// Model of a tree with known numbers.

@@ -1,9 +1,10 @@
 //! A model in the chip's arithmetic as a plant in double precision.
 
 use leastaction_core::control::{Plant, Stepped, Transition};
-use leastaction_core::discrete::{Galerkin, Midpoint, Report, State, StepError};
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Order, Path, Report, State, StepError};
+use leastaction_core::forces;
 use leastaction_core::lagrangian::Linearization;
-use leastaction_replica::{AnyLagrangian, ForcesOf};
+use leastaction_replica::{AnyLagrangian, ForcesOf, SystemOf};
 
 /// A plant whose steps are the chip's, in single precision, for a search in double precision: Riccati's recursion squares the condition of
 /// what it is given.
@@ -18,6 +19,38 @@ pub enum Widened<'s, const N: usize> {
 
 /// A model under its steps; every coordinate has a command.
 pub type SteppedOf<'s, P, const N: usize> = Stepped<'s, AnyLagrangian<'s, N>, ForcesOf<'s, N>, f32, P, N, N>;
+
+/// Step of a plant.
+pub struct PlantStep<const N: usize> {
+    /// Tick, s.
+    pub tick: f64,
+    /// Order.
+    pub order: Order,
+    /// Number of ticks in a node.
+    pub ticks: u16,
+    /// Bounds of Newton's method.
+    pub newton: Newton<f32>,
+    /// Gain and offset of the drives.
+    pub actuator: forces::Actuator<f32, N>,
+}
+
+impl<'s, const N: usize> Widened<'s, N> {
+    /// The system under these steps.
+    pub fn new(system: &'s SystemOf<'s, N>, step: PlantStep<N>) -> Self {
+        match step.order {
+            Order::Two => Self::Two(stepped(system, step)),
+            Order::Four => Self::Four(stepped(system, step)),
+        }
+    }
+}
+
+fn stepped<'s, P: Path, const N: usize>(
+    system: &'s SystemOf<'s, N>,
+    PlantStep { tick, ticks, newton, actuator, .. }: PlantStep<N>,
+) -> SteppedOf<'s, P, N> {
+    let del = Del::with_newton(tick as f32, newton);
+    Stepped { system, del, actuator, inputs: std::array::from_fn(|i| i), ticks }
+}
 
 /// Evaluates `$do` with `$plant` bound to the plant of either order.
 macro_rules! either {

@@ -1,16 +1,16 @@
 //! A task as a problem of optimal control, its sizes being types.
 
 use crate::Task;
-use crate::plant::{SteppedOf, Widened};
-use leastaction_core::control::{Cost, Limits, Options, Penalty, Plant, Problem, Stepped};
-use leastaction_core::discrete::{Del, Newton, Order, Path};
+use crate::plant::{PlantStep, Widened};
+use leastaction_core::control::{Cost, Limits, Options, Penalty, Plant, Problem};
+use leastaction_core::discrete::Newton;
 use leastaction_core::forces::Actuator;
 use leastaction_models::Model;
 use leastaction_replica::SystemOf;
 use std::array::from_fn;
 
 /// Numbers of a list; 0 beyond its end.
-fn array<const K: usize>(list: &[f64]) -> [f64; K] {
+pub fn array<const K: usize>(list: &[f64]) -> [f64; K] {
     from_fn(|i| list.get(i).copied().unwrap_or_default())
 }
 
@@ -27,30 +27,12 @@ impl Task {
         system: &'s SystemOf<'s, N>,
         model: &Model,
     ) -> Widened<'s, N> {
-        match self.order {
-            Order::Two => Widened::Two(self.stepped(system, model)),
-            Order::Four => Widened::Four(self.stepped(system, model)),
-        }
-    }
-
-    fn stepped<'s, P: Path, const N: usize>(
-        &self,
-        system: &'s SystemOf<'s, N>,
-        model: &Model,
-    ) -> SteppedOf<'s, P, N> {
         let actuator = &model.facts.actuator;
         let gain = |i: usize| if self.limits.is_driven(i) { actuator.gain(i) as f32 } else { 0.0 };
-        Stepped {
-            system,
-            del: Del::with_newton(self.tick as f32, newton()),
-            actuator: Actuator {
-                gain: from_fn(gain),
-                offset: from_fn(|i| actuator.offset(i) as f32),
-                delay: 0.0,
-            },
-            inputs: from_fn(|i| i),
-            ticks: self.ticks_per_node,
-        }
+        let actuator =
+            Actuator { gain: from_fn(gain), offset: from_fn(|i| actuator.offset(i) as f32), delay: 0.0 };
+        let (tick, order, ticks) = (self.tick, self.order, self.ticks_per_node);
+        Widened::new(system, PlantStep { tick, order, ticks, newton: newton(), actuator })
     }
 
     /// The problem over a plant.

@@ -2,13 +2,14 @@
 
 use crate::follow::Gains;
 use crate::guess::{Guess, Guesser};
+use crate::machine::visit;
 use crate::plan::{Plan, PlanNode, StartReport, Tube};
-use crate::problem::ACCEPTED;
+use crate::problem::{ACCEPTED, array};
 use crate::{Machine, PlanError, Task};
 use leastaction_core::control::{Ilqr, Iteration, Node, Plant, Solution};
 use leastaction_core::discrete::StepError;
 use leastaction_models::Model;
-use leastaction_replica::{ModelFile, StateVisitor, SystemOf};
+use leastaction_replica::{StateVisitor, SystemOf};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -34,12 +35,7 @@ pub fn plan(
     given: Option<Vec<Vec<f64>>>,
     (stop, progress): (&AtomicBool, &dyn Progress),
 ) -> Result<Plan, PlanError> {
-    let failed = |error: &dyn std::fmt::Display| PlanError::Motion(error.to_string());
-    let bytes = machine.model.to_bytes().map_err(|error| failed(&error))?;
-    let file = ModelFile::new(&bytes).map_err(|error| failed(&error))?;
-    let part = machine.model.architecture.part().map(|(_, name)| name);
-    let replica = file.replica(part).map_err(|error| failed(&error))?;
-    replica.visit_states(Searching { task, model: &machine.model, given, stop, progress })
+    visit(&machine.model, Searching { task, model: &machine.model, given, stop, progress })
 }
 
 /// A search whose sizes become types.
@@ -103,7 +99,7 @@ impl Searching<'_> {
                 Err(error) => failed.push((guess.name(), error.to_string())),
             }
         }
-        let per_node = self.task.cost.time * self.task.node_seconds();
+        let per_node = self.task.time_per_node();
         let best = |all: &[Found<N, D>]| {
             let ranks = all.iter().map(|found| found.rank(per_node)).enumerate();
             ranks.min_by(|a, b| a.1.0.cmp(&b.1.0).then(a.1.1.total_cmp(&b.1.1))).map(|(index, _)| index)
@@ -129,9 +125,9 @@ impl Searching<'_> {
         count: usize,
     ) -> Result<Found<N, D>, StepError<f64>> {
         let plant = self.task.plant::<N>(system, self.model);
-        let start = state::<D>(&self.task.start);
+        let start = array::<D>(&self.task.start);
         let guesser = Guesser { task: self.task, model: self.model, system };
-        let goal = state::<D>(&self.task.goal.middle());
+        let goal = array::<D>(&self.task.goal.middle());
         let roll = |command: &mut dyn FnMut(usize, &[f64]) -> [f64; N]| -> f64 {
             let ended = rolled(&plant, &start, count, |k, x: &[f64; D]| command(k, x));
             ended
@@ -161,7 +157,7 @@ impl Searching<'_> {
         best: impl Fn(&[Found<N, D>]) -> Option<usize>,
         (mut least, mut most): (usize, usize),
     ) -> Result<(), PlanError> {
-        let per_node = self.task.cost.time * self.task.node_seconds();
+        let per_node = self.task.time_per_node();
         while most - least > ((most + least) / 200).max(1) && !self.stop.load(Ordering::Relaxed) {
             let Some(now) = best(all).map(|index| &all[index]) else { return Ok(()) };
             let (count, rank) = (now.nodes.len(), now.rank(per_node));
@@ -205,7 +201,7 @@ impl Searching<'_> {
         let tube: Tube = self.task.tube(&gains, &nodes);
         let Gains { nodes: regulators, end: at_end, command, holds } = gains;
         let each = nodes.iter().zip(&regulators);
-        let per_node = self.task.cost.time * self.task.node_seconds();
+        let per_node = self.task.time_per_node();
         Plan {
             task: self.task.clone(),
             nodes: each.map(|(node, of)| PlanNode::new(&node.x, &node.u, &of.gain)).collect(),
@@ -224,10 +220,6 @@ impl Searching<'_> {
 /// The smaller part of a golden section, at least 1.
 fn golden(length: usize) -> usize {
     ((length as f64 * 0.382).round() as usize).max(1)
-}
-
-fn state<const D: usize>(list: &[f64]) -> [f64; D] {
-    std::array::from_fn(|i| list.get(i).copied().unwrap_or_default())
 }
 
 /// The end of a motion under commands that may depend on the state; `None` if it cannot be computed.

@@ -122,6 +122,11 @@ impl Task {
         self.limits.u.len()
     }
 
+    /// Cost of the time that a node takes.
+    pub fn time_per_node(&self) -> f64 {
+        self.cost.time * self.node_seconds()
+    }
+
     /// Duration of a node, s.
     pub fn node_seconds(&self) -> f64 {
         self.tick * f64::from(self.ticks_per_node)

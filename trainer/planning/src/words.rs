@@ -1,7 +1,8 @@
 //! Words of a plan about itself.
 
-use crate::{Machine, Plan};
-use leastaction_core::control::Status;
+use crate::problem::ACCEPTED;
+use crate::{Machine, Plan, StartReport};
+use leastaction_core::control::{Solution, Status};
 
 impl Plan {
     /// The limit or the part of the goal that the plan misses most; `None` if it meets all.
@@ -32,13 +33,19 @@ impl Plan {
 
     /// How the best search ended.
     pub fn ending(&self) -> &'static str {
-        ending(self.solution.status, self.is_feasible())
+        ending(&self.solution)
     }
 }
 
-/// How a search ended, in words.
-pub fn ending(status: Status, feasible: bool) -> &'static str {
-    match (status, feasible) {
+impl StartReport {
+    /// How the search ended.
+    pub fn ending(&self) -> &'static str {
+        ending(&self.solution)
+    }
+}
+
+fn ending(solution: &Solution<f64>) -> &'static str {
+    match (solution.status, solution.violation <= ACCEPTED) {
         (Status::Solved, _) => "solved",
         (Status::Infeasible, true) => "solved as far as single precision allows",
         (Status::Infeasible, false) => "out of reach",

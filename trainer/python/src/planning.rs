@@ -3,7 +3,7 @@
 use crate::arrays::{rows, tables};
 use crate::errors::{Kind, failure, input};
 use crate::model::Model;
-use leastaction::models::{Loaded, of_file_or_run, of_part, read};
+use leastaction::models::{self, Loaded};
 use leastaction_core::control::Iteration;
 use leastaction_planning::{self as planning, Machine, PlanConfig, PlanError, PlanNode, Progress, Task};
 use numpy::PyReadonlyArray2;
@@ -50,19 +50,8 @@ fn refused(error: PlanError) -> PyErr {
 
 /// The machine of a configuration; a model of Python stands for its file.
 fn machine(config: &PlanConfig, model: Option<&Model>) -> PyResult<Machine> {
-    let shipped = |model, bytes| Machine { file: Some(bytes), ..Machine::new(model) };
-    if let Some(model) = model {
-        return Ok(shipped(model.host().clone(), model.bytes().to_vec()));
-    }
-    let (path, part) = (&config.model, config.part.as_deref());
-    if Machine::is_description(path) {
-        return Machine::of_description(path).map_err(input);
-    }
-    if path.is_dir() {
-        return of_file_or_run(path, part).map(Machine::new).map_err(failure);
-    }
-    let Loaded { model, bytes } = read(path).map_err(failure)?;
-    Ok(shipped(of_part(path, model, part).map_err(failure)?, bytes))
+    let Some(model) = model else { return models::machine(config).map_err(failure) };
+    Ok(Machine { file: Some(model.bytes().to_vec()), ..Machine::new(model.host().clone()) })
 }
 
 /// Commands of a start guess.
@@ -186,7 +175,7 @@ impl Plan {
     fn starts(&self) -> Vec<(String, usize, &'static str, f64, f64, u16, f64)> {
         let start = |of: &planning::StartReport| {
             let (solution, seconds) = (of.solution, of.seconds);
-            let ended = planning::ending(solution.status, solution.violation <= planning::ACCEPTED);
+            let ended = of.ending();
             (
                 of.guess.clone(),
                 of.nodes,

@@ -4,14 +4,12 @@ use super::interrupt;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable, written};
-use leastaction::models::{Loaded, of_file_or_run, of_part, read};
+use leastaction::models::machine;
 use leastaction_core::control::Iteration;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::atomic;
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
-use leastaction_planning::{
-    Machine, Plan as Found, PlanConfig, PlanError, Progress, Task, ending, page, plan,
-};
+use leastaction_planning::{Machine, Plan as Found, PlanConfig, PlanError, Progress, Task, page, plan};
 use serde::Serialize;
 use std::fmt;
 use std::io::{IsTerminal, stderr};
@@ -189,7 +187,7 @@ impl Plan {
         let start = |of: &leastaction_planning::StartReport| Start {
             guess: of.guess.clone(),
             nodes: of.nodes,
-            ended: ending(of.solution.status, of.solution.violation <= leastaction_planning::ACCEPTED),
+            ended: of.ending(),
             cost: of.solution.cost,
             violation: of.solution.violation,
             iterations: of.solution.iterations,
@@ -243,20 +241,6 @@ fn refused(file: &Path, error: PlanError) -> Failure {
         PlanError::Value { .. } => Failure::input(file, error),
         error => Failure::Input(error.to_string()),
     }
-}
-
-/// The machine of a configuration.
-fn machine(config: &PlanConfig) -> Result<Machine, Failure> {
-    if Machine::is_description(&config.model) {
-        return Machine::of_description(&config.model).map_err(|error| Failure::Input(error.to_string()));
-    }
-    let part = config.part.as_deref();
-    if config.model.is_dir() {
-        return of_file_or_run(&config.model, part).map(Machine::new);
-    }
-    let Loaded { model, bytes } = read(&config.model)?;
-    let machine = Machine::new(of_part(&config.model, model, part)?);
-    Ok(Machine { file: Some(bytes), ..machine })
 }
 
 /// Commands of a log.

@@ -1,6 +1,6 @@
 //! The course of the search from all start guesses.
 
-use crate::{ACCEPTED, Plan, StartReport, ending};
+use crate::{Plan, StartReport};
 use leastaction_core::control::Iteration;
 use leastaction_plot::page::{escaped, number, paragraph, picture, table};
 use leastaction_plot::{NotDrawn, Panel, Series, Vertical, stacked_svg};
@@ -45,7 +45,7 @@ fn all(starts: &[StartReport]) -> String {
             number(solution.violation),
             solution.iterations.to_string(),
             number(start.seconds),
-            escaped(ending(solution.status, solution.violation <= ACCEPTED)),
+            escaped(start.ending()),
         ]
     };
     table(&head, &[0, 6], &starts.iter().map(row).collect::<Vec<_>>())
