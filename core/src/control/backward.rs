@@ -2,7 +2,7 @@
 
 use super::box_newton::{Minimum, minimum, restricted};
 use super::riccati::symmetric;
-use super::{Limits, Transition};
+use super::{Diagonal, Limits, Transition};
 use crate::linear::{
     Matrix, SolveError, add_scaled, add_scaled_matrix, diagonal, dot, multiply, product, solve_definite,
     transpose,
@@ -36,9 +36,6 @@ impl<R: Real> Expected<R> {
         part * self.linear + part * part * self.quadratic.half()
     }
 }
-
-/// A diagonal quadratic function: slope and curvature of every component.
-pub type Diagonal<R, const N: usize> = ([R; N], [R; N]);
 
 /// Quadratic model, in δx and δu, of a node's cost and of the cost to go at its end.
 #[derive(Clone, Copy, Debug)]

@@ -6,6 +6,8 @@ use crate::scalar::Real;
 
 /// Bound on the changes of the set of controls at a limit.
 const MAX_ROUNDS: usize = 16;
+/// Part of the box's width that is near a limit.
+const NEAR: f64 = 1e-4;
 
 /// The minimum of ½kᵀHk + gᵀk in a box, and the controls that stay inside it.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +20,9 @@ pub struct Minimum<R, const M: usize> {
 
 /// Finds the minimum of ½kᵀHk + gᵀk in a box, H positive definite, by projected Newton steps from `start`.
 ///
-/// A round keeps the components at a limit whose slope points outward, and takes Newton's step in the others, cut short by the box. The
-/// best point of a bounded number of rounds is returned; it is always in the box.
+/// A round keeps the components at a limit whose slope points outward, and takes Newton's step in the others, cut short by the box. A
+/// component that starts all but at such a limit is moved there first: cut short at once, it would spoil the step of the others. The best point
+/// of a bounded number of rounds is returned; it is always in the box.
 ///
 /// # Errors
 /// [`SolveError`] if H is not positive definite on the free components.
@@ -31,8 +34,9 @@ pub fn minimum<R: Real, const M: usize>(
     limits: &Limits<R, M>,
     start: &[R; M],
 ) -> Result<Minimum<R, M>, SolveError> {
-    let mut k = limits.clamped(start);
-    let mut free = free_components(&k, &slope(h, g, &k), limits);
+    let k = limits.clamped(start);
+    let mut k = at_near_limits(&k, &slope(h, g, &k), limits);
+    let mut free = [true; M];
     for _ in 0..MAX_ROUNDS {
         let slope = slope(h, g, &k);
         free = free_components(&k, &slope, limits);
@@ -52,6 +56,19 @@ pub fn minimum<R: Real, const M: usize>(
 fn slope<R: Real, const M: usize>(h: &Matrix<R, M>, g: &[R; M], k: &[R; M]) -> [R; M] {
     let product = multiply(h, k);
     core::array::from_fn(|i| product[i] + g[i])
+}
+
+/// Moves the components to which the slope points from within a small part of the box's width to their limit.
+fn at_near_limits<R: Real, const M: usize>(k: &[R; M], slope: &[R; M], limits: &Limits<R, M>) -> [R; M] {
+    core::array::from_fn(|i| {
+        let (least, most) = (limits.least[i], limits.most[i]);
+        let near = R::constant(NEAR) * (most - least);
+        match slope[i] >= R::zero() {
+            true if k[i] - least <= near => least,
+            false if most - k[i] <= near => most,
+            _ => k[i],
+        }
+    })
 }
 
 fn free_components<R: Real, const M: usize>(k: &[R; M], slope: &[R; M], limits: &Limits<R, M>) -> [bool; M] {

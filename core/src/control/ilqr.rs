@@ -54,7 +54,24 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
         for node in nodes.iter_mut() {
             *node = Node { x, ..Node::new(node.u) };
         }
-        let end = End { x, multiplier: [R::zero(); D], trial: x };
+        Self::near(problem, options, (x, nodes), [R::zero(); D])
+    }
+
+    /// Begins with the motion from x that follows the states of the nodes by their gains; `goal` has the multipliers of the goal, the nodes
+    /// have those of the limits.
+    ///
+    /// # Errors
+    /// [`StepError`] if this motion cannot be computed.
+    pub fn near(
+        problem: Problem<P, R, D, M>,
+        options: Options<R>,
+        (x, nodes): ([R; D], &'n mut [Node<R, D, M>]),
+        goal: [R; D],
+    ) -> Result<Self, StepError<R>> {
+        if let Some(first) = nodes.first_mut() {
+            first.x = x;
+        }
+        let end = End { x, multiplier: goal, trial: x };
         let (penalty, zero) = (options.penalty, R::zero());
         let mut new = Self {
             problem,

@@ -1,6 +1,8 @@
-use super::backward::Diagonal;
 use super::{Cost, Limits, Node, Penalty};
 use crate::scalar::Real;
+
+/// A diagonal quadratic function: slope and curvature of every component.
+pub type Diagonal<R, const N: usize> = ([R; N], [R; N]);
 
 /// A problem of optimal control; the [module](super) has its equations.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +22,23 @@ pub struct Problem<P, R, const D: usize, const M: usize> {
 }
 
 impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
+    /// Cost of a node's state and control, soft limits included.
+    pub fn running_cost(&self, x: &[R; D], u: &[R; M]) -> R {
+        self.cost.of_node(x, u) + self.soft.value(x, &[R::zero(); D], R::one())
+    }
+
+    /// Slope and curvature of the running cost in the state.
+    pub fn running_slope(&self, x: &[R; D]) -> Diagonal<R, D> {
+        let deviation = self.cost.deviation(x);
+        let (mut slope, mut curvature) = ([R::zero(); D], self.cost.x);
+        for i in 0..D {
+            let (soft, bend) = self.soft.slope(i, x[i], R::zero(), R::one());
+            slope[i] = self.cost.x[i] * deviation[i] + soft;
+            curvature[i] += bend;
+        }
+        (slope, curvature)
+    }
+
     /// Penalties of the limits along the motion.
     pub(super) fn limits_cost(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> R {
         self.hard.value(x, multiplier, penalty) + self.soft.value(x, &[R::zero(); D], R::one())
@@ -45,13 +64,11 @@ impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
 
     /// Slope and curvature of the cost of a node's state.
     pub(super) fn state_cost<const C: usize>(&self, node: &Node<R, D, C>, penalty: R) -> Diagonal<R, D> {
-        let (cost, deviation) = (&self.cost, self.cost.deviation(&node.x));
-        let (mut slope, mut curvature) = ([R::zero(); D], cost.x);
+        let (mut slope, mut curvature) = self.running_slope(&node.x);
         for i in 0..D {
-            let (hard, hard_bend) = self.hard.slope(i, node.x[i], node.multiplier[i], penalty);
-            let (soft, soft_bend) = self.soft.slope(i, node.x[i], R::zero(), R::one());
-            slope[i] = cost.x[i] * deviation[i] + hard + soft;
-            curvature[i] += hard_bend + soft_bend;
+            let (hard, bend) = self.hard.slope(i, node.x[i], node.multiplier[i], penalty);
+            slope[i] += hard;
+            curvature[i] += bend;
         }
         (slope, curvature)
     }

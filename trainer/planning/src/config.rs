@@ -151,7 +151,7 @@ pub struct SearchConfig {
 
 impl Default for SearchConfig {
     fn default() -> Self {
-        Self { seed: 0, starts: 8, iterations: 1000 }
+        Self { seed: 0, starts: 8, iterations: 500 }
     }
 }
 

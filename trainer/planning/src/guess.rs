@@ -1,4 +1,4 @@
-//! Start guesses: commands from which a search begins.
+//! Start guesses: motions from which a search begins.
 
 use crate::Task;
 use leastaction_core::continuous::inverse_dynamics;
@@ -14,7 +14,9 @@ use std::f64::consts::TAU;
 pub enum Guess {
     /// Commands of every node.
     Given(Vec<Vec<f64>>),
-    /// Forces of the straight line from the start to the goal, at rest at both ends.
+    /// States and commands of every node of a motion that was found.
+    Near([Vec<Vec<f64>>; 2]),
+    /// States and forces of the straight line from the start to the goal, at rest at both ends.
     Line,
     /// Forces along the motion until the energy is that of the goal.
     Energy,
@@ -27,6 +29,7 @@ impl Guess {
     pub fn name(&self) -> String {
         match self {
             Self::Given(_) => "given".to_owned(),
+            Self::Near(_) => "near the best".to_owned(),
             Self::Line => "straight line".to_owned(),
             Self::Energy => "energy".to_owned(),
             Self::Random(k) => format!("random {k}"),
@@ -38,6 +41,22 @@ impl Guess {
         let fixed = [Self::Line, Self::Energy];
         fixed.into_iter().chain((0..).map(Self::Random)).take(starts).collect()
     }
+}
+
+/// Motion from which a search begins.
+pub struct Motion<const D: usize, const N: usize> {
+    /// Motion of free states, if the guess has one.
+    pub free: Option<FreeMotion<D, N>>,
+    /// Commands of every node that make a motion.
+    pub commands: Vec<[f64; N]>,
+}
+
+/// States and commands of every node; the commands need not make the states.
+pub struct FreeMotion<const D: usize, const N: usize> {
+    /// States.
+    pub x: Vec<[f64; D]>,
+    /// Commands.
+    pub u: Vec<[f64; N]>,
 }
 
 /// Number of random waves of which the best is taken.
@@ -58,16 +77,34 @@ pub struct Guesser<'s, const N: usize> {
 }
 
 impl<const N: usize> Guesser<'_, N> {
-    /// Commands of `nodes` nodes; `end` returns how far from the goal a sequence of commands ends, infinite if it cannot be computed, and
-    /// `states` its states.
-    pub fn commands(
+    /// Motion of `nodes` nodes; `roll` returns how far from the goal the motion of a law ends, infinite if it cannot be computed.
+    pub fn motion<const D: usize>(
+        &self,
+        guess: &Guess,
+        nodes: usize,
+        roll: impl Fn(&mut dyn FnMut(usize, &[f64]) -> [f64; N]) -> f64,
+    ) -> Motion<D, N> {
+        let free = match guess {
+            Guess::Near([x, u]) => Some(FreeMotion { x: resampled(x, nodes), u: resampled(u, nodes) }),
+            // A coordinate that is not driven does not follow a straight line.
+            Guess::Line if self.task.is_fully_driven() => {
+                let (x, u) = (0..nodes).map(|k| self.line_node((k, nodes))).unzip();
+                Some(FreeMotion { x, u })
+            }
+            Guess::Line | Guess::Given(_) | Guess::Energy | Guess::Random(_) => None,
+        };
+        Motion { free, commands: self.commands(guess, nodes, roll) }
+    }
+
+    /// Commands of `nodes` nodes.
+    fn commands(
         &self,
         guess: &Guess,
         nodes: usize,
         roll: impl Fn(&mut dyn FnMut(usize, &[f64]) -> [f64; N]) -> f64,
     ) -> Vec<[f64; N]> {
         match guess {
-            Guess::Given(rows) => resampled(rows, nodes),
+            Guess::Given(rows) | Guess::Near([_, rows]) => resampled(rows, nodes),
             Guess::Line => recorded(nodes, roll, |k, x| self.on_line((k, nodes), x)),
             Guess::Energy => recorded(nodes, roll, |_, x| self.pumped(x)),
             Guess::Random(k) => {
@@ -96,21 +133,44 @@ impl<const N: usize> Guesser<'_, N> {
     /// Command of node k that follows the straight line from the start to the goal, in the time law of least jerk: inverse dynamics, with
     /// feedback of the distance from the line.
     fn on_line(&self, (k, nodes): (usize, usize), x: &[f64]) -> [f64; N] {
-        let (goal, seconds) = (self.task.goal.middle(), nodes as f64 * self.task.node_seconds());
-        let (s, omega) = ((k as f64 + 0.5) / nodes as f64, FEEDBACK / seconds);
-        let place = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-        let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / seconds;
-        let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (seconds * seconds);
+        let place = (k as f64 + 0.5) / nodes as f64;
+        let (line, omega) = (self.line(place, nodes), FEEDBACK / self.seconds(nodes));
         let now = |i: usize| x.get(i).copied().unwrap_or_default();
         let acceleration = |i: usize| {
-            let way = goal[i] - self.task.start[i];
-            let way = if self.task.goal.turns[i] { way - TAU * (way / TAU).round() } else { way };
-            let behind = self.task.start[i] + way * place - now(i);
-            (way * bend + 2.0 * omega * (way * rate - now(N + i)) + omega * omega * behind) as f32
+            let [q, v, a] = line[i];
+            (a + 2.0 * omega * (v - now(N + i)) + omega * omega * (q - now(i))) as f32
         };
         let (q, v) = (from_fn(|i| now(i) as f32), from_fn(|i| now(N + i) as f32));
         let tau = inverse_dynamics(self.system, &q, &v, &from_fn(acceleration));
         tau.map_or([0.0; N], |tau| self.command(tau.map(f64::from)))
+    }
+
+    /// Duration of a number of nodes, s.
+    fn seconds(&self, nodes: usize) -> f64 {
+        nodes as f64 * self.task.node_seconds()
+    }
+
+    /// Position, velocity and acceleration of every coordinate after the part s of the straight line, in the time law of least jerk.
+    fn line(&self, s: f64, nodes: usize) -> [[f64; 3]; N] {
+        let (goal, seconds) = (self.task.goal.middle(), self.seconds(nodes));
+        let place = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+        let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / seconds;
+        let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (seconds * seconds);
+        from_fn(|i| {
+            let way = goal[i] - self.task.start[i];
+            let way = if self.task.goal.turns[i] { way - TAU * (way / TAU).round() } else { way };
+            [self.task.start[i] + way * place, way * rate, way * bend]
+        })
+    }
+
+    /// State and command of a node of the straight line.
+    fn line_node<const D: usize>(&self, (k, nodes): (usize, usize)) -> ([f64; D], [f64; N]) {
+        let state = |s: f64| -> [f64; D] {
+            let line = self.line(s, nodes);
+            from_fn(|i| if i < N { line[i][0] } else { line[i - N][1] })
+        };
+        let part = |k: f64| k / nodes as f64;
+        (state(part(k as f64)), self.on_line((k, nodes), &state(part(k as f64 + 0.5))))
     }
 
     /// Command that brings the energy to that of the goal, at full force.

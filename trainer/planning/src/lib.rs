@@ -12,6 +12,7 @@
 //! `leastaction-core` does the numerical work in [`control`](leastaction_core::control), the steps in the chip's arithmetic: the states of
 //! a plan are those that the chip computes under its commands.
 
+mod attempt;
 mod check;
 mod config;
 mod configured;
@@ -20,6 +21,7 @@ mod error;
 mod file;
 mod follow;
 mod guess;
+pub mod interior;
 mod linearise;
 mod lqr;
 mod machine;

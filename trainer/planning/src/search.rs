@@ -1,12 +1,13 @@
 //! The search for a plan.
 
+use crate::attempt::{Attempt, Reached};
 use crate::follow::Gains;
 use crate::guess::{Guess, Guesser};
 use crate::machine::visit;
 use crate::plan::{Plan, PlanNode, StartReport, Tube};
 use crate::problem::{ACCEPTED, array};
 use crate::{Machine, PlanError, Task};
-use leastaction_core::control::{Ilqr, Iteration, Node, Plant, Solution};
+use leastaction_core::control::{Iteration, Node, Plant, Solution};
 use leastaction_core::discrete::StepError;
 use leastaction_models::Model;
 use leastaction_replica::{StateVisitor, SystemOf};
@@ -66,6 +67,8 @@ struct Found<const N: usize, const D: usize> {
     nodes: Vec<Node<f64, D, N>>,
     end: [f64; D],
     report: StartReport,
+    /// Whether it was found near the states of its guess.
+    direct: bool,
 }
 
 impl<const N: usize, const D: usize> Found<N, D> {
@@ -88,12 +91,8 @@ impl Searching<'_> {
             None => Guess::of_search(self.task.search.starts),
         };
         let first = if least == most { most } else { (2 * most + least) / 3 };
-        // A search that is stopped begins no other guess.
-        let begins = |k: usize| k == 0 || !self.stop.load(Ordering::Relaxed);
-        let each = guesses.par_iter().enumerate().filter(|(k, _)| begins(*k));
-        let found: Vec<_> = each.map(|(_, guess)| (guess, self.from::<N, D>(system, guess, first))).collect();
         let (mut all, mut failed) = (Vec::new(), Vec::new());
-        for (guess, found) in found {
+        for (guess, found) in self.each_of::<N, D>(system, &guesses, first) {
             match found {
                 Ok(found) => all.push(found),
                 Err(error) => failed.push((guess.name(), error.to_string())),
@@ -117,6 +116,28 @@ impl Searching<'_> {
         Ok(self.finished::<N, D>(system, chosen, (others.collect(), failed)))
     }
 
+    /// Searches from all guesses. Where every coordinate is driven, the others are left out if a motion is found near the first one, the
+    /// straight line: nothing needs to be swung.
+    fn each_of<'c, 'g, const N: usize, const D: usize>(
+        &self,
+        system: &'c SystemOf<'c, N>,
+        guesses: &'g [Guess],
+        count: usize,
+    ) -> Vec<(&'g Guess, Result<Found<N, D>, StepError<f64>>)> {
+        let one = |guess: &'g Guess| (guess, self.from::<N, D>(system, guess, count));
+        let driven = self.task.is_fully_driven();
+        let alone = if driven { guesses.len().min(1) } else { 0 };
+        let (alone, together) = guesses.split_at(alone);
+        let mut found: Vec<_> = alone.iter().map(one).collect();
+        if !found.iter().any(|(_, found)| found.as_ref().is_ok_and(|found| found.direct)) {
+            // A search that is stopped begins no other guess.
+            let begins = |k: usize| k == 0 && !driven || !self.stop.load(Ordering::Relaxed);
+            let each = together.par_iter().enumerate().filter(|(k, _)| begins(*k));
+            found.extend(each.map(|(_, guess)| one(guess)).collect::<Vec<_>>());
+        }
+        found
+    }
+
     /// Searches from a start guess.
     fn from<'c, const N: usize, const D: usize>(
         &self,
@@ -125,28 +146,28 @@ impl Searching<'_> {
         count: usize,
     ) -> Result<Found<N, D>, StepError<f64>> {
         let plant = self.task.plant::<N>(system, self.model);
-        let start = array::<D>(&self.task.start);
+        let (start, goal) = (array::<D>(&self.task.start), array::<D>(&self.task.goal.middle()));
         let guesser = Guesser { task: self.task, model: self.model, system };
-        let goal = array::<D>(&self.task.goal.middle());
         let roll = |command: &mut dyn FnMut(usize, &[f64]) -> [f64; N]| -> f64 {
             let ended = rolled(&plant, &start, count, |k, x: &[f64; D]| command(k, x));
             ended
                 .map_or(f64::INFINITY, |x| x.iter().zip(&goal).map(|(x, goal)| (x - goal) * (x - goal)).sum())
         };
-        let commands = guesser.commands(guess, count, roll);
-        let mut nodes: Vec<Node<f64, D, N>> = commands.into_iter().map(Node::new).collect();
+        let motion = guesser.motion::<D>(guess, count, roll);
         let begun = Instant::now();
-        let mut search = Ilqr::new(self.task.problem(&plant), self.task.options(), start, &mut nodes)?;
-        let (name, mut iterations) = (guess.name(), Vec::new());
-        let solution = search.solve(|iteration| {
-            iterations.push(*iteration);
-            self.progress.iteration(&name, count, iteration);
-            !self.stop.load(Ordering::Relaxed)
-        })?;
-        let end = *search.end();
+        let mut attempt = Attempt {
+            task: self.task,
+            plant: &plant,
+            guess: guess.name(),
+            nodes: count,
+            watched: (self.stop, self.progress),
+            iterations: Vec::new(),
+        };
+        let Reached { nodes, end, solution, direct } = attempt.run(&motion)?;
+        let Attempt { guess, iterations, .. } = attempt;
         let seconds = begun.elapsed().as_secs_f64();
-        let report = StartReport { guess: name, nodes: count, solution, iterations, seconds };
-        Ok(Found { nodes, end, report })
+        let report = StartReport { guess, nodes: count, solution, iterations, seconds };
+        Ok(Found { nodes, end, report, direct })
     }
 
     /// Looks for a better time by golden sections, each from the best motion so far.
@@ -164,8 +185,9 @@ impl Searching<'_> {
             // The larger of the two sides of the best time is tried next.
             let shorter = count.saturating_sub(least) >= most.saturating_sub(count);
             let tried = if shorter { count - golden(count - least) } else { count + golden(most - count) };
-            let rows = now.nodes.iter().map(|node| node.u.to_vec()).collect();
-            let better = match self.from::<N, D>(system, &Guess::Given(rows), tried) {
+            let states = now.nodes.iter().map(|node| node.x.to_vec()).collect();
+            let commands = now.nodes.iter().map(|node| node.u.to_vec()).collect();
+            let better = match self.from::<N, D>(system, &Guess::Near([states, commands]), tried) {
                 Ok(found) => {
                     let better = found.rank(per_node) < rank;
                     all.push(found);
@@ -190,7 +212,7 @@ impl Searching<'_> {
         chosen: Found<N, D>,
         (others, failed): (Vec<StartReport>, Vec<(String, String)>),
     ) -> Plan {
-        let Found { mut nodes, end, report } = chosen;
+        let Found { mut nodes, end, report, .. } = chosen;
         let plant = self.task.plant::<N>(system, self.model);
         for node in &mut nodes {
             if let Ok(transition) = plant.linearise_at(&node.x, &node.u) {

@@ -127,6 +127,11 @@ impl Task {
         self.cost.time * self.node_seconds()
     }
 
+    /// Whether every coordinate is driven.
+    pub fn is_fully_driven(&self) -> bool {
+        (0..self.n()).all(|i| self.limits.is_driven(i))
+    }
+
     /// Duration of a node, s.
     pub fn node_seconds(&self) -> f64 {
         self.tick * f64::from(self.ticks_per_node)

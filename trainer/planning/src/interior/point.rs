@@ -1,0 +1,165 @@
+use super::{Bounds, Value};
+use leastaction_core::control::{Diagonal, Plant, Problem, Transition};
+use leastaction_core::discrete::StepError;
+use leastaction_core::linear::{
+    SolveError, add_scaled, add_scaled_matrix, diagonal, multiply, product, solve_definite, transpose,
+};
+use std::array::from_fn;
+
+/// State, control, course and end of a node.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<const D: usize, const N: usize> {
+    /// State at the start of the node.
+    pub x: [f64; D],
+    /// Control over the node.
+    pub u: [f64; N],
+    /// Course of the node, as its plant keeps it.
+    pub course: [f64; D],
+    /// State f(x, u) at the end of the node.
+    pub end: [f64; D],
+}
+
+/// A node of the search. Its state is free: the end of the node before may differ from it, by a gap that the search closes.
+#[derive(Clone, Debug)]
+pub struct Point<const D: usize, const N: usize> {
+    /// The node.
+    pub now: Motion<D, N>,
+    /// The trial under way.
+    pub trial: Motion<D, N>,
+    /// Limits of the state and of the control.
+    pub bounds: (Bounds<D>, Bounds<N>),
+    /// Multiplier y of the gap at the node's end.
+    pub costate: [f64; D],
+    /// Linear approximation.
+    pub transition: Transition<f64, D, N>,
+    /// Change of the control, and its gain: δu = k − K δx.
+    pub change: [f64; N],
+    /// Gain K.
+    pub gain: [[f64; D]; N],
+    /// Step of the state and of the control.
+    pub step: ([f64; D], [f64; N]),
+    /// Model of the cost to go in the state after this node.
+    pub ahead: Value<D>,
+}
+
+impl<const D: usize, const N: usize> Point<D, N> {
+    /// Computes the end of the node.
+    pub fn evaluate<P: Plant<f64, D, N>>(plant: &P, motion: &mut Motion<D, N>) -> Result<(), StepError<f64>> {
+        let mut state = plant.begin(&motion.x)?;
+        motion.end = plant.advance(&mut state, &motion.u, &mut motion.course)?;
+        Ok(())
+    }
+
+    /// Gap to the state of the next node.
+    pub fn gap(&self, next: &[f64; D]) -> [f64; D] {
+        add_scaled(&self.now.end, -1.0, next)
+    }
+
+    /// Linearises the node.
+    pub fn linearise<P: Plant<f64, D, N>>(&mut self, plant: &P) -> Result<(), StepError<f64>> {
+        let Motion { x, u, course, end } = &self.now;
+        let (start, stop) = (plant.frame(x), plant.frame(end));
+        self.transition = plant.linearise([(x, &start), (end, &stop)], u, course)?;
+        Ok(())
+    }
+
+    /// Model of the cost to go at the node's start from that of the next state, to which there is a gap.
+    ///
+    /// # Errors
+    /// [`SolveError`] if a number is not finite.
+    pub fn backward<P>(
+        &mut self,
+        problem: &Problem<P, f64, D, N>,
+        (ahead, next): (&Value<D>, &[f64; D]),
+        mu: f64,
+    ) -> Result<Value<D>, SolveError> {
+        self.ahead = *ahead;
+        let Transition { a, b } = &self.transition;
+        let (a_t, b_t) = (transpose(a), transpose(b));
+        let slope = add_scaled(&ahead.slope, 1.0, &multiply(&ahead.curvature, &self.gap(next)));
+        let (of_x, of_u) = self.costs(problem, mu);
+        let (a_s, b_s) = (product(&a_t, &ahead.curvature), product(&b_t, &ahead.curvature));
+        let x = add_scaled(&of_x.0, 1.0, &multiply(&a_t, &slope));
+        let mut u = add_scaled(&of_u.0, 1.0, &multiply(&b_t, &slope));
+        let xx = add_scaled_matrix(&diagonal(of_x.1), 1.0, &product(&a_s, a));
+        let mut ux = product(&b_s, a);
+        let mut uu = add_scaled_matrix(&diagonal(of_u.1), 1.0, &product(&b_s, b));
+        for j in (0..N).filter(|j| problem.controls.least[*j] >= problem.controls.most[*j]) {
+            (u[j], ux[j]) = (0.0, [0.0; D]);
+            uu.iter_mut().for_each(|row| row[j] = 0.0);
+            uu[j] = from_fn(|i| if i == j { 1.0 } else { 0.0 });
+        }
+        let [change] = solve_definite(uu, [u])?;
+        self.change = change.map(|k| -k);
+        self.gain = transpose(&solve_definite(uu, transpose(&ux))?);
+        let ux_t = transpose(&ux);
+        let slope = add_scaled(&x, 1.0, &multiply(&ux_t, &self.change));
+        let fall = product(&ux_t, &self.gain);
+        let fall = add_scaled_matrix(&fall, 1.0, &transpose(&fall));
+        Ok(Value { slope, curvature: add_scaled_matrix(&xx, -0.5, &fall) })
+    }
+
+    /// Slopes and curvatures of the barrier cost of state and control.
+    fn costs<P>(&self, problem: &Problem<P, f64, D, N>, mu: f64) -> (Diagonal<f64, D>, Diagonal<f64, N>) {
+        let Motion { x, u, .. } = &self.now;
+        let (of_x, of_u) = (self.bounds.0.terms(x, mu), self.bounds.1.terms(u, mu));
+        let (slope, curvature) = problem.running_slope(x);
+        let weights = &problem.cost.u;
+        let control = from_fn(|j| weights[j] * u[j]);
+        (
+            (add_scaled(&slope, 1.0, &of_x.0), add_scaled(&curvature, 1.0, &of_x.1)),
+            (add_scaled(&control, 1.0, &of_u.0), add_scaled(weights, 1.0, &of_u.1)),
+        )
+    }
+
+    /// Takes the step from a change of the state; returns the change of the next one.
+    pub fn forward(&mut self, dx: [f64; D], next: &[f64; D]) -> [f64; D] {
+        let feedback = multiply(&self.gain, &dx);
+        self.step = (dx, add_scaled(&self.change, -1.0, &feedback));
+        add_scaled(&self.transition.apply(&dx, &self.step.1), 1.0, &self.gap(next))
+    }
+
+    /// Slope of the barrier cost along the step.
+    pub fn slope<P>(&self, problem: &Problem<P, f64, D, N>, mu: f64) -> f64 {
+        let (of_x, of_u) = self.costs(problem, mu);
+        let along = |slope: &[f64], step: &[f64]| slope.iter().zip(step).map(|(a, b)| a * b).sum::<f64>();
+        along(&of_x.0, &self.step.0) + along(&of_u.0, &self.step.1)
+    }
+
+    /// Largest slope of the Lagrangian in state and control; `before` is the multiplier of the gap at the node's start, absent if its state
+    /// is given.
+    pub fn residual<P>(&self, problem: &Problem<P, f64, D, N>, before: Option<&[f64; D]>) -> f64 {
+        let Transition { a, b } = &self.transition;
+        let ((of_x, _), of_u) = (problem.running_slope(&self.now.x), &problem.cost.u);
+        let (by_x, by_u) = (multiply(&transpose(a), &self.costate), multiply(&transpose(b), &self.costate));
+        let (state, control) = (self.bounds.0.multiplier(), self.bounds.1.multiplier());
+        let x = |before: &[f64; D]| largest((0..D).map(|i| of_x[i] + by_x[i] + state[i] - before[i]));
+        let moves = |j: &usize| problem.controls.least[*j] < problem.controls.most[*j];
+        let u = (0..N).filter(moves).map(|j| of_u[j] * self.now.u[j] + by_u[j] + control[j]);
+        before.map_or(0.0, x).max(largest(u))
+    }
+
+    /// Tries a part of the step.
+    ///
+    /// # Errors
+    /// [`StepError`] if the node cannot be computed.
+    pub fn try_part<P: Plant<f64, D, N>>(&mut self, plant: &P, part: f64) -> Result<(), StepError<f64>> {
+        let Motion { x, u, course, end } = &self.now;
+        let (x, u) = (add_scaled(x, part, &self.step.0), add_scaled(u, part, &self.step.1));
+        self.trial = Motion { x, u, course: *course, end: *end };
+        Self::evaluate(plant, &mut self.trial)
+    }
+
+    /// Makes the trial the present node, and takes parts of the changes of the multipliers.
+    pub fn accept(&mut self, mu: f64, dual: f64) {
+        let (now, trial, step) = (&self.now, &self.trial, &self.step);
+        self.bounds.0.advance((&now.x, &step.0, &trial.x), mu, dual);
+        self.bounds.1.advance((&now.u, &step.1, &trial.u), mu, dual);
+        self.now = self.trial;
+    }
+}
+
+/// Largest absolute value.
+pub fn largest(each: impl Iterator<Item = f64>) -> f64 {
+    each.map(f64::abs).fold(0.0, f64::max)
+}
