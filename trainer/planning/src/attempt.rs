@@ -17,6 +17,8 @@ pub struct Attempt<'a, P> {
     pub guess: String,
     /// Number of nodes.
     pub nodes: usize,
+    /// Maximum number of iterations.
+    pub most: u16,
     /// Stop of the search, and its observer.
     pub watched: (&'a AtomicBool, &'a dyn Progress),
     /// Iterations so far.
@@ -71,9 +73,9 @@ impl<P> Attempt<'_, P> {
     where
         P: Plant<f64, D, N>,
     {
-        let FreeMotion { x, u } = guess.free.as_ref().filter(|_| !self.is_stopped())?;
+        let FreeMotion { x, u, end } = guess.free.as_ref().filter(|_| !self.is_stopped())?;
         let problem = self.task.problem(self.plant);
-        let begin = Begin { x, u, end: array(&self.task.goal.middle()) };
+        let begin = Begin { x, u, end: *end };
         let mut search = Interior::new(&problem, &begin, TOLERANCE).ok()?;
         let ended = search.solve(self.left().min(ITERATIONS), |iteration| self.watch(iteration)).ok()?;
         // Near the solution the search may stop at the rounding of the plant's steps.
@@ -121,6 +123,6 @@ impl<P> Attempt<'_, P> {
 
     /// Number of iterations that are left.
     fn left(&self) -> u16 {
-        self.task.search.iterations.saturating_sub(self.count())
+        self.most.saturating_sub(self.count())
     }
 }

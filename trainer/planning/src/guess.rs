@@ -1,6 +1,7 @@
 //! Start guesses: motions from which a search begins.
 
 use crate::Task;
+use crate::problem::array;
 use leastaction_core::continuous::inverse_dynamics;
 use leastaction_models::Model;
 use leastaction_replica::SystemOf;
@@ -14,8 +15,8 @@ use std::f64::consts::TAU;
 pub enum Guess {
     /// Commands of every node.
     Given(Vec<Vec<f64>>),
-    /// States and commands of every node of a motion that was found.
-    Near([Vec<Vec<f64>>; 2]),
+    /// States and commands of every node of a motion that was found, and its last state.
+    Near([Vec<Vec<f64>>; 2], Vec<f64>),
     /// States and forces of the straight line from the start to the goal, at rest at both ends.
     Line,
     /// Forces along the motion until the energy is that of the goal.
@@ -29,7 +30,7 @@ impl Guess {
     pub fn name(&self) -> String {
         match self {
             Self::Given(_) => "given".to_owned(),
-            Self::Near(_) => "near the best".to_owned(),
+            Self::Near(..) => "near the best".to_owned(),
             Self::Line => "straight line".to_owned(),
             Self::Energy => "energy".to_owned(),
             Self::Random(k) => format!("random {k}"),
@@ -57,12 +58,16 @@ pub struct FreeMotion<const D: usize, const N: usize> {
     pub x: Vec<[f64; D]>,
     /// Commands.
     pub u: Vec<[f64; N]>,
+    /// Last state.
+    pub end: [f64; D],
 }
 
 /// Number of random waves of which the best is taken.
 const SHOTS: usize = 24;
 /// Rate of the feedback to the straight line, times the duration of the motion.
 const FEEDBACK: f64 = 20.0;
+/// Number of parts of the straight line between which postures are looked at.
+const POSTURES: usize = 20;
 /// Number of waves that are added up.
 const WAVES: usize = 3;
 
@@ -85,11 +90,13 @@ impl<const N: usize> Guesser<'_, N> {
         roll: impl Fn(&mut dyn FnMut(usize, &[f64]) -> [f64; N]) -> f64,
     ) -> Motion<D, N> {
         let free = match guess {
-            Guess::Near([x, u]) => Some(FreeMotion { x: resampled(x, nodes), u: resampled(u, nodes) }),
+            Guess::Near([x, u], end) => {
+                Some(FreeMotion { x: resampled(x, nodes), u: resampled(u, nodes), end: array(end) })
+            }
             // A coordinate that is not driven does not follow a straight line.
             Guess::Line if self.task.is_fully_driven() => {
                 let (x, u) = (0..nodes).map(|k| self.line_node((k, nodes))).unzip();
-                Some(FreeMotion { x, u })
+                Some(FreeMotion { x, u, end: self.line_state(1.0, nodes) })
             }
             Guess::Line | Guess::Given(_) | Guess::Energy | Guess::Random(_) => None,
         };
@@ -104,7 +111,7 @@ impl<const N: usize> Guesser<'_, N> {
         roll: impl Fn(&mut dyn FnMut(usize, &[f64]) -> [f64; N]) -> f64,
     ) -> Vec<[f64; N]> {
         match guess {
-            Guess::Given(rows) | Guess::Near([_, rows]) => resampled(rows, nodes),
+            Guess::Given(rows) | Guess::Near([_, rows], _) => resampled(rows, nodes),
             Guess::Line => recorded(nodes, roll, |k, x| self.on_line((k, nodes), x)),
             Guess::Energy => recorded(nodes, roll, |_, x| self.pumped(x)),
             Guess::Random(k) => {
@@ -120,13 +127,34 @@ impl<const N: usize> Guesser<'_, N> {
 
     /// Command that a force needs, within the limits.
     fn command(&self, tau: [f64; N]) -> [f64; N] {
-        let actuator = &self.model.facts.actuator;
+        let command = self.unlimited(tau);
         from_fn(|i| match self.task.limits.is_driven(i) {
             true => {
                 let [least, most] = self.task.limits.planned(i);
-                ((tau[i] - actuator.offset(i)) / actuator.gain(i)).clamp(least, most)
+                command[i].clamp(least, most)
             }
             false => 0.0,
+        })
+    }
+
+    /// Command that a force needs.
+    fn unlimited(&self, tau: [f64; N]) -> [f64; N] {
+        let actuator = &self.model.facts.actuator;
+        from_fn(|i| (tau[i] - actuator.offset(i)) / actuator.gain(i))
+    }
+
+    /// Whether the drives hold every posture of the straight line at rest, so that nothing needs to be swung.
+    pub fn holds_line(&self) -> bool {
+        let Task { limits, .. } = self.task;
+        let within = |command: [f64; N]| {
+            let range = |i: usize| limits.planned(i);
+            (0..N).all(|i| limits.is_driven(i) && (range(i)[0]..=range(i)[1]).contains(&command[i]))
+        };
+        let rest = [0.0; N];
+        (0..=POSTURES).all(|k| {
+            let q = self.line(k as f64 / POSTURES as f64, 1).map(|[q, ..]| q as f32);
+            let tau = inverse_dynamics(self.system, &q, &rest, &rest);
+            tau.is_ok_and(|tau| within(self.unlimited(tau.map(f64::from))))
         })
     }
 
@@ -163,14 +191,16 @@ impl<const N: usize> Guesser<'_, N> {
         })
     }
 
+    /// State after the part s of the straight line.
+    fn line_state<const D: usize>(&self, s: f64, nodes: usize) -> [f64; D] {
+        let line = self.line(s, nodes);
+        from_fn(|i| if i < N { line[i][0] } else { line[i - N][1] })
+    }
+
     /// State and command of a node of the straight line.
     fn line_node<const D: usize>(&self, (k, nodes): (usize, usize)) -> ([f64; D], [f64; N]) {
-        let state = |s: f64| -> [f64; D] {
-            let line = self.line(s, nodes);
-            from_fn(|i| if i < N { line[i][0] } else { line[i - N][1] })
-        };
-        let part = |k: f64| k / nodes as f64;
-        (state(part(k as f64)), self.on_line((k, nodes), &state(part(k as f64 + 0.5))))
+        let state = |k: f64| -> [f64; D] { self.line_state(k / nodes as f64, nodes) };
+        (state(k as f64), self.on_line((k, nodes), &state(k as f64 + 0.5)))
     }
 
     /// Command that brings the energy to that of the goal, at full force.

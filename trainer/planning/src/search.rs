@@ -39,6 +39,9 @@ pub fn plan(
     visit(&machine.model, Searching { task, model: &machine.model, given, stop, progress })
 }
 
+/// Maximum number of iterations from other guesses once a motion has been found near the straight line.
+const BRIEF: u16 = 100;
+
 /// A search whose sizes become types.
 struct Searching<'t> {
     task: &'t Task,
@@ -116,25 +119,28 @@ impl Searching<'_> {
         Ok(self.finished::<N, D>(system, chosen, (others.collect(), failed)))
     }
 
-    /// Searches from all guesses. Where every coordinate is driven, the others are left out if a motion is found near the first one, the
-    /// straight line: nothing needs to be swung.
+    /// Searches from all guesses. If a motion is found near the straight line, the others are only looked at briefly, and not at all if the
+    /// drives hold the whole line: nothing needs to be swung.
     fn each_of<'c, 'g, const N: usize, const D: usize>(
         &self,
         system: &'c SystemOf<'c, N>,
         guesses: &'g [Guess],
         count: usize,
     ) -> Vec<(&'g Guess, Result<Found<N, D>, StepError<f64>>)> {
-        let one = |guess: &'g Guess| (guess, self.from::<N, D>(system, guess, count));
-        let driven = self.task.is_fully_driven();
-        let alone = if driven { guesses.len().min(1) } else { 0 };
-        let (alone, together) = guesses.split_at(alone);
-        let mut found: Vec<_> = alone.iter().map(one).collect();
-        if !found.iter().any(|(_, found)| found.as_ref().is_ok_and(|found| found.direct)) {
-            // A search that is stopped begins no other guess.
-            let begins = |k: usize| k == 0 && !driven || !self.stop.load(Ordering::Relaxed);
-            let each = together.par_iter().enumerate().filter(|(k, _)| begins(*k));
-            found.extend(each.map(|(_, guess)| one(guess)).collect::<Vec<_>>());
+        let all = self.task.search.iterations;
+        let one = |guess: &'g Guess, most: u16| (guess, self.from::<N, D>(system, guess, (count, most)));
+        let first = usize::from(guesses.first() == Some(&Guess::Line) && self.task.is_fully_driven());
+        let (first, others) = guesses.split_at(first);
+        let mut found: Vec<_> = first.iter().map(|guess| one(guess, all)).collect();
+        let direct = found.iter().any(|(_, found)| found.as_ref().is_ok_and(|found| found.direct));
+        if direct && (Guesser { task: self.task, model: self.model, system }).holds_line() {
+            return found;
         }
+        let most = if direct { all.min(BRIEF) } else { all };
+        // A search that is stopped begins no other guess.
+        let begins = |k: usize| k == 0 && first.is_empty() || !self.stop.load(Ordering::Relaxed);
+        let each = others.par_iter().enumerate().filter(|(k, _)| begins(*k));
+        found.extend(each.map(|(_, guess)| one(guess, most)).collect::<Vec<_>>());
         found
     }
 
@@ -143,7 +149,7 @@ impl Searching<'_> {
         &self,
         system: &'c SystemOf<'c, N>,
         guess: &Guess,
-        count: usize,
+        (count, most): (usize, u16),
     ) -> Result<Found<N, D>, StepError<f64>> {
         let plant = self.task.plant::<N>(system, self.model);
         let (start, goal) = (array::<D>(&self.task.start), array::<D>(&self.task.goal.middle()));
@@ -160,6 +166,7 @@ impl Searching<'_> {
             plant: &plant,
             guess: guess.name(),
             nodes: count,
+            most,
             watched: (self.stop, self.progress),
             iterations: Vec::new(),
         };
@@ -187,7 +194,8 @@ impl Searching<'_> {
             let tried = if shorter { count - golden(count - least) } else { count + golden(most - count) };
             let states = now.nodes.iter().map(|node| node.x.to_vec()).collect();
             let commands = now.nodes.iter().map(|node| node.u.to_vec()).collect();
-            let better = match self.from::<N, D>(system, &Guess::Near([states, commands]), tried) {
+            let near = Guess::Near([states, commands], now.end.to_vec());
+            let better = match self.from::<N, D>(system, &near, (tried, self.task.search.iterations)) {
                 Ok(found) => {
                     let better = found.rank(per_node) < rank;
                     all.push(found);
