@@ -1,8 +1,8 @@
 use super::backward::{Decision, Expected, NodeModel, Value};
 use super::rounds::{Next, Rounds};
-use super::{Iteration, Limits, Node, Options, Plant, Problem, Solution, Status};
+use super::{GoalMultipliers, Iteration, Limits, Node, Options, Plant, Problem, Solution, Status};
 use crate::discrete::StepError;
-use crate::linear::{SolveError, add_scaled, diagonal};
+use crate::linear::{SolveError, add_scaled};
 use crate::scalar::Real;
 
 /// The last state of a motion.
@@ -10,7 +10,7 @@ use crate::scalar::Real;
 struct End<R, const D: usize> {
     x: [R; D],
     /// Multipliers of the goal.
-    multiplier: [R; D],
+    goal: GoalMultipliers<R, D>,
     /// State of the trial under way.
     trial: [R; D],
 }
@@ -54,7 +54,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
         for node in nodes.iter_mut() {
             *node = Node { x, ..Node::new(node.u) };
         }
-        Self::near(problem, options, (x, nodes), [R::zero(); D])
+        Self::near(problem, options, (x, nodes), GoalMultipliers::none())
     }
 
     /// Begins with the motion from x that follows the states of the nodes by their gains; `goal` has the multipliers of the goal, the nodes
@@ -66,12 +66,12 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
         problem: Problem<P, R, D, M>,
         options: Options<R>,
         (x, nodes): ([R; D], &'n mut [Node<R, D, M>]),
-        goal: [R; D],
+        goal: GoalMultipliers<R, D>,
     ) -> Result<Self, StepError<R>> {
         if let Some(first) = nodes.first_mut() {
             first.x = x;
         }
-        let end = End { x, multiplier: goal, trial: x };
+        let end = End { x, goal, trial: x };
         let (penalty, zero) = (options.penalty, R::zero());
         let mut new = Self {
             problem,
@@ -188,7 +188,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
             x = problem.plant.advance(&mut motion, &u, &mut node.trial.2)?;
         }
         self.end.trial = x;
-        Ok(cost + problem.end_cost(&x, &self.end.multiplier, self.penalty))
+        Ok(cost + problem.end_cost(&x, &self.end.goal, self.penalty))
     }
 
     /// State at the start of the motion; at its end if there is no node.
@@ -207,8 +207,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
 
     /// Slope and curvature of the cost of the last state.
     fn end_value(&self) -> Value<R, D> {
-        let (slope, curvature) = self.problem.end_slope(&self.end.x, &self.end.multiplier, self.penalty);
-        Value { slope, curvature: diagonal(curvature) }
+        self.problem.end_value(&self.end.x, &self.end.goal, self.penalty)
     }
 
     /// Raises or lowers the damping.
@@ -236,9 +235,9 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
 
     /// Largest violation of limits and goal of the present motion, in deviations of weight 1.
     pub fn violation(&self) -> R {
-        let Problem { cost, hard, goal, .. } = &self.problem;
+        let hard = &self.problem.hard;
         let along = self.nodes.iter().skip(1).map(|node| hard.violation(&node.x));
-        along.fold(goal.violation(&cost.near(&self.end.x)), R::max)
+        along.fold(self.problem.goal_violation(&self.end.x), R::max)
     }
 
     /// Cost of the present motion without the penalties of hard limits and goal.
@@ -254,11 +253,11 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
 
     /// Begins a round with the multipliers that the last one found; ρ grows if `more`.
     fn next_round(&mut self, more: bool) -> Result<(), StepError<R>> {
-        let Problem { cost, hard, goal, .. } = &self.problem;
+        let hard = &self.problem.hard;
         for node in self.nodes.iter_mut().skip(1) {
             node.multiplier = hard.multipliers(&node.x, &node.multiplier, self.penalty);
         }
-        self.end.multiplier = goal.multipliers(&cost.near(&self.end.x), &self.end.multiplier, self.penalty);
+        self.end.goal = self.problem.goal_multipliers(&self.end.x, &self.end.goal, self.penalty);
         if more {
             self.penalty = self.penalty * self.options.growth;
         }

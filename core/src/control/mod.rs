@@ -42,5 +42,5 @@ pub use ilqr::Ilqr;
 pub use limits::{Limits, Penalty};
 pub use node::Node;
 pub use plant::{Plant, Transition};
-pub use problem::{Diagonal, Iteration, Options, Problem, Solution, Status};
+pub use problem::{Diagonal, GoalMultipliers, Iteration, Options, Problem, Solution, Status};
 pub use stepped::Stepped;

@@ -64,6 +64,11 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
         course: &[R; D],
     ) -> Result<Transition<R, D, M>, StepError<R>>;
 
+    /// Energy T + V of a state, and its slope; `None` if the plant has no energy.
+    fn energy(&self, _: &[R; D]) -> Option<(R, [R; D])> {
+        None
+    }
+
     /// Linearises the node that begins at x under the control u.
     ///
     /// # Errors
@@ -103,5 +108,9 @@ impl<R: Real, T: Plant<R, D, M>, const D: usize, const M: usize> Plant<R, D, M> 
         course: &[R; D],
     ) -> Result<Transition<R, D, M>, StepError<R>> {
         (**self).linearise(ends, u, course)
+    }
+
+    fn energy(&self, x: &[R; D]) -> Option<(R, [R; D])> {
+        (**self).energy(x)
     }
 }

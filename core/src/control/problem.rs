@@ -1,4 +1,6 @@
-use super::{Cost, Limits, Node, Penalty};
+use super::backward::Value;
+use super::{Cost, Limits, Node, Penalty, Plant};
+use crate::linear::{add_scaled, diagonal};
 use crate::scalar::Real;
 
 /// A diagonal quadratic function: slope and curvature of every component.
@@ -19,6 +21,70 @@ pub struct Problem<P, R, const D: usize, const M: usize> {
     pub soft: Penalty<R, D>,
     /// States to be reached at the end.
     pub goal: Penalty<R, D>,
+    /// Energy T + V to be reached at the end. A plant without energy meets any.
+    pub energy: Penalty<R, 1>,
+}
+
+/// Multipliers of a goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GoalMultipliers<R, const D: usize> {
+    /// Multipliers of the state.
+    pub state: [R; D],
+    /// Multiplier of the energy.
+    pub energy: R,
+}
+
+impl<R: Real, const D: usize> GoalMultipliers<R, D> {
+    /// No multipliers.
+    pub fn none() -> Self {
+        Self { state: [R::zero(); D], energy: R::zero() }
+    }
+}
+
+impl<P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
+    /// Energy of a state and its slope, if it is part of the goal.
+    fn energy_of(&self, x: &[R; D]) -> Option<(R, [R; D])> {
+        let Limits { least: [least], most: [most] } = self.energy.limits;
+        let limited = least.is_finite() || most.is_finite();
+        if limited { self.plant.energy(x) } else { None }
+    }
+
+    /// Cost of the last state, with the penalty of the goal.
+    pub(super) fn end_cost(&self, x: &[R; D], of: &GoalMultipliers<R, D>, penalty: R) -> R {
+        let state = self.cost.of_end(x) + self.goal.value(&self.cost.near(x), &of.state, penalty);
+        let energy = self.energy_of(x).map(|(energy, _)| self.energy.value(&[energy], &[of.energy], penalty));
+        state + energy.unwrap_or_else(R::zero)
+    }
+
+    /// Quadratic model of the cost of the last state.
+    pub(super) fn end_value(&self, x: &[R; D], of: &GoalMultipliers<R, D>, penalty: R) -> Value<R, D> {
+        let (mut slope, curvature) = self.end_slope(x, &of.state, penalty);
+        let mut curvature = diagonal(curvature);
+        if let Some((energy, by_x)) = self.energy_of(x) {
+            let (pull, bend) = self.energy.slope(0, energy, of.energy, penalty);
+            slope = add_scaled(&slope, pull, &by_x);
+            curvature = core::array::from_fn(|i| add_scaled(&curvature[i], bend * by_x[i], &by_x));
+        }
+        Value { slope, curvature }
+    }
+
+    /// Multipliers of the goal in the next round.
+    pub(super) fn goal_multipliers(
+        &self,
+        x: &[R; D],
+        of: &GoalMultipliers<R, D>,
+        penalty: R,
+    ) -> GoalMultipliers<R, D> {
+        let state = self.goal.multipliers(&self.cost.near(x), &of.state, penalty);
+        let energy = self.energy_of(x).map(|(energy, _)| self.energy.slope(0, energy, of.energy, penalty).0);
+        GoalMultipliers { state, energy: energy.unwrap_or_else(R::zero) }
+    }
+
+    /// Largest violation of the goal, in deviations of weight 1.
+    pub(super) fn goal_violation(&self, x: &[R; D]) -> R {
+        let energy = self.energy_of(x).map(|(energy, _)| self.energy.violation(&[energy]));
+        self.goal.violation(&self.cost.near(x)).max(energy.unwrap_or_else(R::zero))
+    }
 }
 
 impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
@@ -44,13 +110,8 @@ impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
         self.hard.value(x, multiplier, penalty) + self.soft.value(x, &[R::zero(); D], R::one())
     }
 
-    /// Cost of the last state, with the penalty of the goal.
-    pub(super) fn end_cost(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> R {
-        self.cost.of_end(x) + self.goal.value(&self.cost.near(x), multiplier, penalty)
-    }
-
     /// Slope and curvature of the cost of the last state.
-    pub(super) fn end_slope(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> Diagonal<R, D> {
+    fn end_slope(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> Diagonal<R, D> {
         let (cost, near) = (&self.cost, self.cost.near(x));
         let deviation = cost.deviation(x);
         let (mut slope, mut curvature) = ([R::zero(); D], cost.end);

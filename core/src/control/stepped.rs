@@ -1,8 +1,10 @@
 use super::{Plant, Transition};
 use crate::discrete::{Control, Del, Interval, Path, State, StepDerivative, StepError};
 use crate::forces::{Actuator, Forces, System};
-use crate::lagrangian::{Lagrangian, Linearization};
-use crate::linear::{Matrix, add_scaled_matrix, identity, product, solve_columns};
+use crate::lagrangian::{Energies, Lagrangian, Linearization};
+use crate::linear::{
+    Matrix, add_scaled, add_scaled_matrix, identity, multiply, product, solve_columns, transpose,
+};
 use crate::scalar::Real;
 
 /// A mechanism under its integrator as a plant of N coordinates: x = (q, v), p = L_v(q, v), T quadratic in v; D is 2N.
@@ -123,6 +125,18 @@ where
             }
         }
         moved.end(end)
+    }
+
+    /// T + V, whose slope is −L_q + L_qv v in q and M v in v.
+    fn energy(&self, x: &[R; D]) -> Option<(R, [R; D])> {
+        let (q, v) = halves::<R, N, D>(x);
+        let Energies { kinetic, potential } = self.system.energies(&q, &v);
+        let Linearization { l_q, l_vq, l_vv, .. } = self.system.lagrangian.linearization(&q, &v);
+        let by_q = add_scaled(&multiply(&transpose(&l_vq), &v), -R::one(), &l_q);
+        let rest = [R::zero(); N];
+        // A force at rest is that of a potential: friction needs motion.
+        let by_q = add_scaled(&by_q, -R::one(), &self.system.forces.force(&q, &rest, &rest));
+        Some((kinetic + potential, joined(&[by_q, multiply(&l_vv, &v)])))
     }
 }
 

@@ -70,6 +70,7 @@ pub fn problem() -> Problem<Linear<5, 2>, f64, 5, 2> {
         hard: Penalty::none(),
         soft: Penalty::none(),
         goal: Penalty::none(),
+        energy: Penalty::none(),
     }
 }
 

@@ -49,6 +49,23 @@ fn nodes_are_linearised_exactly() {
 }
 
 #[test]
+fn the_slope_of_the_energy_is_exact() {
+    for model in shapes::of_three() {
+        // Friction of every law is in the forces, and none of it at rest.
+        let system = System { lagrangian: model.in_f64(), forces: forces::all() };
+        let del = Del::<f64, Midpoint>::new(0.01);
+        let plant = Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [2, 0], ticks: 1 };
+        let energy = |x: &[f64; 6]| Plant::<f64, 6, 2>::energy(&plant, x).unwrap();
+        let (_, slope) = energy(&X);
+        for (i, slope) in slope.into_iter().enumerate() {
+            let moved =
+                |step: f64| energy(&add_scaled(&X, step, &core::array::from_fn(|k| f64::from(i == k)))).0;
+            assert_close("slope", slope, (moved(STEP) - moved(-STEP)) / (2.0 * STEP), 1e-8);
+        }
+    }
+}
+
+#[test]
 fn a_state_that_is_not_a_number_is_refused() {
     let model = &shapes::of_three()[0];
     let system = System { lagrangian: model.in_f64(), forces: forces::all() };

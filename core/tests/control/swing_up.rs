@@ -81,6 +81,7 @@ impl<const N: usize, const D: usize> Task<N, D> {
             hard,
             soft: Penalty::none(),
             goal: Penalty { limits: Limits { least: goal, most: goal }, weights: [R::one(); D] },
+            energy: Penalty::none(),
         };
         let mut nodes: Vec<Node<R, D, 1>> =
             (0..self.nodes).map(|k| Node::new([R::constant(0.01 * (5.0 * H * k as f64).sin())])).collect();

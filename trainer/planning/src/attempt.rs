@@ -3,7 +3,7 @@ use crate::guess::{FreeMotion, Motion};
 use crate::interior::{Begin, Ended, Interior};
 use crate::problem::{ACCEPTED, array};
 use crate::search::Progress;
-use leastaction_core::control::{Ilqr, Iteration, Node, Options, Plant, Solution, Status};
+use leastaction_core::control::{GoalMultipliers, Ilqr, Iteration, Node, Options, Plant, Solution, Status};
 use leastaction_core::discrete::StepError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -74,6 +74,10 @@ impl<P> Attempt<'_, P> {
         P: Plant<f64, D, N>,
     {
         let FreeMotion { x, u, end } = guess.free.as_ref().filter(|_| !self.is_stopped())?;
+        // The method has no equation of the energy.
+        if self.task.goal.energy.is_some() {
+            return None;
+        }
         let problem = self.task.problem(self.plant);
         let begin = Begin { x, u, end: *end };
         let mut search = Interior::new(&problem, &begin, TOLERANCE).ok()?;
@@ -85,7 +89,9 @@ impl<P> Attempt<'_, P> {
         let (mut nodes, goal) = search.into_nodes();
         let options = Options { penalty: CLOSE, ..self.task.options() };
         let start = array::<D>(&self.task.start);
-        let near = Ilqr::near(problem, options, (start, &mut nodes), goal).ok()?;
+        let near =
+            Ilqr::near(problem, options, (start, &mut nodes), GoalMultipliers { state: goal, energy: 0.0 })
+                .ok()?;
         let (end, solution) = if near.violation() <= CONTENT {
             let (status, cost, violation) = (Status::Solved, near.plain_cost(), near.violation());
             (*near.end(), Solution { status, cost, violation, iterations: self.count() })

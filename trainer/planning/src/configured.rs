@@ -206,9 +206,8 @@ fn goal(goal: &GoalConfig, config: &PlanConfig, machine: &Machine) -> Result<Goa
     };
     let rest = if goal.energy.is_some() { ANY } else { [0.0; 2] };
     let state = [points("goal.q", &goal.q, ANY)?, points("goal.v", &goal.v, rest)?].concat();
-    if goal.energy.is_some() {
-        let message = "is no goal that the search can hold to; give the positions and velocities of the end";
-        return Err(PlanError::value("goal.energy", message));
+    if goal.energy.is_some_and(|energy| !energy.is_finite()) {
+        return Err(PlanError::value("goal.energy", "must be a finite number of joules"));
     }
     // The turns of a joint with limits differ.
     let free = |i: usize| {

@@ -44,6 +44,8 @@ pub struct Plan {
     pub nodes: Vec<PlanNode>,
     /// State at the end, the command that holds it, and the gain there.
     pub end: PlanNode,
+    /// Energy T + V at the end, J, if the goal is one.
+    pub energy: Option<f64>,
     /// Whether the end is a rest that the drives can hold.
     pub holds: bool,
     /// Cost, the cost of the time included.

@@ -117,4 +117,10 @@ impl<const N: usize, const D: usize> Plant<f64, D, N> for Widened<'_, N> {
         let Transition { a, b } = found.map_err(widened)?;
         Ok(Transition { a: a.map(wide), b: b.map(wide) })
     }
+
+    fn energy(&self, x: &[f64; D]) -> Option<(f64, [f64; D])> {
+        let x = narrow(x);
+        let (energy, slope): (f32, [f32; D]) = either!(self, plant => Plant::<f32, D, N>::energy(plant, &x))?;
+        Some((energy.into(), wide(slope)))
+    }
 }

@@ -46,6 +46,7 @@ impl Task {
             .map(|i| if self.limits.is_driven(i) { self.limits.planned(i) } else { [0.0; 2] })
             .collect();
         let unit = [1.0; D];
+        let energy = self.energy_goal(&plant);
         Problem {
             plant,
             cost: Cost {
@@ -59,7 +60,17 @@ impl Task {
             hard: Penalty { limits: ends(&self.limits.x), weights: unit },
             soft: Penalty { limits: ends(&self.soft.0), weights: [self.soft.1 * dt; D] },
             goal: Penalty { limits: ends(&self.goal.state), weights: unit },
+            energy,
         }
+    }
+
+    /// Goal of the energy; the unit of its deviations is its distance from the energy of the start.
+    fn energy_goal<P: Plant<f64, D, N>, const N: usize, const D: usize>(&self, plant: &P) -> Penalty<f64, 1> {
+        let (Some(wanted), Some((start, _))) = (self.goal.energy, plant.energy(&array(&self.start))) else {
+            return Penalty::none();
+        };
+        let unit = (wanted - start).abs().max(f64::MIN_POSITIVE.sqrt());
+        Penalty { limits: Limits { least: [wanted], most: [wanted] }, weights: [1.0 / (unit * unit)] }
     }
 
     /// Bounds of the search.

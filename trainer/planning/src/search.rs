@@ -236,6 +236,7 @@ impl Searching<'_> {
             task: self.task.clone(),
             nodes: each.map(|(node, of)| PlanNode::new(&node.x, &node.u, &of.gain)).collect(),
             end: PlanNode::new(&end, &command, &at_end.gain),
+            energy: self.task.goal.energy.and(plant.energy(&end).map(|(energy, _): (f64, [f64; D])| energy)),
             holds,
             cost: report.solution.cost + per_node * nodes.len() as f64,
             solution: report.solution,

@@ -28,7 +28,11 @@ impl Plan {
                 (off, format!("{} is {off:.3} beyond its limit after {seconds:.2} s", named(i)))
             })
         });
-        at_end.chain(along).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, words)| words)
+        let energy = self.energy.zip(self.task.goal.energy).map(|(energy, wanted)| {
+            let off = (energy - wanted).abs();
+            (off, format!("the energy ends {off:.3} J from its goal"))
+        });
+        at_end.chain(along).chain(energy).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, words)| words)
     }
 
     /// How the best search ended.

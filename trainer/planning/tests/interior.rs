@@ -1,7 +1,7 @@
 //! The interior-point method on linear plants, against iterative LQR and against optimality itself.
 
 use leastaction_core::control::{
-    Cost, Ilqr, Limits, Node, Options, Penalty, Plant, Problem, Status, Transition,
+    Cost, GoalMultipliers, Ilqr, Limits, Node, Options, Penalty, Plant, Problem, Status, Transition,
 };
 use leastaction_core::discrete::StepError;
 use leastaction_planning::interior::{Begin, Ended, Interior};
@@ -60,6 +60,7 @@ fn free() -> Springy {
         hard: Penalty::none(),
         soft: Penalty::none(),
         goal: Penalty::none(),
+        energy: Penalty::none(),
     }
 }
 
@@ -134,6 +135,7 @@ fn multipliers_are_those_of_shooting() {
     let problem = limited();
     let (_, mut nodes, goal) = solved(&problem);
     let options = Options { penalty: 1e3, ..OPTIONS };
+    let goal = GoalMultipliers { state: goal, energy: 0.0 };
     let mut near = Ilqr::near(problem, options, (START, &mut nodes), goal).unwrap();
     assert!(near.violation() < 1e-6);
     let iteration = near.iterate().unwrap();

@@ -45,6 +45,7 @@ fn pairs(plan: &Plan, words: &Words) -> Vec<(&'static str, String)> {
         ("reserve", reserve(task.limits.reserve)),
     ];
     pairs.extend(task.goal.energy.map(|energy| ("energy of the goal", format!("{} J", number(energy)))));
+    pairs.extend(plan.energy.map(|energy| ("energy at the end", format!("{} J", number(energy)))));
     pairs
 }
 

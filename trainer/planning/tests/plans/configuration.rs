@@ -25,7 +25,12 @@ fn keys_and_values_are_checked() {
     assert_refused("pendulum", "seconds = 4.0", "seconds = [4.0, 3.0]", "the shortest time comes first");
     assert_refused("pendulum", "seconds = 4.0", "seconds = 1e9\nticks_per_node = 1", "raise ticks_per_node");
     assert_refused("pendulum", "q = [0.0]", "q = [nan]", "neither is nan");
-    assert_refused("pendulum", "q = [0.0]", "energy = 3.0", "`goal.energy` is no goal");
+    assert_refused(
+        "pendulum",
+        "q = [0.0]",
+        "energy = inf",
+        "`goal.energy` must be a finite number of joules",
+    );
     assert_refused("pendulum", "u = [1.0]", "u = [0.0]", "`cost.u` is 0");
     assert_refused("pendulum", "u = [1.5]", "u = [0.0]", "has no driven coordinate");
     assert_refused("pendulum", "u = [1.5]", "u = [-1.5]", "a largest size is not negative");

@@ -135,6 +135,28 @@ fn a_plan_is_a_file_for_the_model_alone() {
 
 /// Too little torque for the time: the search says what is missing.
 #[test]
+fn an_energy_is_a_goal() {
+    let of = |goal: &str| {
+        let goal = format!("energy = {goal}");
+        let changed = |text: &str| {
+            let text = text.replace("q = [0.0]", &goal).replace("seconds = 4.0", "seconds = 2.0");
+            text + "\n[search]\nstarts = 2\n"
+        };
+        let (machine, task) = problem("pendulum", changed).unwrap();
+        let found = solved(&machine, &task);
+        let worst = found.worst(&machine);
+        (found, worst)
+    };
+    let (reached, none) = of("-1.0");
+    assert!(reached.is_feasible() && none.is_none(), "{none:?}");
+    // The rod hangs at −4.9 J.
+    assert!((reached.energy.unwrap() + 1.0).abs() < 4e-4, "{:?}", reached.energy);
+    let (far, missed) = of("60.0");
+    assert!(!far.is_feasible());
+    assert!(missed.as_ref().is_some_and(|words| words.contains("J from its goal")), "{missed:?}");
+}
+
+#[test]
 fn a_goal_out_of_reach_is_named() {
     let weak = |text: &str| {
         text.replace("u = [1.5]", "u = [0.3]").replace("seconds = 4.0", "seconds = 1.0")
