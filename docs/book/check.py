@@ -8,7 +8,7 @@
 The blocks of a page are run from top to bottom in a temporary folder of its own. A `toml` block must be valid TOML, and is written to a file if it
 begins with `# NAME.toml`. A `sh` block is run and must succeed. The lines of an `output` block must occur, in this order, in the output of the last
 `sh` block (… stands for omitted lines or an omitted part of a line). A `sh,no_run` block is skipped; the line before it gives the reason:
-`<!-- not run: REASON -->`. Files that a reader already has, such as a log, are made by `<!-- run: COMMAND -->`.
+`<!-- not run: REASON -->`. Files that a reader already has, such as a log, are made by `<!-- run: COMMAND -->`, with the variable REPOSITORY.
 """
 
 import html.parser
@@ -127,7 +127,7 @@ def run_page(page, environment):
 
 
 def check_blocks(binaries, pages):
-    environment = os.environ | {"PATH": f"{Path(binaries).resolve()}:{os.environ['PATH']}", "NO_COLOR": "1"}
+    environment = os.environ | {"REPOSITORY": str(ROOT), "PATH": f"{Path(binaries).resolve()}:{os.environ['PATH']}", "NO_COLOR": "1"}
     wrong = []
     for page in [Path(page) for page in pages] or [ROOT / "README.md", *sorted((BOOK / "src").glob("*.md"))]:
         start = time.monotonic()

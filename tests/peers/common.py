@@ -35,10 +35,10 @@ def run(command, **options):
     return result.stdout
 
 
-def build_ours(package, target, otherwise):
-    """Builds one of our executables in release and returns its path; `otherwise` names the options that make the build unnecessary."""
+def build_ours(package, target, otherwise, profile="release"):
+    """Builds one of our executables and returns its path; `otherwise` names the options that make the build unnecessary."""
     need("cargo", f"install Rust from https://rustup.rs, or pass {otherwise}")
-    command = ["cargo", "build", "--release", "-p", package, *target]
+    command = ["cargo", "build", "--profile", profile, "-p", package, *target]
     messages = run([*command, "--message-format=json"], cwd=HERE.parent)
     artifacts = [json.loads(line) for line in messages.splitlines() if line.startswith("{")]
     executables = [a["executable"] for a in artifacts if a.get("executable")]

@@ -26,6 +26,8 @@ except ImportError as error:
     print(f"error: {error}: run `pip install casadi` for the interpreter {sys.executable}", file=sys.stderr)
     sys.exit(2)
 
+import numpy as np
+
 from control_check import self_test
 from control_nlp import Program
 from control_problem import read_problem
@@ -162,9 +164,9 @@ def parse(arguments):
     parser.add_argument("--self-test", action="store_true", help="check CasADi's functions against numpy and differences, and stop")
     parser.add_argument("--tinympc", action="store_true", help="only the regulator of a cart-pole, with TinyMPC as a further rival")
     parser.add_argument("--leastaction", type=Path, metavar="PATH", help="use this program instead of building it")
-    parser.add_argument("--guess", type=Path, metavar="CSV", help="controls (t, u1, …) that both programs start from, with one --only")
+    parser.add_argument("--guess", type=Path, metavar="CSV", help="controls (t, u0, …) that both programs start from, with one --only")
     parser.add_argument("--require", type=float, metavar="RATIO", help="fail unless ours takes at most 1/RATIO of the time at no higher cost")
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="allowed difference of the two programs (default %(default)s)")
+    parser.add_argument("--tolerance", type=float, default=1e-4, help="allowed difference of the two programs, whose steps are in single and in double precision (default %(default)s)")
     parser.add_argument("--repetitions", type=positive, default=3, help="of every solved run, the fastest counts (default %(default)s)")
     parser.add_argument("--seeds", type=int, default=3, help="number of random starts of IPOPT (default %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="the first of them (default %(default)s)")
@@ -185,7 +187,7 @@ def executable(options):
         return None
     if options.leastaction:
         return options.leastaction.resolve()
-    return build_ours("leastaction", ["--bin", "leastaction"], "--leastaction PATH or --casadi-only")
+    return build_ours("leastaction", ["--bin", "leastaction"], "--leastaction PATH or --casadi-only", "wheel")
 
 
 def run_self_test(options, configs):

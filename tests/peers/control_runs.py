@@ -93,10 +93,10 @@ def write_controls(path, problem, controls):
 
 
 def read_columns(path, names):
-    """Columns of a CSV file; an empty cell is not a number."""
+    """Columns of a log; an empty cell is not a number."""
     try:
         with open(path, newline="") as file:
-            rows = list(csv.DictReader(file))
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
         return np.array([[float(row[name] or "nan") for name in names] for row in rows])
     except OSError as error:
         raise Failure(f"{path} cannot be read: {error}", code=2) from error
@@ -105,7 +105,7 @@ def read_columns(path, names):
 
 
 def named(letters, problem):
-    return [f"{letter}{i + 1}" for letter in letters for i in range(problem.coordinates)]
+    return [f"{letter}{i}" for letter in letters for i in range(problem.coordinates)]
 
 
 def read_controls(path, problem):
@@ -235,6 +235,7 @@ def judged(stepper, layout, states, controls):
         ticks[-1] = following
     weights, targets = layout.costs()
     z, (least, most) = layout.pack(np.array(ticks), controls), layout.bounds()
+    z[layout.x[-1]] -= whole_turns(problem, layout, z)
     beyond = np.maximum(np.maximum(least - z, z - most), 0)
     seconds = problem.nodes * problem.node_seconds
     return {
@@ -245,6 +246,16 @@ def judged(stepper, layout, states, controls):
         "goal": float(beyond[layout.x[-1]].max()),
         "start": float(beyond[layout.x[0]].max()),
     }
+
+
+def whole_turns(problem, layout, z):
+    """Whole turns between the end and the goal, of positions without limits: any will do."""
+    least, most = layout.bounds()
+    last, before = layout.x[-1], layout.x[-2]
+    middle = np.where(np.isfinite(least[last]), (least[last] + most[last]) / 2, z[last])
+    turns = 2 * np.pi * np.round((z[last] - middle) / (2 * np.pi))
+    free = np.isinf(least[before]) & np.isinf(most[before])
+    return np.where(free & (np.arange(len(last)) < problem.coordinates), turns, 0.0)
 
 
 def undriven(problem, controls):
