@@ -76,7 +76,11 @@ class Comparison:
 
     def run_ours(self, ours, guess):
         """Runs our program from its own starts and from the guess; IPOPT then starts from our solutions."""
-        self.ours = [ours.plan("own", self.folder / "own"), ours.plan("guess", self.folder / "guess", guess)]
+        self.ours = [ours.plan("own", self.folder / "own")]
+        try:
+            self.ours.append(ours.plan("guess", self.folder / "guess", guess))
+        except Failure as error:
+            print(f"ours from the guess: {error}", file=sys.stderr)
         for each in self.ours:
             self.judged.append(judged(self.stepper, self.program.layout, each.states, each.controls))
             ticks = self.stepper_ticks(each)
