@@ -1,8 +1,8 @@
 //! nalgebra's static vectors and matrices at the public interface, with the feature `nalgebra`.
 //!
 //! Internally, vectors and matrices are plain arrays, matrices row by row. nalgebra converts vectors from and to arrays itself, but takes
-//! the arrays of a matrix for its **columns**: [`matrix`] and [`rows`] keep rows as rows. States, derivatives and controls have conversion
-//! methods of their own; [`acceleration`] and [`inverse_dynamics`] take and return vectors. Every conversion is a copy on the stack; no
+//! the arrays of a matrix for its **columns**: [`matrix`] and [`rows`] keep rows as rows. States, derivatives, controls, transitions and
+//! regulators have conversion methods of their own; [`acceleration`] and [`inverse_dynamics`] take and return vectors. Every conversion is a copy on the stack; no
 //! number changes.
 //!
 //! ```
@@ -28,6 +28,7 @@
 //! ```
 
 use crate::continuous::{self, ContinuousState};
+use crate::control::{Transition, riccati};
 use crate::discrete::{State, StepError};
 use crate::forces::{Control, Forces, System};
 use crate::lagrangian::{Dynamics, Gradient, Hessian, Lagrangian};
@@ -149,6 +150,30 @@ impl<S: Scalar + Entry, const N: usize> Hessian<S, N> {
     /// L_vq, entry (i, j) = ∂²L/∂v_i∂q_j.
     pub fn l_vq_matrix(&self) -> SMatrix<S, N, N> {
         matrix(&self.l_vq)
+    }
+}
+
+impl<R: Real + Entry, const D: usize, const M: usize> Transition<R, D, M> {
+    /// A = ∂x⁺/∂x.
+    pub fn a_matrix(&self) -> SMatrix<R, D, D> {
+        matrix(&self.a)
+    }
+
+    /// B = ∂x⁺/∂u.
+    pub fn b_matrix(&self) -> SMatrix<R, D, M> {
+        matrix(&self.b)
+    }
+}
+
+impl<R: Real + Entry, const D: usize, const M: usize> riccati::Regulator<R, D, M> {
+    /// Gain K.
+    pub fn gain_matrix(&self) -> SMatrix<R, M, D> {
+        matrix(&self.gain)
+    }
+
+    /// P, symmetric.
+    pub fn cost_matrix(&self) -> SMatrix<R, D, D> {
+        matrix(&self.cost)
     }
 }
 

@@ -6,8 +6,11 @@ mod common;
 use common::Random;
 use common::shapes;
 use leastaction_core::continuous::{self, ContinuousState};
+use leastaction_core::control::riccati::{Weights, stationary};
+use leastaction_core::control::{Plant, Stepped};
 use leastaction_core::discrete::{Control, Del, Galerkin, State};
-use leastaction_core::forces::System;
+use leastaction_core::energy::trigonometric::CARTPOLE;
+use leastaction_core::forces::{Actuator, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::static_vectors::{acceleration, inverse_dynamics, matrix, rows};
 use nalgebra::{SMatrix, SVector};
@@ -65,4 +68,24 @@ fn states_and_controls_are_those_of_arrays() {
     assert_eq!(of_vectors, of_arrays);
     assert_eq!(<[f64; 2]>::from(of_vectors.q_vector()), of_arrays.q());
     assert_eq!(<[f64; 2]>::from(of_vectors.p_vector()), of_arrays.p());
+}
+
+/// The regulator of a cart-pole, in nalgebra's arithmetic: P solves Riccati's equation, and every motion dies out.
+#[test]
+fn a_regulator_is_that_of_its_matrices() {
+    let system = System::conservative(CARTPOLE);
+    let del = Del::<f64, Galerkin>::new(0.01);
+    let plant = Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [0], ticks: 1 };
+    let transition = plant.linearise_at(&[0.0; 4], &[0.0]).unwrap();
+    let weights = Weights { x: [10.0, 25.0, 3.0, 3.0], u: [0.7] };
+    let regulator = stationary(&transition, &weights).unwrap();
+    let (a, b, k, p) =
+        (transition.a_matrix(), transition.b_matrix(), regulator.gain_matrix(), regulator.cost_matrix());
+    assert_eq!((rows(&a), rows(&b), rows(&k)), (transition.a, transition.b, regulator.gain));
+    let q = SMatrix::from_diagonal(&SVector::from(weights.x));
+    let closed = a - b * k;
+    assert!((p - (q + a.transpose() * p * closed)).amax() < 1e-9 * p.amax());
+    assert!((SMatrix::from([weights.u]) * k - b.transpose() * p * closed).amax() < 1e-9 * k.amax());
+    let fastest = |m: &SMatrix<f64, 4, 4>| m.complex_eigenvalues().map(|z| z.norm()).max();
+    assert!(fastest(&closed) < 1.0 && fastest(&a) > 1.0, "{} {}", fastest(&closed), fastest(&a));
 }

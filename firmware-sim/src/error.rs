@@ -15,7 +15,7 @@ pub enum SetupError {
     },
     /// The model's inertia matrix at the upright position cannot be inverted.
     SingularInertia,
-    /// The Riccati equation has no finite solution for the model: its upright position cannot be held by this input.
+    /// The model cannot be stepped from its upright position, or no gain makes the motions about it die out: this input cannot hold it.
     NotStabilisable,
     /// The task needs a swing-up, which exists only for mechanisms of one and two coordinates.
     NoSwingUp,

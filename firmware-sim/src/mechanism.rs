@@ -2,7 +2,7 @@ use crate::error::{SetupError, require};
 use leastaction_core::continuous::{self, ContinuousState};
 use leastaction_core::discrete::StepError;
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Energies, Hessian, Lagrangian};
+use leastaction_core::lagrangian::{Energies, Lagrangian};
 use leastaction_core::linear;
 use leastaction_core::model::TrainedStep;
 use leastaction_core::scalar::max_abs;
@@ -31,16 +31,6 @@ pub trait Mechanism<const N: usize> {
     /// T(q, v) and V(q), J, including the potentials that forces store.
     fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
         self.system().energies(q, v)
-    }
-
-    /// All derivatives of L at (q, v).
-    fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
-        self.system().lagrangian.hessian(q, v)
-    }
-
-    /// ∂Q/∂q and ∂Q/∂v of the forces other than the control.
-    fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]) {
-        self.system().forces.derivatives(q, v, &[0.0; N])
     }
 
     /// The momentum p = L_v(q, v).

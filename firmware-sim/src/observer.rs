@@ -124,6 +124,11 @@ impl ObserverConfig {
         Ok(())
     }
 
+    /// Creates the integrator that steps the model, for ticks of h seconds.
+    pub const fn integrator(&self, h: f32) -> Integrator<f32> {
+        Integrator::new(self.order, h, self.newton)
+    }
+
     /// Creates the observer of a model for ticks of h seconds; `angle` marks the encoders that forget whole turns.
     pub fn observer<'a, M: Mechanism<N>, const N: usize>(
         &self,
@@ -134,7 +139,7 @@ impl ObserverConfig {
         let zeros =
             self.zeros.map(|LearnZeros { deviation, innovation }| ZerosPrior { deviation, innovation });
         let tuning = Tuning { memory: self.memory, patience: self.patience, zeros };
-        Observer::new(model.system(), Integrator::new(self.order, h, self.newton), angle, tuning)
+        Observer::new(model.system(), self.integrator(h), angle, tuning)
     }
 
     /// Creates the line of delayed commands from the drive and the delay that the firmware knows.

@@ -166,7 +166,8 @@ impl<const N: usize> Program<N> {
     ) -> Result<TaskController<P, N>, SetupError> {
         self.controller(model, |model, config, tolerance, catch| {
             let pump = pump(model, 0.0, config)?;
-            let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
+            let step = self.observer.integrator(self.tick);
+            let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, &step)?;
             Ok(self.swing_up(pump, regulator, catch))
         })
     }

@@ -6,12 +6,18 @@ use core::hint::black_box;
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
+use leastaction_core::control::riccati::{Weights, stationary};
+use leastaction_core::control::{Plant, Stepped};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
-use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous};
+use leastaction_core::forces::{
+    Actuator, Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous,
+};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Model, ModelError};
 use leastaction_core::plan::Plan;
+use leastaction_core::static_vectors;
 use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear, Stepper};
+use nalgebra::SVector;
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -64,8 +70,39 @@ where
 {
     let at = &black_box([[0.1; N]; 3]);
     black_box(evaluate(system, at));
+    black_box(vectors(system));
     black_box(step::<L, F, Midpoint, N>(system, at));
     black_box(step::<L, F, Galerkin, N>(system, at));
+}
+
+/// Everything through nalgebra's vectors and matrices.
+#[inline(never)]
+fn vectors<L: Lagrangian<f32, N>, F: Forces<f32, N>, const N: usize>(system: &System<L, F>) -> Option<()> {
+    let [q, v, a] = black_box([[0.1; N]; 3]).map(SVector::from);
+    let u = static_vectors::inverse_dynamics(system, &q, &v, &a).ok()?;
+    let a = static_vectors::acceleration(system, &q, &v, &u).ok()?;
+    let l = system.lagrangian.hessian(&q.into(), &v.into());
+    let force: SVector<f32, N> = l.mass_matrix() * a + l.l_vq_matrix() * v - l.l_qq_matrix() * q;
+    let mut state = State::from_vectors(&system.lagrangian, &q, &v).ok()?;
+    Del::<f32, Midpoint>::new(0.01).step(system, &mut state, &Control::from(force)).ok()?;
+    black_box((state.q_vector(), state.p_vector(), static_vectors::rows(&l.mass_matrix())));
+    Some(())
+}
+
+/// A regulator about a rest, by the derivative of a step of a plant of one control; D is 2N.
+#[inline(never)]
+pub fn regulated<L, F, P: Path, const N: usize, const D: usize>(system: &System<L, F>) -> Option<f32>
+where
+    L: Lagrangian<f32, N>,
+    F: Forces<f32, N>,
+{
+    let (del, inputs, ticks) = (Del::<f32, P>::new(0.01), black_box([0]), black_box(1));
+    let plant = Stepped { system, del, actuator: Actuator::ideal(), inputs, ticks };
+    black_box(plant.linearise_rest::<D>(&black_box([0.1; N]), &[0.1]).ok()?);
+    let transition = plant.linearise_at(&black_box([0.1; D]), &[0.1]).ok()?;
+    let regulator = stationary(&transition, &black_box(Weights { x: [1.0; D], u: [1.0] })).ok()?;
+    let closed = transition.a_matrix() - transition.b_matrix() * regulator.gain_matrix();
+    Some((closed.transpose() * regulator.cost_matrix() * closed).trace())
 }
 
 /// Everything in a model file besides its mechanism: the trained step, the actuator and the range.

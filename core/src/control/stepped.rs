@@ -36,6 +36,29 @@ where
     F: Forces<R, N>,
     P: Path,
 {
+    /// Linearises the node that begins at rest at q, under a control that holds it there; D is 2N.
+    ///
+    /// The path of such a node is the point q, so that no step is taken: programs contain no code of one, and bounds of Newton's method do
+    /// not matter. If the control does not hold the mechanism, the matrices are those of a mechanism that is held by what is missing.
+    ///
+    /// # Errors
+    /// [`StepError`] if a matrix is singular or a number is not finite.
+    pub fn linearise_rest<const D: usize>(
+        &self,
+        q: &[R; N],
+        u: &[R; M],
+    ) -> Result<Transition<R, D, M>, StepError<R>> {
+        let rest = [R::zero(); N];
+        let step =
+            Interval::<R, P, N>::new(*q, rest, self.del.h(), self.control(u)).end_derivative(self.system)?;
+        let l = self.system.lagrangian.linearization(q, &rest);
+        let mut moved = Moved::start(&l);
+        for _ in 0..self.ticks {
+            moved.step(&step, |by_tau| self.driven(by_tau));
+        }
+        moved.end(&l)
+    }
+
     /// Force over the node.
     fn control(&self, u: &[R; M]) -> Control<R, N> {
         let mut command = [R::zero(); N];

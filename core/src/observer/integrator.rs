@@ -17,6 +17,11 @@ impl<R: Real> Integrator<R> {
         Self { order, h, newton }
     }
 
+    /// Order of the steps.
+    pub const fn order(&self) -> Order {
+        self.order
+    }
+
     /// Step size h, s.
     pub const fn h(&self) -> R {
         self.h

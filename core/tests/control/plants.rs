@@ -1,7 +1,8 @@
 //! A mechanism as a plant.
 
 use crate::common::{assert_close, forces, shapes};
-use leastaction_core::control::{Plant, Stepped};
+use leastaction_core::continuous::inverse_dynamics;
+use leastaction_core::control::{Plant, Stepped, Transition};
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path, StepError};
 use leastaction_core::forces::{Actuator, System};
 use leastaction_core::linear::add_scaled;
@@ -46,6 +47,36 @@ fn nodes_are_linearised_exactly() {
     check::<Midpoint>(1);
     check::<Midpoint>(3);
     check::<Galerkin>(2);
+}
+
+/// About a rest, the derivatives are those of the steps that stay there.
+fn check_rest<P: Path>(ticks: u16) {
+    for model in shapes::of_three() {
+        let lagrangian = model.in_f64();
+        let system = System { lagrangian, forces: forces::all() };
+        let newton = Newton { max_iterations: 40, stop: 0.0, accept: 1e-8 };
+        let del = Del::<f64, P>::with_newton(0.01, newton);
+        let (q, rest) = ([0.4, -0.3, 1.1], [0.0; 3]);
+        let u = inverse_dynamics(&system, &q, &rest, &rest).unwrap();
+        let inputs = [2, 0, 1];
+        let plant = Stepped { system: &system, del, actuator: Actuator::ideal(), inputs, ticks };
+        let u: [f64; 3] = inputs.map(|input| u[input]);
+        let expected: Transition<f64, 6, 3> =
+            plant.linearise_at(&[q[0], q[1], q[2], 0.0, 0.0, 0.0], &u).unwrap();
+        let found = plant.linearise_rest::<6>(&q, &u).unwrap();
+        let entries = |t: &Transition<f64, 6, 3>| [t.a.as_flattened(), t.b.as_flattened()].concat();
+        for (found, expected) in entries(&found).into_iter().zip(entries(&expected)) {
+            assert_close("at rest", found, expected, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn nodes_at_rest_need_no_step() {
+    check_rest::<Midpoint>(1);
+    check_rest::<Midpoint>(3);
+    check_rest::<Galerkin>(1);
+    check_rest::<Galerkin>(2);
 }
 
 #[test]

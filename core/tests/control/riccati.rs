@@ -4,7 +4,7 @@ use crate::common::Random;
 use crate::linear_plant::Linear;
 use leastaction_core::control::riccati::{RegulatorError, Weights, back, closed_loop, stationary};
 use leastaction_core::control::{Plant, Transition};
-use leastaction_core::linear::{Matrix, dot, identity, multiply};
+use leastaction_core::linear::{Matrix, SolveError, dot, identity, multiply};
 use leastaction_core::scalar::Real;
 
 const WEIGHTS: Weights<f64, 4, 2> = Weights { x: [1.0, 0.3, 0.0, 2.0], u: [0.5, 1.5] };
@@ -79,7 +79,48 @@ fn a_motion_out_of_reach_has_no_regulator() {
     let transition = Transition { a, b: [[0.0], [1.0]] };
     let weights = Weights { x: [1.0, 1.0], u: [1.0] };
     assert_eq!(stationary(&transition, &weights), Err(RegulatorError::NotStabilisable));
-    let unknown = Transition { a: [[f64::NAN; 2]; 2], b: transition.b };
-    assert!(stationary(&unknown, &weights).is_err());
-    assert!(!f64::NAN.is_finite() && Real::is_finite(1.0_f64));
+}
+
+/// A growing motion, and one that stays, that cost nothing are not left alone in silence.
+#[test]
+fn a_motion_that_costs_nothing_has_no_regulator() {
+    fn check<R: Real>() {
+        let number = R::constant;
+        let blind = Weights { x: [number(0.0), number(1.0)], u: [number(1.0)] };
+        let seeing = Weights { x: [number(1.0); 2], ..blind };
+        let regulated = |a: [[f64; 2]; 2], b: [f64; 2], weights| {
+            let transition = Transition { a: a.map(|row| row.map(number)), b: b.map(|b| [number(b)]) };
+            stationary(&transition, weights).map(|_| ())
+        };
+        for (a, b) in [
+            ([[1.2, 0.0], [0.0, 0.5]], [1.0, 1.0]),
+            ([[1.2, 0.3], [0.0, 0.5]], [1.0, 1.0]),
+            ([[2.0, 0.3], [0.0, 1.5]], [1.0, 1.0]),
+            // The position of a double integrator.
+            ([[1.0, 0.1], [0.0, 1.0]], [0.0, 0.1]),
+        ] {
+            assert_eq!(regulated(a, b, &blind), Err(RegulatorError::Unseen), "{a:?}");
+            assert_eq!(regulated(a, b, &seeing), Ok(()), "{a:?}");
+        }
+        // Motions that die out by themselves need not be seen, nor those that move something that is.
+        assert_eq!(regulated([[0.99, 0.0], [0.0, 1.5]], [1.0, 1.0], &blind), Ok(()));
+        assert_eq!(regulated([[1.2, 0.0], [0.01, 0.5]], [1.0, 1.0], &blind), Ok(()));
+        // A motion that the controls do not reach either.
+        assert_eq!(regulated([[1.2, 0.0], [0.0, 0.5]], [0.0, 1.0], &blind), Err(RegulatorError::Unseen));
+    }
+    check::<f32>();
+    check::<f64>();
+}
+
+#[test]
+fn numbers_that_are_not_finite_have_no_regulator() {
+    let transition = Transition { a: [[1.2, 0.0], [0.3, 0.5]], b: [[1.0], [1.0]] };
+    let weights = Weights { x: [1.0; 2], u: [1.0] };
+    let refused = Err(RegulatorError::Solve(SolveError::NotFinite));
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert_eq!(stationary(&Transition { a: [[bad, 0.0], [0.0; 2]], ..transition }, &weights), refused);
+        assert_eq!(stationary(&Transition { b: [[bad], [0.0]], ..transition }, &weights), refused);
+        assert_eq!(stationary(&transition, &Weights { x: [bad, 1.0], ..weights }), refused);
+    }
+    assert_eq!(stationary(&transition, &Weights { u: [0.0], ..weights }), refused);
 }

@@ -1,12 +1,14 @@
-use super::riccati::{Linear, riccati};
 use crate::Mechanism;
 use crate::angle::difference;
 use crate::error::{Range, SetupError, require};
+use crate::observer::{Integrator, Order};
 use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::forces::Forces;
-use leastaction_core::linear::{dot, solve_many, transpose};
-use nalgebra::{SMatrix, SVector};
+use leastaction_core::control::riccati::{Weights, stationary};
+use leastaction_core::control::{Stepped, Transition};
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
+use leastaction_core::forces::Actuator;
+use leastaction_core::linear::dot;
 use serde::{Deserialize, Serialize};
 
 /// Tolerances: deviations of equal cost to the regulator (Bryson's rule); each weight is the inverse square of its tolerance.
@@ -30,12 +32,10 @@ impl<const N: usize> Tolerance<N> {
         Ok(())
     }
 
-    /// Weight matrix Q.
-    fn weights<const D: usize>(&self) -> SMatrix<f32, D, D> {
-        const { assert!(D == 2 * N, "the state has N positions and N velocities") };
-        let mut tolerances = self.q.iter().chain(&self.v);
-        let weights = SVector::from_fn(|_, _| tolerances.next().map_or(0.0, |x| 1.0 / (x * x)));
-        SMatrix::from_diagonal(&weights)
+    /// Weights of the state and of the force.
+    fn weights<const D: usize>(&self) -> Weights<f32, D, 1> {
+        let weight = |x: f32| 1.0 / (x * x);
+        Weights { x: joined(&self.q, &self.v).map(weight), u: [weight(self.u)] }
     }
 }
 
@@ -55,30 +55,30 @@ pub struct Regulator<const N: usize> {
 }
 
 impl<const N: usize> Regulator<N> {
-    /// Designs the feedback for ticks of h seconds from the model's own second derivatives at `target`; D is 2N.
+    /// Designs the feedback from the derivatives of the very step that the firmware takes; D is 2N.
     ///
     /// # Errors
-    /// Tolerances that are not positive, an input that is no coordinate, and a model that the input cannot hold at
-    /// rest at `target`.
+    /// Tolerances that are not positive and an input that is no coordinate ([`SetupError::OutOfRange`]);
+    /// [`SetupError::SingularInertia`]; [`SetupError::NotStabilisable`] if the input cannot hold the model at rest at `target`.
     pub fn design<M: Mechanism<N>, const D: usize>(
         model: &M,
         target: [f32; N],
         input: usize,
         tolerance: &Tolerance<N>,
-        h: f32,
+        step: &Integrator<f32>,
     ) -> Result<Self, SetupError> {
-        const { assert!(D == 2 * N, "the state has N positions and N velocities") };
         tolerance.validate()?;
         let (what, range) =
             ("actuated coordinate of the regulator", Range::Words("one of the model's, from 0"));
         let no_input = SetupError::OutOfRange { what, value: input as f32, range };
         let rest = [0.0; N];
-        let beside = model.system().forces.force(&target, &rest, &rest);
-        let weight = model.hessian(&target, &rest).l_q;
-        let bias = -(*weight.get(input).ok_or(no_input)? + beside[input]);
-        let system = linearise::<M, N, D>(model, &target, input)?.sampled(h);
-        let k = riccati(&system, &tolerance.weights(), 1.0 / (tolerance.u * tolerance.u))?;
-        Ok(Self { target, input, bias, gain_q: part(&k, 0), gain_v: part(&k, N) })
+        model.velocity(&target, &rest).map_err(|_| SetupError::SingularInertia)?;
+        let held = model.inverse_dynamics(&target, &rest, &rest).map_err(|_| SetupError::NotStabilisable)?;
+        let bias = *held.get(input).ok_or(no_input)?;
+        let tick = linearise::<M, N, D>(model, step, &target, (input, bias));
+        let regulator = stationary(&tick.map_err(|_| SetupError::NotStabilisable)?, &tolerance.weights());
+        let [gain] = regulator.map_err(|_| SetupError::NotStabilisable)?.gain;
+        Ok(Self { target, input, bias, gain_q: part(&gain, 0), gain_v: part(&gain, N) })
     }
 
     /// Force at a state, N or N m, without limits; `angle` marks the coordinates that are angles.
@@ -88,33 +88,38 @@ impl<const N: usize> Regulator<N> {
     }
 }
 
-/// N entries of a column of 2N, starting at `from`.
-fn part<const D: usize, const N: usize>(column: &SVector<f32, D>, from: usize) -> [f32; N] {
-    debug_assert!(from + N <= D, "a part of the column");
-    core::array::from_fn(|i| column.get(from + i).copied().unwrap_or(f32::NAN))
-}
-
-/// Linearises the model about a rest at q₀: v̇ = M⁻¹((L_qq + Q_q)δq + Q_v v + u), exactly; L_vq vanishes with v.
+/// Linearises the tick that begins at rest at a position, under the force of one coordinate that holds it there.
 fn linearise<M: Mechanism<N>, const N: usize, const D: usize>(
     model: &M,
-    target: &[f32; N],
-    input: usize,
-) -> Result<Linear<D>, SetupError> {
-    let rest = [0.0; N];
-    let d = model.hessian(target, &rest);
-    let (q_q, q_v) = model.damping(target, &rest);
-    let stiffness: [[f32; N]; N] =
-        core::array::from_fn(|i| core::array::from_fn(|j| d.l_qq[i][j] + q_q[i][j]));
-    let unit = core::array::from_fn(|i| if i == input { 1.0 } else { 0.0 });
-    let singular = |_| SetupError::SingularInertia;
-    let columns_q = solve_many(d.l_vv, transpose(&stiffness)).map_err(singular)?;
-    let columns_v = solve_many(d.l_vv, transpose(&q_v)).map_err(singular)?;
-    let [column_u] = solve_many(d.l_vv, [unit]).map_err(singular)?;
-    let a = SMatrix::from_fn(|i, j| match (i < N, j < N) {
-        (true, _) => f32::from(u8::from(j == i + N)),
-        (false, true) => columns_q[j][i - N],
-        (false, false) => columns_v[j - N][i - N],
-    });
-    let b = SVector::from_fn(|i, _| if i < N { 0.0 } else { column_u[i - N] });
-    Ok(Linear { a, b })
+    step: &Integrator<f32>,
+    at: &[f32; N],
+    force: (usize, f32),
+) -> Result<Transition<f32, D, 1>, StepError<f32>> {
+    match step.order() {
+        Order::Two => linearise_by(model, Del::<f32, Midpoint>::new(step.h()), at, force),
+        Order::Four => linearise_by(model, Del::<f32, Galerkin>::new(step.h()), at, force),
+    }
+}
+
+fn linearise_by<M: Mechanism<N>, P: Path, const N: usize, const D: usize>(
+    model: &M,
+    del: Del<f32, P>,
+    at: &[f32; N],
+    (input, force): (usize, f32),
+) -> Result<Transition<f32, D, 1>, StepError<f32>> {
+    let system = model.system();
+    Stepped { system, del, actuator: Actuator::ideal(), inputs: [input], ticks: 1 }
+        .linearise_rest(at, &[force])
+}
+
+/// Joins positions and velocities to a state.
+fn joined<const N: usize, const D: usize>(q: &[f32; N], v: &[f32; N]) -> [f32; D] {
+    const { assert!(D == 2 * N, "the state has N positions and N velocities") };
+    core::array::from_fn(|i| if i < N { q[i] } else { v[i - N] })
+}
+
+/// N numbers of a state, starting at `from`.
+fn part<const D: usize, const N: usize>(state: &[f32; D], from: usize) -> [f32; N] {
+    debug_assert!(from + N <= D, "a part of the state");
+    core::array::from_fn(|i| state.get(from + i).copied().unwrap_or(f32::NAN))
 }

@@ -151,7 +151,8 @@ fn where_a_controller_fails_the_firmware_is_safe_and_counts_it() {
 fn a_regulator_of_no_coordinate_is_refused() {
     let system = System::conservative(CARTPOLE);
     let tolerance = Tolerance { q: [0.3, 0.2], v: [0.6; 2], u: 1.2 };
-    let error = Regulator::design::<_, 4>(&system, [0.0; 2], 2, &tolerance, 0.01).unwrap_err();
+    let step = ObserverConfig::new().integrator(0.01);
+    let error = Regulator::design::<_, 4>(&system, [0.0; 2], 2, &tolerance, &step).unwrap_err();
     assert!(error.to_string().starts_with("actuated coordinate of the regulator is 2"), "{error}");
 }
 

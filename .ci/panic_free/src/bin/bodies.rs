@@ -2,8 +2,10 @@
 #![no_std]
 #![no_main]
 
+use core::hint::black_box;
+use leastaction_core::discrete::Galerkin;
 use leastaction_core::model::BodiesModel;
-use panic_free::{AllForces, Flash, Friction, everything, halt, said, steppers};
+use panic_free::{AllForces, Flash, Friction, everything, halt, regulated, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
@@ -19,6 +21,7 @@ extern "C" fn _start() -> ! {
     }
     if let Ok(model) = BodiesModel::<3, f32, AllForces<3>>::load(FLASH.bytes()) {
         everything(&model.system);
+        black_box(regulated::<_, _, Galerkin, 3, 6>(&model.system));
     }
     halt()
 }

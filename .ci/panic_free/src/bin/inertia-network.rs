@@ -3,10 +3,11 @@
 #![no_main]
 
 use core::hint::black_box;
+use leastaction_core::discrete::Midpoint;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::model::InertiaNetworkModel;
-use panic_free::{Flash, Friction, everything, halt, said, steppers};
+use panic_free::{Flash, Friction, everything, halt, regulated, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
@@ -19,6 +20,7 @@ extern "C" fn _start() -> ! {
     }
     if let Ok(model) = InertiaNetworkModel::<2, 32, 2, f32, Friction<2>>::load(FLASH.bytes()) {
         everything(&model.system);
+        black_box(regulated::<_, _, Midpoint, 2, 4>(&model.system));
         let (mass, tau) = black_box(([[1.0; 2]; 2], [0.1; 2]));
         let _ = black_box(model.system.forces.1.stiffness(0.01, mass, &tau));
         let _ = black_box(model.system.forces.load_derivative(&tau, &tau, &tau));
