@@ -2,8 +2,8 @@
 //!
 //! Internally, vectors and matrices are plain arrays, matrices row by row. nalgebra converts vectors from and to arrays itself, but takes
 //! the arrays of a matrix for its **columns**: [`matrix`] and [`rows`] keep rows as rows. States, derivatives, controls, transitions and
-//! regulators have conversion methods of their own; [`acceleration`] and [`inverse_dynamics`] take and return vectors. Every conversion is a copy on the stack; no
-//! number changes.
+//! regulators have conversion methods of their own; [`acceleration`] and [`inverse_dynamics`] take and return vectors. Every conversion is
+//! a copy on the stack; no number changes.
 //!
 //! ```
 //! use leastaction_core::discrete::{Control, Del, Midpoint, State};

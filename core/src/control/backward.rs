@@ -18,6 +18,13 @@ pub struct Value<R, const D: usize> {
     pub curvature: Matrix<R, D>,
 }
 
+impl<R: Real, const D: usize> Value<R, D> {
+    /// Slope s + Sδx after a change of the state.
+    pub fn slope_at(&self, dx: &[R; D]) -> [R; D] {
+        add_scaled(&self.slope, R::one(), &multiply(&self.curvature, dx))
+    }
+}
+
 /// Change of the cost that the quadratic models expect for a part α of all changes: α `linear` + ½α² `quadratic`.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected<R> {
@@ -29,6 +36,12 @@ impl<R: Real> Expected<R> {
     /// No change.
     pub fn nothing() -> Self {
         Self { linear: R::zero(), quadratic: R::zero() }
+    }
+
+    /// Adds the change that a node's decision makes.
+    pub fn add<const D: usize, const M: usize>(&mut self, model: &NodeModel<R, D, M>, change: &[R; M]) {
+        self.linear += dot(&model.u, change);
+        self.quadratic += dot(change, &multiply(&model.uu, change));
     }
 
     /// Expected change for a part α.
@@ -89,21 +102,23 @@ impl<R: Real, const D: usize, const M: usize> NodeModel<R, D, M> {
         let uu = add_scaled_matrix(&self.uu, damping, &product(&b_t, b));
         let ux = add_scaled_matrix(&self.ux, damping, &product(&b_t, a));
         let Minimum { k, free } = minimum(&uu, &self.u, room, start)?;
-        let columns = transpose(&ux)
-            .map(|column| core::array::from_fn(|j| if free[j] { column[j] } else { R::zero() }));
-        let gain = transpose(&solve_definite(restricted(&uu, &free), columns)?);
+        let gain = gain(&restricted(&uu, &free), &ux, &free)?;
         Ok(Decision { change: k, gain })
     }
 
-    /// The cost to go at the node's start under a decision; adds the expected change.
-    pub fn value(
-        &self,
-        Decision { change, gain }: &Decision<R, D, M>,
-        expected: &mut Expected<R>,
-    ) -> Value<R, D> {
+    /// The change that minimises the model without limits, and its dependence on δx; components that are not `free` stay.
+    ///
+    /// # Errors
+    /// [`SolveError`] if the model is not convex in δu.
+    pub fn decide_free(&self, free: &[bool; M]) -> Result<Decision<R, D, M>, SolveError> {
+        let uu = restricted(&self.uu, free);
+        let [change] = solve_definite(uu, [kept(&self.u.map(|u| -u), free)])?;
+        Ok(Decision { change, gain: gain(&uu, &self.ux, free)? })
+    }
+
+    /// The cost to go at the node's start under a decision.
+    pub fn value(&self, Decision { change, gain }: &Decision<R, D, M>) -> Value<R, D> {
         let bent = multiply(&self.uu, change);
-        expected.linear += dot(&self.u, change);
-        expected.quadratic += dot(change, &bent);
         let gain_t = transpose(gain);
         // With δu = k − Kδx: s = x − Kᵀ(u + uu k) + uxᵀk, S = xx + Kᵀuu K − Kᵀux − uxᵀK.
         let by_change = add_scaled(&self.u, R::one(), &bent);
@@ -115,4 +130,19 @@ impl<R: Real, const D: usize, const M: usize> NodeModel<R, D, M> {
         let cross = add_scaled_matrix(&cross, R::one(), &transpose(&cross));
         Value { slope, curvature: symmetric(&add_scaled_matrix(&self.xx, R::one(), &cross)) }
     }
+}
+
+/// Gain K = H⁻¹ u_x of the free components, H restricted to them.
+fn gain<R: Real, const D: usize, const M: usize>(
+    uu: &Matrix<R, M>,
+    ux: &[[R; D]; M],
+    free: &[bool; M],
+) -> Result<[[R; D]; M], SolveError> {
+    let columns = transpose(ux).map(|column| kept(&column, free));
+    Ok(transpose(&solve_definite(*uu, columns)?))
+}
+
+/// The free components, 0 in place of the others.
+fn kept<R: Real, const M: usize>(x: &[R; M], free: &[bool; M]) -> [R; M] {
+    core::array::from_fn(|j| if free[j] { x[j] } else { R::zero() })
 }

@@ -21,8 +21,8 @@ pub struct Minimum<R, const M: usize> {
 /// Finds the minimum of ½kᵀHk + gᵀk in a box, H positive definite, by projected Newton steps from `start`.
 ///
 /// A round keeps the components at a limit whose slope points outward, and takes Newton's step in the others, cut short by the box. A
-/// component that starts all but at such a limit is moved there first: cut short at once, it would spoil the step of the others. The best point
-/// of a bounded number of rounds is returned; it is always in the box.
+/// component that starts all but at such a limit is moved there first: cut short at once, it would spoil the step of the others. The best
+/// point of a bounded number of rounds is returned; it is always in the box.
 ///
 /// # Errors
 /// [`SolveError`] if H is not positive definite on the free components.
@@ -62,7 +62,8 @@ fn slope<R: Real, const M: usize>(h: &Matrix<R, M>, g: &[R; M], k: &[R; M]) -> [
 fn at_near_limits<R: Real, const M: usize>(k: &[R; M], slope: &[R; M], limits: &Limits<R, M>) -> [R; M] {
     core::array::from_fn(|i| {
         let (least, most) = (limits.least[i], limits.most[i]);
-        let near = R::constant(NEAR) * (most - least);
+        let width = most - least;
+        let near = if width.is_finite() { R::constant(NEAR) * width } else { R::zero() };
         match slope[i] >= R::zero() {
             true if k[i] - least <= near => least,
             false if most - k[i] <= near => most,

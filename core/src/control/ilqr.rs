@@ -150,7 +150,8 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
                 most: add_scaled(&problem.controls.most, -R::one(), &node.u),
             };
             let decision = model.decide(self.damping, &node.transition, (&room, &node.change))?;
-            value = model.value(&decision, &mut expected);
+            value = model.value(&decision);
+            expected.add(&model, &decision.change);
             Decision { change: node.change, gain: node.gain } = decision;
         }
         Ok(expected)

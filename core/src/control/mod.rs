@@ -37,6 +37,7 @@ pub mod riccati;
 mod rounds;
 mod stepped;
 
+pub use backward::{Decision, NodeModel, Value};
 pub use cost::Cost;
 pub use ilqr::Ilqr;
 pub use limits::{Limits, Penalty};

@@ -110,6 +110,20 @@ fn one_iteration_solves_a_linear_quadratic_problem() {
     assert!(slopes.as_flattened().iter().all(|slope| slope.abs() < 1e-12), "{slopes:?}");
 }
 
+/// A limit at one side alone, and none at all, hold no control back that stays inside.
+#[test]
+fn a_control_without_limits_is_no_control_at_one() {
+    let infinite = f64::INFINITY;
+    let one_side = Limits { least: [-100.0, -infinite], most: [infinite, 100.0] };
+    for controls in [Limits::none(), one_side] {
+        let (problem, mut nodes) = (Problem { controls, ..problem() }, nodes());
+        let mut search = Ilqr::new(problem, OPTIONS, START, &mut nodes).unwrap();
+        search.iterate().unwrap();
+        let slopes = slopes(&problem, search.nodes(), search.end());
+        assert!(slopes.as_flattened().iter().all(|slope| slope.abs() < 1e-12), "{slopes:?}");
+    }
+}
+
 /// At a minimum within limits, the slope vanishes in every control inside, and points outward in every control at a limit.
 #[test]
 fn controls_at_their_limits_are_optimal() {

@@ -1,6 +1,6 @@
 use crate::Task;
-use crate::guess::{FreeMotion, Motion};
-use crate::interior::{Begin, Ended, Interior};
+use crate::guess::Motion;
+use crate::interior::{Ended, Interior};
 use crate::problem::{ACCEPTED, array};
 use crate::search::Progress;
 use leastaction_core::control::{GoalMultipliers, Ilqr, Iteration, Node, Options, Plant, Solution, Status};
@@ -73,14 +73,13 @@ impl<P> Attempt<'_, P> {
     where
         P: Plant<f64, D, N>,
     {
-        let FreeMotion { x, u, end } = guess.free.as_ref().filter(|_| !self.is_stopped())?;
+        let begin = guess.free.as_ref().filter(|_| !self.is_stopped())?;
         // The method has no equation of the energy.
         if self.task.goal.energy.is_some() {
             return None;
         }
         let problem = self.task.problem(self.plant);
-        let begin = Begin { x, u, end: *end };
-        let mut search = Interior::new(&problem, &begin, TOLERANCE).ok()?;
+        let mut search = Interior::new(&problem, begin, TOLERANCE).ok()?;
         let ended = search.solve(self.left().min(ITERATIONS), |iteration| self.watch(iteration)).ok()?;
         // Near the solution the search may stop at the rounding of the plant's steps.
         if ended == Ended::Stuck && search.gap() > ACCEPTED {
@@ -92,8 +91,9 @@ impl<P> Attempt<'_, P> {
         let near =
             Ilqr::near(problem, options, (start, &mut nodes), GoalMultipliers { state: goal, energy: 0.0 })
                 .ok()?;
-        let (end, solution) = if near.violation() <= CONTENT {
-            let (status, cost, violation) = (Status::Solved, near.plain_cost(), near.violation());
+        let violation = near.violation();
+        let (end, solution) = if violation <= CONTENT {
+            let (status, cost) = (Status::Solved, near.plain_cost());
             (*near.end(), Solution { status, cost, violation, iterations: self.count() })
         } else {
             self.shoot(near).ok()?

@@ -1,6 +1,7 @@
 //! Start guesses: motions from which a search begins.
 
 use crate::Task;
+use crate::interior::FreeMotion;
 use crate::problem::array;
 use leastaction_core::continuous::inverse_dynamics;
 use leastaction_models::Model;
@@ -50,16 +51,6 @@ pub struct Motion<const D: usize, const N: usize> {
     pub free: Option<FreeMotion<D, N>>,
     /// Commands of every node that make a motion.
     pub commands: Vec<[f64; N]>,
-}
-
-/// States and commands of every node; the commands need not make the states.
-pub struct FreeMotion<const D: usize, const N: usize> {
-    /// States.
-    pub x: Vec<[f64; D]>,
-    /// Commands.
-    pub u: Vec<[f64; N]>,
-    /// Last state.
-    pub end: [f64; D],
 }
 
 /// Number of random waves of which the best is taken.

@@ -4,7 +4,7 @@ use leastaction_core::control::{
     Cost, GoalMultipliers, Ilqr, Limits, Node, Options, Penalty, Plant, Problem, Status, Transition,
 };
 use leastaction_core::discrete::StepError;
-use leastaction_planning::interior::{Begin, Ended, Interior};
+use leastaction_planning::interior::{Ended, FreeMotion, Interior};
 
 /// x⁺ = Ax + Bu: two coupled masses on springs, pushed at both.
 #[derive(Clone, Copy)]
@@ -80,7 +80,7 @@ const OPTIONS: Options<f64> =
 /// Cost, nodes and multipliers of the goal from states that no controls make.
 fn solved(problem: &Springy) -> (f64, Vec<Node<f64, 4, 2>>, [f64; 4]) {
     let line: Vec<_> = (0..NODES).map(|k| START.map(|x| x * (1.0 - k as f64 / NODES as f64))).collect();
-    let begin = Begin { x: &line, u: &[[0.0; 2]; NODES], end: [0.0; 4] };
+    let begin = FreeMotion { x: line, u: vec![[0.0; 2]; NODES], end: [0.0; 4] };
     let mut search = Interior::new(problem, &begin, 1e-9).unwrap();
     let mut last = None;
     let ended = search.solve(100, |iteration| {
@@ -146,7 +146,7 @@ fn multipliers_are_those_of_shooting() {
 fn a_goal_out_of_reach_is_not_called_solved() {
     let mut problem = limited();
     problem.goal.limits = Limits { least: [90.0; 4], most: [90.0; 4] };
-    let begin = Begin { x: &[START; NODES], u: &[[0.0; 2]; NODES], end: START };
+    let begin = FreeMotion { x: vec![START; NODES], u: vec![[0.0; 2]; NODES], end: START };
     let mut search = Interior::new(&problem, &begin, 1e-9).unwrap();
     assert_ne!(search.solve(300, |_| true).unwrap(), Ended::Solved);
     assert!(search.gap() > 0.1);
@@ -155,7 +155,7 @@ fn a_goal_out_of_reach_is_not_called_solved() {
 #[test]
 fn a_search_ends_when_it_is_told_to() {
     let problem = limited();
-    let begin = Begin { x: &[START; NODES], u: &[[0.0; 2]; NODES], end: START };
+    let begin = FreeMotion { x: vec![START; NODES], u: vec![[0.0; 2]; NODES], end: START };
     let mut search = Interior::new(&problem, &begin, 1e-9).unwrap();
     let mut seen = 0;
     let ended = search.solve(100, |_| {
@@ -168,6 +168,6 @@ fn a_search_ends_when_it_is_told_to() {
 #[test]
 fn a_state_that_is_not_a_number_is_refused() {
     let problem = free();
-    let begin = Begin { x: &[[f64::NAN; 4]; NODES], u: &[[0.0; 2]; NODES], end: START };
+    let begin = FreeMotion { x: vec![[f64::NAN; 4]; NODES], u: vec![[0.0; 2]; NODES], end: START };
     assert!(matches!(Interior::new(&problem, &begin, 1e-9), Err(StepError::NotFinite)));
 }

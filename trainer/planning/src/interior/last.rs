@@ -1,6 +1,5 @@
-use super::{Bounds, Value, blend};
-use leastaction_core::control::Diagonal;
-use leastaction_core::control::{Limits, Problem};
+use super::{Bounds, blend};
+use leastaction_core::control::{Diagonal, Limits, Problem, Value};
 use leastaction_core::linear::{add_scaled, diagonal};
 use std::array::from_fn;
 
@@ -38,10 +37,6 @@ impl<const D: usize> Last<D> {
         Self { x, dx: zero, trial: x, cost: [cost.end, moved(&cost.goal)], goal, bounds, multiplier: zero }
     }
 
-    fn is_equation(&self, i: usize) -> bool {
-        self.goal.least[i] >= self.goal.most[i]
-    }
-
     /// Slope of the cost and of the barriers, and curvature.
     fn terms(&self, mu: f64) -> Diagonal<f64, D> {
         let (slope, curvature) = self.bounds.terms(&self.x, mu);
@@ -50,15 +45,16 @@ impl<const D: usize> Last<D> {
         (add_scaled(&of_cost, 1.0, &slope), add_scaled(weights, 1.0, &curvature))
     }
 
-    /// Distance of every number that is to be reached.
-    fn equations(&self) -> [Option<f64>; D] {
-        from_fn(|i| self.is_equation(i).then(|| self.x[i] - self.goal.least[i]))
+    /// Distance of every number that is to be reached, at a state.
+    fn misses(&self, x: &[f64; D]) -> [Option<f64>; D] {
+        let Limits { least, most } = &self.goal;
+        from_fn(|i| (least[i] >= most[i]).then(|| x[i] - least[i]))
     }
 
     /// Model of the cost of the state: barriers of limits, and the equations as stiff springs about their multipliers.
-    pub fn value(&self, mu: f64) -> Value<D> {
+    pub fn value(&self, mu: f64) -> Value<f64, D> {
         let (mut slope, mut curvature) = self.terms(mu);
-        for (i, miss) in self.equations().into_iter().enumerate() {
+        for (i, miss) in self.misses(&self.x).into_iter().enumerate() {
             if let Some(miss) = miss {
                 slope[i] += self.multiplier[i] + miss / SOFTNESS;
                 curvature[i] += 1.0 / SOFTNESS;
@@ -86,7 +82,7 @@ impl<const D: usize> Last<D> {
 
     /// Sum of the distances from the numbers to be reached.
     pub fn gap(&self, x: &[f64; D]) -> f64 {
-        (0..D).filter(|i| self.is_equation(*i)).map(|i| (x[i] - self.goal.least[i]).abs()).sum()
+        self.misses(x).into_iter().flatten().map(f64::abs).sum()
     }
 
     /// Largest |s z − μ| of the limits.
@@ -106,7 +102,7 @@ impl<const D: usize> Last<D> {
 
     /// Makes the trial the present state.
     pub fn accept(&mut self, mu: f64, (part, dual): (f64, f64)) {
-        let missed = self.equations();
+        let missed = self.misses(&self.x);
         let found =
             from_fn(|i| missed[i].map_or(0.0, |miss| self.multiplier[i] + (miss + self.dx[i]) / SOFTNESS));
         blend(&mut self.multiplier, &found, part);

@@ -21,17 +21,10 @@ mod point;
 use bounds::Bounds;
 use filter::{Filter, Merit};
 use last::Last;
-use leastaction_core::control::{Iteration, Limits, Node, Plant, Problem, Transition};
+use leastaction_core::control::{Decision, Iteration, Limits, Node, Plant, Problem, Transition, Value};
 use leastaction_core::discrete::StepError;
-use leastaction_core::linear::{Matrix, SolveError, add_scaled, multiply};
-use point::{Motion, Point, largest};
-
-/// Quadratic model of the cost to go: s·δx + ½δxᵀSδx.
-#[derive(Clone, Copy, Debug)]
-pub struct Value<const D: usize> {
-    slope: [f64; D],
-    curvature: Matrix<f64, D>,
-}
+use leastaction_core::linear::SolveError;
+use point::{Iterate, Point, largest};
 
 /// First barrier parameter μ.
 const FIRST_MU: f64 = 0.1;
@@ -51,12 +44,12 @@ pub enum Ended {
     Stopped,
 }
 
-/// Motion from which a search begins: states and controls of the nodes, and the last state.
-pub struct Begin<'b, const D: usize, const N: usize> {
+/// Motion from which a search begins: states and controls of the nodes, which need not make the states, and the last state.
+pub struct FreeMotion<const D: usize, const N: usize> {
     /// States; the first one is kept.
-    pub x: &'b [[f64; D]],
+    pub x: Vec<[f64; D]>,
     /// Controls, as many.
-    pub u: &'b [[f64; N]],
+    pub u: Vec<[f64; N]>,
     /// Last state.
     pub end: [f64; D],
 }
@@ -79,14 +72,14 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
     /// [`StepError`] if a node of it cannot be computed.
     pub fn new(
         problem: &'p Problem<P, f64, D, N>,
-        begin: &Begin<'_, D, N>,
+        begin: &FreeMotion<D, N>,
         tolerance: f64,
     ) -> Result<Self, StepError<f64>> {
         let point = |(k, (x, u)): (usize, (&[f64; D], &[f64; N]))| {
             let limits = if k == 0 { Limits::none() } else { problem.hard.limits };
             begun(problem, limits, (*x, *u))
         };
-        let points: Vec<_> = begin.x.iter().zip(begin.u).enumerate().map(point).collect::<Result<_, _>>()?;
+        let points: Vec<_> = begin.x.iter().zip(&begin.u).enumerate().map(point).collect::<Result<_, _>>()?;
         let last = Last::new(problem, begin.end, FIRST_MU);
         let mut new = Self { problem, points, last, filter: Filter::default(), mu: FIRST_MU, tolerance };
         new.filter = Filter::new(new.merit().gap);
@@ -201,11 +194,11 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
     }
 
     /// Sum of all gaps, and barrier cost.
-    fn merit_of<'s>(&'s self, of: impl Fn(&'s Point<D, N>) -> &'s Motion<D, N>, end: &'s [f64; D]) -> Merit {
+    fn merit_of<'s>(&'s self, of: impl Fn(&'s Point<D, N>) -> &'s Iterate<D, N>, end: &'s [f64; D]) -> Merit {
         let (mut gap, mut cost) = (self.last.gap(end), self.last.barrier_cost(end, self.mu));
         let after = self.points.iter().skip(1).map(|point| &of(point).x).chain([end]);
         for (point, next) in self.points.iter().zip(after) {
-            let Motion { x, u, end, .. } = of(point);
+            let Iterate { x, u, end, .. } = of(point);
             gap += end.iter().zip(next).map(|(end, next)| (end - next).abs()).sum::<f64>();
             cost += self.problem.running_cost(x, u);
             cost += self.mu * (point.bounds.0.barrier(x) + point.bounds.1.barrier(u));
@@ -262,17 +255,11 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
     pub fn into_nodes(self) -> (Vec<Node<f64, D, N>>, [f64; D]) {
         let node = |point: &Point<D, N>| {
             let mut node = Node::new(point.now.u);
-            (node.x, node.gain, node.multiplier) = (point.now.x, point.gain, point.bounds.0.multiplier());
+            (node.x, node.gain, node.multiplier) =
+                (point.now.x, point.decision.gain, point.bounds.0.multiplier());
             node
         };
         (self.points.iter().map(node).collect(), self.last.multiplier())
-    }
-}
-
-impl<const D: usize> Value<D> {
-    /// Slope after a change of the state.
-    fn slope_at(&self, dx: &[f64; D]) -> [f64; D] {
-        add_scaled(&self.slope, 1.0, &multiply(&self.curvature, dx))
     }
 }
 
@@ -283,7 +270,7 @@ fn begun<P: Plant<f64, D, N>, const D: usize, const N: usize>(
     (mut x, mut u): ([f64; D], [f64; N]),
 ) -> Result<Point<D, N>, StepError<f64>> {
     let bounds = (Bounds::new(limits, &mut x, FIRST_MU), Bounds::new(problem.controls, &mut u, FIRST_MU));
-    let mut now = Motion { x, u, course: [0.0; D], end: x };
+    let mut now = Iterate { x, u, course: [0.0; D], end: x };
     Point::evaluate(&problem.plant, &mut now)?;
     Ok(Point {
         now,
@@ -291,8 +278,7 @@ fn begun<P: Plant<f64, D, N>, const D: usize, const N: usize>(
         bounds,
         costate: [0.0; D],
         transition: Transition::identity(),
-        change: [0.0; N],
-        gain: [[0.0; D]; N],
+        decision: Decision { change: [0.0; N], gain: [[0.0; D]; N] },
         step: ([0.0; D], [0.0; N]),
         ahead: Value { slope: [0.0; D], curvature: [[0.0; D]; D] },
     })

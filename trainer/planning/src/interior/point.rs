@@ -1,14 +1,12 @@
-use super::{Bounds, Value};
-use leastaction_core::control::{Diagonal, Plant, Problem, Transition};
+use super::Bounds;
+use leastaction_core::control::{Decision, Diagonal, Limits, NodeModel, Plant, Problem, Transition, Value};
 use leastaction_core::discrete::StepError;
-use leastaction_core::linear::{
-    SolveError, add_scaled, add_scaled_matrix, diagonal, multiply, product, solve_definite, transpose,
-};
+use leastaction_core::linear::{SolveError, add_scaled, multiply, transpose};
 use std::array::from_fn;
 
 /// State, control, course and end of a node.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<const D: usize, const N: usize> {
+pub struct Iterate<const D: usize, const N: usize> {
     /// State at the start of the node.
     pub x: [f64; D],
     /// Control over the node.
@@ -23,30 +21,31 @@ pub struct Motion<const D: usize, const N: usize> {
 #[derive(Clone, Debug)]
 pub struct Point<const D: usize, const N: usize> {
     /// The node.
-    pub now: Motion<D, N>,
+    pub now: Iterate<D, N>,
     /// The trial under way.
-    pub trial: Motion<D, N>,
+    pub trial: Iterate<D, N>,
     /// Limits of the state and of the control.
     pub bounds: (Bounds<D>, Bounds<N>),
     /// Multiplier y of the gap at the node's end.
     pub costate: [f64; D],
     /// Linear approximation.
     pub transition: Transition<f64, D, N>,
-    /// Change of the control, and its gain: δu = k − K δx.
-    pub change: [f64; N],
-    /// Gain K.
-    pub gain: [[f64; D]; N],
+    /// Change of the control, and its gain.
+    pub decision: Decision<f64, D, N>,
     /// Step of the state and of the control.
     pub step: ([f64; D], [f64; N]),
     /// Model of the cost to go in the state after this node.
-    pub ahead: Value<D>,
+    pub ahead: Value<f64, D>,
 }
 
 impl<const D: usize, const N: usize> Point<D, N> {
     /// Computes the end of the node.
-    pub fn evaluate<P: Plant<f64, D, N>>(plant: &P, motion: &mut Motion<D, N>) -> Result<(), StepError<f64>> {
-        let mut state = plant.begin(&motion.x)?;
-        motion.end = plant.advance(&mut state, &motion.u, &mut motion.course)?;
+    pub fn evaluate<P: Plant<f64, D, N>>(
+        plant: &P,
+        iterate: &mut Iterate<D, N>,
+    ) -> Result<(), StepError<f64>> {
+        let mut state = plant.begin(&iterate.x)?;
+        iterate.end = plant.advance(&mut state, &iterate.u, &mut iterate.course)?;
         Ok(())
     }
 
@@ -57,7 +56,7 @@ impl<const D: usize, const N: usize> Point<D, N> {
 
     /// Linearises the node.
     pub fn linearise<P: Plant<f64, D, N>>(&mut self, plant: &P) -> Result<(), StepError<f64>> {
-        let Motion { x, u, course, end } = &self.now;
+        let Iterate { x, u, course, end } = &self.now;
         let (start, stop) = (plant.frame(x), plant.frame(end));
         self.transition = plant.linearise([(x, &start), (end, &stop)], u, course)?;
         Ok(())
@@ -70,38 +69,19 @@ impl<const D: usize, const N: usize> Point<D, N> {
     pub fn backward<P>(
         &mut self,
         problem: &Problem<P, f64, D, N>,
-        (ahead, next): (&Value<D>, &[f64; D]),
+        (ahead, next): (&Value<f64, D>, &[f64; D]),
         mu: f64,
-    ) -> Result<Value<D>, SolveError> {
+    ) -> Result<Value<f64, D>, SolveError> {
         self.ahead = *ahead;
-        let Transition { a, b } = &self.transition;
-        let (a_t, b_t) = (transpose(a), transpose(b));
-        let slope = add_scaled(&ahead.slope, 1.0, &multiply(&ahead.curvature, &self.gap(next)));
-        let (of_x, of_u) = self.costs(problem, mu);
-        let (a_s, b_s) = (product(&a_t, &ahead.curvature), product(&b_t, &ahead.curvature));
-        let x = add_scaled(&of_x.0, 1.0, &multiply(&a_t, &slope));
-        let mut u = add_scaled(&of_u.0, 1.0, &multiply(&b_t, &slope));
-        let xx = add_scaled_matrix(&diagonal(of_x.1), 1.0, &product(&a_s, a));
-        let mut ux = product(&b_s, a);
-        let mut uu = add_scaled_matrix(&diagonal(of_u.1), 1.0, &product(&b_s, b));
-        for j in (0..N).filter(|j| problem.controls.least[*j] >= problem.controls.most[*j]) {
-            (u[j], ux[j]) = (0.0, [0.0; D]);
-            uu.iter_mut().for_each(|row| row[j] = 0.0);
-            uu[j] = from_fn(|i| if i == j { 1.0 } else { 0.0 });
-        }
-        let [change] = solve_definite(uu, [u])?;
-        self.change = change.map(|k| -k);
-        self.gain = transpose(&solve_definite(uu, transpose(&ux))?);
-        let ux_t = transpose(&ux);
-        let slope = add_scaled(&x, 1.0, &multiply(&ux_t, &self.change));
-        let fall = product(&ux_t, &self.gain);
-        let fall = add_scaled_matrix(&fall, 1.0, &transpose(&fall));
-        Ok(Value { slope, curvature: add_scaled_matrix(&xx, -0.5, &fall) })
+        let end = Value { slope: ahead.slope_at(&self.gap(next)), ..*ahead };
+        let model = NodeModel::new(self.costs(problem, mu), &self.transition, &end);
+        self.decision = model.decide_free(&moves(&problem.controls))?;
+        Ok(model.value(&self.decision))
     }
 
     /// Slopes and curvatures of the barrier cost of state and control.
     fn costs<P>(&self, problem: &Problem<P, f64, D, N>, mu: f64) -> (Diagonal<f64, D>, Diagonal<f64, N>) {
-        let Motion { x, u, .. } = &self.now;
+        let Iterate { x, u, .. } = &self.now;
         let (of_x, of_u) = (self.bounds.0.terms(x, mu), self.bounds.1.terms(u, mu));
         let (slope, curvature) = problem.running_slope(x);
         let weights = &problem.cost.u;
@@ -114,8 +94,8 @@ impl<const D: usize, const N: usize> Point<D, N> {
 
     /// Takes the step from a change of the state; returns the change of the next one.
     pub fn forward(&mut self, dx: [f64; D], next: &[f64; D]) -> [f64; D] {
-        let feedback = multiply(&self.gain, &dx);
-        self.step = (dx, add_scaled(&self.change, -1.0, &feedback));
+        let Decision { change, gain } = &self.decision;
+        self.step = (dx, add_scaled(change, -1.0, &multiply(gain, &dx)));
         add_scaled(&self.transition.apply(&dx, &self.step.1), 1.0, &self.gap(next))
     }
 
@@ -134,8 +114,8 @@ impl<const D: usize, const N: usize> Point<D, N> {
         let (by_x, by_u) = (multiply(&transpose(a), &self.costate), multiply(&transpose(b), &self.costate));
         let (state, control) = (self.bounds.0.multiplier(), self.bounds.1.multiplier());
         let x = |before: &[f64; D]| largest((0..D).map(|i| of_x[i] + by_x[i] + state[i] - before[i]));
-        let moves = |j: &usize| problem.controls.least[*j] < problem.controls.most[*j];
-        let u = (0..N).filter(moves).map(|j| of_u[j] * self.now.u[j] + by_u[j] + control[j]);
+        let moves = moves(&problem.controls);
+        let u = (0..N).filter(|j| moves[*j]).map(|j| of_u[j] * self.now.u[j] + by_u[j] + control[j]);
         before.map_or(0.0, x).max(largest(u))
     }
 
@@ -144,9 +124,9 @@ impl<const D: usize, const N: usize> Point<D, N> {
     /// # Errors
     /// [`StepError`] if the node cannot be computed.
     pub fn try_part<P: Plant<f64, D, N>>(&mut self, plant: &P, part: f64) -> Result<(), StepError<f64>> {
-        let Motion { x, u, course, end } = &self.now;
+        let Iterate { x, u, course, end } = &self.now;
         let (x, u) = (add_scaled(x, part, &self.step.0), add_scaled(u, part, &self.step.1));
-        self.trial = Motion { x, u, course: *course, end: *end };
+        self.trial = Iterate { x, u, course: *course, end: *end };
         Self::evaluate(plant, &mut self.trial)
     }
 
@@ -157,6 +137,11 @@ impl<const D: usize, const N: usize> Point<D, N> {
         self.bounds.1.advance((&now.u, &step.1, &trial.u), mu, dual);
         self.now = self.trial;
     }
+}
+
+/// Flags of the controls whose limits leave them room.
+fn moves<const N: usize>(controls: &Limits<f64, N>) -> [bool; N] {
+    from_fn(|j| controls.least[j] < controls.most[j])
 }
 
 /// Largest absolute value.
