@@ -1,11 +1,12 @@
 //! Experiments of the papers, with our models beside theirs: tasks give records, which become tables and pages.
 //!
 //! Each paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]); [`hardware`] has that of logs
-//! recorded on robots; `baselines` are the models that the papers compare with. The command is `leastaction-papers`.
+//! recorded on robots, [`control`] a competition on a double pendulum; `baselines` are the models that the papers compare with. The command is `leastaction-papers`.
 
 mod baselines;
 pub mod chnn;
 mod compared;
+pub mod control;
 pub mod folder;
 pub mod hardware;
 mod interrupted;

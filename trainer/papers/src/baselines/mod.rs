@@ -13,7 +13,7 @@ mod lnn;
 mod mlp;
 mod node;
 #[cfg(test)]
-mod oracle;
+pub(crate) mod oracle;
 
 pub use cartesian_lnn::CartesianLnn;
 pub use gns::Gns;

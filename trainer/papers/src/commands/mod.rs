@@ -2,6 +2,7 @@
 
 mod chnn;
 mod compared;
+mod control;
 mod hardware;
 mod lgnn;
 mod merge;
@@ -29,6 +30,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Chnn(chnn::Chnn),
+    Control(control::Control),
     Hardware(hardware::Hardware),
     Lgnn(lgnn::Lgnn),
     Modlanet(modlanet::Modlanet),
@@ -42,6 +44,7 @@ pub fn main() -> ExitCode {
     let output = Output { json: cli.json };
     let done = match cli.command {
         Command::Chnn(chnn) => chnn.run(output),
+        Command::Control(control) => control.run(output),
         Command::Hardware(hardware) => hardware.run(output),
         Command::Lgnn(lgnn) => lgnn.run(output),
         Command::Modlanet(modlanet) => modlanet.run(output),

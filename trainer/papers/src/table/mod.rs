@@ -7,6 +7,7 @@ mod text;
 
 pub use csv::csv;
 pub use html::page;
+pub(crate) use text::aligned;
 pub use text::text;
 
 use super::record::{Better, Finished, Measure, Record};

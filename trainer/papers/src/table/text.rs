@@ -71,7 +71,7 @@ fn row_cells(row: &Row) -> Vec<Vec<String>> {
 }
 
 /// Pads columns to the necessary width; the first `left` columns are aligned to the left.
-fn aligned(cells: &[Vec<String>], left: usize) -> String {
+pub fn aligned(cells: &[Vec<String>], left: usize) -> String {
     let columns = cells.first().map_or(0, Vec::len);
     let width = |k: usize| cells.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();

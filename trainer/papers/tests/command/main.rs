@@ -1,6 +1,7 @@
 //! The command as people use it: exit codes, files, messages.
 
 mod baselines;
+mod control;
 mod hardware;
 mod results;
 #[path = "../robot/mod.rs"]

@@ -1,0 +1,63 @@
+//! The pendulum with one driven joint as a plant of optimal control.
+
+use super::plant::{DoublePendulum, State};
+use super::policy::{Robot, TICK};
+use leastaction_core::control::{Plant, Transition};
+use leastaction_core::discrete::StepError;
+use std::array::from_fn;
+
+/// A double pendulum under a torque of one joint, which is held over a node of some ticks.
+#[derive(Clone, Copy, Debug)]
+pub struct Driven {
+    /// The pendulum.
+    pub pendulum: DoublePendulum,
+    /// The robot.
+    pub robot: Robot,
+    /// Number of ticks in a node.
+    pub ticks: u16,
+}
+
+impl Driven {
+    /// The state, if it is finite.
+    fn checked(x: State) -> Result<State, StepError<f64>> {
+        if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(StepError::NotFinite) }
+    }
+}
+
+impl Plant<f64, 4, 1> for Driven {
+    type Motion = State;
+    type Frame = ();
+
+    fn begin(&self, x: &State) -> Result<State, StepError<f64>> {
+        Self::checked(*x)
+    }
+
+    fn advance(&self, x: &mut State, [u]: &[f64; 1], _: &mut State) -> Result<State, StepError<f64>> {
+        let tau = self.robot.torques(*u);
+        for _ in 0..self.ticks {
+            *x = self.pendulum.step(*x, tau, TICK);
+        }
+        Self::checked(*x)
+    }
+
+    fn frame(&self, _: &State) {}
+
+    fn linearise(
+        &self,
+        [(x, ()), _]: [(&State, &()); 2],
+        [u]: &[f64; 1],
+        _: &State,
+    ) -> Result<Transition<f64, 4, 1>, StepError<f64>> {
+        let (tau, still) = (self.robot.torques(*u), [0.0; 2]);
+        let unit = |k: usize| from_fn(|i| f64::from(u8::from(i == k)));
+        // The last change is that of the torque.
+        let mut changes: [State; 5] = from_fn(unit);
+        let mut x = *x;
+        for _ in 0..self.ticks {
+            let each = from_fn(|k| (changes[k], if k < 4 { still } else { self.robot.torques(1.0) }));
+            (x, changes) = self.pendulum.step_with_changes(x, tau, TICK, each);
+        }
+        let [.., by_u] = changes;
+        Ok(Transition { a: from_fn(|i| from_fn(|j| changes[j][i])), b: by_u.map(|x| [x]) })
+    }
+}

@@ -1,0 +1,23 @@
+//! RealAIGym, the competition of ICRA 2025 on a double pendulum with one drive (DFKI): its simulator, its rules, and its three tables.
+//!
+//! Data flows one way: [`DoublePendulum`] ─► simulation ─► courses of runs, disturbed or imperfect ─► scores ─► [`Row`]s beside the published
+//! ones. Controllers are [`Policy`]s, made by [`Controller::prepare`].
+
+mod disturbance;
+mod driven;
+mod plant;
+mod policy;
+mod published;
+mod robustness;
+mod rows;
+mod scores;
+mod simulation;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod tvlqr;
+
+pub use plant::{DoublePendulum, State, UPRIGHT};
+pub use policy::{CONTROLLERS, ControlError, Controller, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
+pub use rows::{Report, Row};
+pub use tables::{Model, Table, rows};

@@ -1,0 +1,114 @@
+//! Robots, and the controllers that are judged.
+
+use super::plant::DoublePendulum;
+use super::tvlqr::Tvlqr;
+use leastaction_core::control::riccati::RegulatorError;
+use leastaction_core::discrete::StepError;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Tick of the competition: time between two calls of a controller, and step of the integrator, s.
+pub const TICK: f64 = 0.002;
+/// Largest torque of the driven joint, N m.
+pub const TORQUE_LIMIT: f64 = 6.0;
+
+/// Robot: the joint that is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Robot {
+    /// Joint 2 alone is driven.
+    Acrobot,
+    /// Joint 1 alone is driven.
+    Pendubot,
+}
+
+impl Robot {
+    /// Name on the command line and in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Acrobot => "acrobot",
+            Self::Pendubot => "pendubot",
+        }
+    }
+
+    /// Driven joint, from 0.
+    pub const fn driven(self) -> usize {
+        match self {
+            Self::Acrobot => 1,
+            Self::Pendubot => 0,
+        }
+    }
+
+    /// Torques of both joints for a torque of the driven one.
+    pub const fn torques(self, u: f64) -> [f64; 2] {
+        match self {
+            Self::Acrobot => [0.0, u],
+            Self::Pendubot => [u, 0.0],
+        }
+    }
+}
+
+/// Law that is judged: the torque of the driven joint from what is measured.
+pub trait Policy {
+    /// Forgets everything of the last run.
+    fn reset(&mut self);
+
+    /// Torque of the driven joint, N m, at time t, s, for positions q, rad, from hanging, q₂ relative to link 1, not wrapped, and velocities
+    /// v, rad/s. It is asked every tick, except during a disturbance.
+    fn torque(&mut self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64;
+}
+
+/// Maker of one policy per run, so that runs go side by side. What all runs share has been prepared.
+pub type Maker = Box<dyn Fn() -> Box<dyn Policy> + Send + Sync>;
+
+/// Controller of ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Controller {
+    /// A swing-up with time-varying LQR, held by LQR.
+    Tvlqr,
+}
+
+/// All controllers of ours.
+pub const CONTROLLERS: [Controller; 1] = [Controller::Tvlqr];
+
+/// Reason why a controller cannot be prepared.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ControlError {
+    /// A posture cannot be held.
+    #[error("no regulator about the goal: {0}")]
+    Regulator(RegulatorError),
+    /// A motion cannot be computed.
+    #[error("no motion can be computed: {0}")]
+    Motion(StepError<f64>),
+    /// No swing-up was found.
+    #[error(
+        "no swing-up was found; the best of {starts} searches ends {violation:.1e} rad or rad/s from the goal"
+    )]
+    NoSwingUp {
+        /// Number of searches.
+        starts: usize,
+        /// Largest deviation from the goal.
+        violation: f64,
+    },
+}
+
+impl Controller {
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tvlqr => "leastaction tvlqr",
+        }
+    }
+
+    /// Prepares the controller for a robot with the numbers of the pendulum that it believes in.
+    ///
+    /// # Errors
+    /// [`ControlError`].
+    pub fn prepare(self, robot: Robot, model: &DoublePendulum) -> Result<Maker, ControlError> {
+        match self {
+            Self::Tvlqr => {
+                let law = Arc::new(Tvlqr::plan(robot, model)?);
+                Ok(Box::new(move || Box::new(Tvlqr::policy(&law))))
+            }
+        }
+    }
+}

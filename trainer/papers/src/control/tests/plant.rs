@@ -1,0 +1,127 @@
+use crate::baselines::oracle::{Dual, equation};
+use crate::control::driven::Driven;
+use crate::control::plant::{DoublePendulum, State};
+use crate::control::policy::{Robot, TICK};
+use leastaction_core::control::Plant;
+use nalgebra::DVector;
+use num_dual::DualNum;
+use std::array::from_fn;
+
+/// A pendulum none of whose numbers is 0 or equals another.
+fn full() -> DoublePendulum {
+    DoublePendulum {
+        rotor: 6.3e-5,
+        damping: [0.001, 0.02],
+        coulomb: [0.16, 0.12],
+        ..DoublePendulum::competition()
+    }
+}
+
+/// Kinetic less potential energy of the bodies in the plane and of their rotors, from the speeds of their centres. The rotor of joint 2 sits
+/// on link 1 and turns against it.
+fn lagrangian(p: &DoublePendulum, x: &[Dual]) -> Dual {
+    let ([q1, q2], [v1, v2]) = ([x[0], x[1]], [x[2], x[3]]);
+    let (angle, turn) = (q1 + q2, v1 + v2);
+    // Along x and upwards: position (s, −c), velocity v (c, s).
+    let speed = |r: f64, q: Dual, v: Dual| [q.cos() * v * r, q.sin() * v * r];
+    let square = |[x, y]: [Dual; 2]| x * x + y * y;
+    let [elbow, second] = [speed(p.length[0], q1, v1), speed(p.centre[1], angle, turn)];
+    let first = square(speed(p.centre[0], q1, v1)) * p.mass[0];
+    let second = square([elbow[0] + second[0], elbow[1] + second[1]]) * p.mass[1];
+    let about_centre = |i: usize| p.inertia[i] - p.mass[i] * p.centre[i] * p.centre[i];
+    let turning = v1 * v1 * about_centre(0) + turn * turn * about_centre(1);
+    let rotors = (v1 * p.gear).powi(2) + (v1 - v2 * p.gear).powi(2);
+    let heights = q1.cos() * -(p.mass[0] * p.centre[0] + p.mass[1] * p.length[0])
+        - angle.cos() * (p.mass[1] * p.centre[1]);
+    (first + second + turning + rotors * p.rotor) * 0.5 - heights * p.gravity
+}
+
+const STATES: [State; 3] = [[0.3, -1.2, 2.0, -3.5], [2.9, 0.7, -6.0, 11.0], [-4.0, 2.5, 0.02, -0.01]];
+
+#[test]
+fn accelerations_are_those_of_the_lagrangian_and_of_friction() {
+    let pendulum = full();
+    for (x, tau) in STATES.into_iter().zip([[1.5, -0.4], [0.0, 6.0], [-2.0, 0.3]]) {
+        let (mass, force) = equation(|x| lagrangian(&pendulum, x), [&x[..2], &x[2..]]);
+        let friction = |i: usize| {
+            let v = x[2 + i];
+            pendulum.damping[i] * v + pendulum.coulomb[i] * (100.0 * v).atan()
+        };
+        let force = force + DVector::from_fn(2, |i, _| tau[i] - friction(i));
+        let wanted = mass.lu().solve(&force).unwrap();
+        for (a, wanted) in pendulum.acceleration(x, tau).into_iter().zip(wanted.iter()) {
+            assert!((a - wanted).abs() < 1e-9 * (1.0 + wanted.abs()), "{a} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn energy_is_kept_to_order_four() {
+    let pendulum = DoublePendulum::competition();
+    let start = [1.2, 0.9, -2.0, 3.0];
+    let error = |steps: usize| {
+        let h = 1.0 / steps as f64;
+        let end = (0..steps).fold(start, |x, _| pendulum.step(x, [0.0; 2], h));
+        (pendulum.energy(end) - pendulum.energy(start)).abs()
+    };
+    let slope = (error(250) / error(1000)).log2() / 2.0;
+    assert!((3.7..5.3).contains(&slope), "{slope}");
+    assert!(error(500) < 1e-6);
+}
+
+#[test]
+fn steps_have_order_four() {
+    let pendulum = full();
+    let end = |steps: usize| {
+        let h = 0.05 / steps as f64;
+        // The joints move all the time: dry friction would not be smooth otherwise.
+        (0..steps).fold([0.4, 0.9, -6.0, 5.0], |x, _| pendulum.step(x, [0.5, -0.2], h))
+    };
+    let fine = end(3200);
+    let error = |steps: usize| (0..4).map(|i| (end(steps)[i] - fine[i]).abs()).fold(0.0, f64::max);
+    let slope = (error(25) / error(100)).log2() / 2.0;
+    assert!((3.8..4.2).contains(&slope), "{slope}");
+}
+
+#[test]
+fn a_posture_is_held_by_the_torques_of_gravity() {
+    let pendulum = DoublePendulum::competition();
+    let q = [0.8, -2.1];
+    let a = pendulum.acceleration([q[0], q[1], 0.0, 0.0], pendulum.holding_torque(q));
+    assert!(a.iter().all(|a| a.abs() < 1e-12), "{a:?}");
+}
+
+#[test]
+fn the_tip_is_highest_upright() {
+    let pendulum = DoublePendulum::competition();
+    let pi = std::f64::consts::PI;
+    assert!((pendulum.tip([pi, 0.0, 0.0, 0.0]) - 0.5).abs() < 1e-15);
+    assert!((pendulum.tip([0.0, pi, 0.0, 0.0]) - 0.1).abs() < 1e-15);
+}
+
+#[test]
+fn derivatives_of_a_node_are_those_of_differences() {
+    for robot in [Robot::Acrobot, Robot::Pendubot] {
+        let plant = Driven { pendulum: full(), robot, ticks: 3 };
+        let end = |x: State, u: f64| {
+            let tau = robot.torques(u);
+            (0..3).fold(x, |x, _| plant.pendulum.step(x, tau, TICK))
+        };
+        for x in STATES {
+            let found = plant.linearise_at(&x, &[0.7]).unwrap();
+            let nearby = |j: usize, d: f64| {
+                let x = from_fn(|i| if i == j { x[i] + d } else { x[i] });
+                end(x, if j == 4 { 0.7 + d } else { 0.7 })
+            };
+            for j in 0..5 {
+                let d = 1e-6;
+                let (more, less) = (nearby(j, d), nearby(j, -d));
+                for i in 0..4 {
+                    let wanted = (more[i] - less[i]) / (2.0 * d);
+                    let got = if j < 4 { found.a[i][j] } else { found.b[i][0] };
+                    assert!((got - wanted).abs() < 1e-6 * (1.0 + wanted.abs()), "{i} {j}: {got} {wanted}");
+                }
+            }
+        }
+    }
+}
