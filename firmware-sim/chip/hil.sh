@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the controller on emulated boards against the plant on this machine; every trace must equal, bit for bit, that of a run on this
 # machine alone. Scenarios: swing-up and tracking of the learned cart-pole; the swing-up of a cart-pole with friction, a weak and late drive
-# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md); and seven joints that follow a motion at 1 kHz. Prints one
+# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md), and a plan of one; and seven joints that follow a motion at 1 kHz. Prints one
 # JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
 # cart-pole with friction from 20 starts instead of 1 on the first board.
 set -euo pipefail
@@ -51,8 +51,10 @@ on_boards() {
 # The swing-up needs 10 s; without a floating-point unit, emulating one second of the loop takes several.
 on_boards "${boards[*]}" cartpole --scenario swing-up --seconds 10
 on_boards "${boards[*]}" cartpole --scenario track --seconds 3
-dry=(--scenario swing-up --coulomb 0.5,0 --width 0.05 --gain 0.9,1 --delay 8 --zeros 0.02 --noise 0.001 --learn-zeros 0.02)
+devices=(--coulomb 0.5,0 --width 0.05 --gain 0.9,1 --delay 8 --zeros 0.02 --noise 0.001 --learn-zeros 0.02)
+dry=(--scenario swing-up "${devices[@]}")
 on_boards "${boards[*]}" cartpole-dry "${dry[@]}"
+on_boards "${boards[*]}" cartpole-dry --scenario follow --plan firmware-sim/chip/models/swing-up.postcard "${devices[@]}"
 for ((seed = 1; seed < ${STARTS:-1}; seed++)); do
     on_boards "${boards[0]}" cartpole-dry "${dry[@]}" --seed $seed
 done

@@ -1,4 +1,5 @@
 use core::fmt;
+use leastaction_core::plan::PlanError;
 
 /// Reason why a scenario cannot begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,22 @@ pub enum SetupError {
     NotStabilisable,
     /// The task needs a swing-up, which exists only for mechanisms of one and two coordinates.
     NoSwingUp,
+    /// The task needs a plan, and there is none.
+    NoPlan,
+    /// The plan is refused.
+    Plan(PlanError),
+    /// The plan was made for ticks of another length.
+    PlanTick {
+        /// The plan's tick, s.
+        planned: f32,
+        /// The program's tick, s.
+        tick: f32,
+    },
+    /// The plan takes a coordinate as an angle, but the coordinate's encoder does not.
+    PlanAngle {
+        /// The coordinate, from 0.
+        coordinate: u8,
+    },
 }
 
 /// Valid range of a number.
@@ -53,11 +70,25 @@ impl fmt::Display for SetupError {
             Self::NoSwingUp => {
                 write!(f, "only a pendulum and a pole on a cart are brought upright: choose another task")
             }
+            Self::NoPlan => write!(f, "there is no plan to follow"),
+            Self::Plan(error) => write!(f, "the plan: {error}"),
+            Self::PlanTick { planned, tick } => {
+                write!(f, "the plan has ticks of {planned} s, the program of {tick} s: they must be equal")
+            }
+            Self::PlanAngle { coordinate } => {
+                write!(f, "the plan takes coordinate {coordinate} as an angle, its encoder does not")
+            }
         }
     }
 }
 
 impl core::error::Error for SetupError {}
+
+impl From<PlanError> for SetupError {
+    fn from(error: PlanError) -> Self {
+        Self::Plan(error)
+    }
+}
 
 /// Checks a condition on `value`, which `range` expresses in words.
 pub(crate) fn require(

@@ -70,6 +70,11 @@ impl Default for ObserverConfig {
 /// Relative difference up to which two steps count as equal, for rounding.
 const SAME_STEP: f32 = 1e-6;
 
+/// Whether two steps are equal, except for rounding.
+pub(crate) fn same_step(h: f32, expected: f32) -> bool {
+    (h - expected).abs() <= SAME_STEP * expected
+}
+
 impl ObserverConfig {
     /// Creates the defaults: order 2, no step other than the model's, at most 8 updates of Newton's method per step, a memory of 5 samples,
     /// one tick of delay, a patience of 25 samples, all zeros known.
@@ -95,7 +100,7 @@ impl ObserverConfig {
             let range = Range::Only(own, "which the model was trained for");
             SetupError::OutOfRange { what, value, range }
         };
-        if (tick - h).abs() > SAME_STEP * h {
+        if !same_step(tick, h) {
             return Err(other("tick", tick, h));
         }
         if self.order != order {

@@ -1,5 +1,5 @@
 use crate::control::{
-    CartPump, Catch, Controller, Float, Gains, JointPump, Law, Listen, NoPump, PumpConfig, Regulator,
+    CartPump, Catch, Controller, Float, Follow, Gains, JointPump, Law, Listen, NoPump, PumpConfig, Regulator,
     SwingUp, TaskController, Tolerance, Track,
 };
 use crate::devices::{ActuatorConfig, Drive};
@@ -9,6 +9,7 @@ use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::ObserverConfig;
 use crate::wire::array;
 use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::plan::Plan;
 use serde::{Deserialize, Serialize};
 
 /// Everything that the firmware knows about a scenario, wherever the firmware runs.
@@ -59,14 +60,19 @@ pub enum Task<const N: usize> {
         /// Drag as in [`Float::drag`], 1/s.
         drag: f32,
     },
+    /// Following a plan, which comes from elsewhere.
+    Follow {
+        /// Conversion between the plan's commands and forces.
+        drive: Drive<N>,
+    },
 }
 
 impl<const N: usize> Task<N> {
-    /// Position at which the model's kinetic energy is checked.
+    /// Position at which the model's kinetic energy is checked, unless a plan says where the motion starts.
     fn begin(&self) -> [f32; N] {
         match self {
             Self::Track { begin, .. } | Self::Float { begin, .. } => *begin,
-            Self::SwingUp { .. } | Self::Listen => [0.0; N],
+            Self::SwingUp { .. } | Self::Listen | Self::Follow { .. } => [0.0; N],
         }
     }
 
@@ -77,6 +83,7 @@ impl<const N: usize> Task<N> {
             }
             Self::SwingUp { catch, .. } => catch.validate(),
             Self::Listen => Ok(()),
+            Self::Follow { drive } => drive.validate(),
             Self::Float { begin, drag } => {
                 require_finite("begin of the motion", begin).and_then(|()| Float { drag: *drag }.validate())
             }
@@ -94,9 +101,13 @@ impl<const N: usize> Program<N> {
 
     /// Checks that the program can be run over a model: its numbers, its step, and the model's kinetic energy where it begins.
     pub(crate) fn check<M: Mechanism<N>>(&self, model: &M) -> Result<(), SetupError> {
+        self.check_at(model, &self.task.begin())
+    }
+
+    fn check_at<M: Mechanism<N>>(&self, model: &M, begin: &[f32; N]) -> Result<(), SetupError> {
         self.validate()?;
         self.observer.check_step(self.tick, model.trained_step())?;
-        require_quadratic(model, &self.task.begin())
+        require_quadratic(model, begin)
     }
 
     /// Creates a program that estimates the state under commands from elsewhere, such as a log, which `drive` converts to forces.
@@ -125,46 +136,66 @@ impl<const N: usize> Program<N> {
         Firmware::new(model, controller, self.tick, self.angle, &self.observer, self.actuator)
     }
 
-    /// Creates the firmware over a model of any coordinates, for every task except a swing-up.
+    /// Creates the firmware over a model of any coordinates, for every task except a swing-up and a plan.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
-    /// [`SetupError::NoSwingUp`].
+    /// [`SetupError::NoSwingUp`] and [`SetupError::NoPlan`].
     pub fn follow<'m, M: Mechanism<N>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, TaskController<NoPump, N>, N>, SetupError> {
-        let controller = self.controller(model, |_, _, _, _| Err(SetupError::NoSwingUp))?;
+    ) -> Result<Firmware<'m, M, TaskController<'static, NoPump, N>, N>, SetupError> {
+        self.follow_with(model, || Err(SetupError::NoPlan))
+    }
+
+    /// Creates the firmware over a model of any coordinates, for every task except a swing-up; `plan` gives the plan, which was made for this
+    /// model, if the task is to follow one.
+    ///
+    /// # Errors
+    /// See [`Program::follow`]; also those of `plan`, [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    pub fn follow_with<'m, 'p, M: Mechanism<N>, E: From<SetupError>>(
+        &self,
+        model: &'m M,
+        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
+    ) -> Result<Firmware<'m, M, TaskController<'p, NoPump, N>, N>, E> {
+        let controller = self.controller(model, plan, |_, _, _, _| Err(SetupError::NoSwingUp))?;
         Ok(self.firmware(model, controller))
     }
 
     /// Creates the controller over a model; `swing_up` makes the controller that brings the mechanism upright.
-    fn controller<M: Mechanism<N>, P>(
+    fn controller<'p, M: Mechanism<N>, P, E: From<SetupError>>(
         &self,
         model: &M,
+        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
         swing_up: impl FnOnce(&M, PumpConfig, Tolerance<N>, Catch) -> Result<SwingUp<P, N>, SetupError>,
-    ) -> Result<TaskController<P, N>, SetupError> {
-        self.check(model)?;
+    ) -> Result<TaskController<'p, P, N>, E> {
+        let plan = if let Task::Follow { .. } = self.task { Some(plan()?) } else { None };
+        let begin = plan.map_or_else(|| self.task.begin(), |plan| plan.reference(0).q);
+        self.check_at(model, &begin)?;
         match self.task {
             Task::Track { begin, gains, law } => {
                 let inertia = diagonal(model, &begin);
                 Ok(TaskController::Track(Track { gains, law, inertia, angle: self.angle }))
             }
-            Task::Listen => Ok(TaskController::Listen(Listen)),
             Task::Float { drag, .. } => Ok(TaskController::Float(Float { drag })),
             Task::SwingUp { pump, tolerance, catch } => {
                 Ok(TaskController::SwingUp(swing_up(model, pump, tolerance, catch)?))
+            }
+            Task::Listen => Ok(TaskController::Listen(Listen)),
+            Task::Follow { drive } => {
+                Ok(TaskController::Follow(Follow::new(plan.ok_or(SetupError::NoPlan)?, drive, self)?))
             }
         }
     }
 
     /// Creates the controller with the pump that `pump` makes and a regulator; D is 2N.
-    fn upright_controller<M: Mechanism<N>, P, const D: usize>(
+    fn upright_controller<'p, M: Mechanism<N>, P, E: From<SetupError>, const D: usize>(
         &self,
         model: &M,
+        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
         pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
-    ) -> Result<TaskController<P, N>, SetupError> {
-        self.controller(model, |model, config, tolerance, catch| {
+    ) -> Result<TaskController<'p, P, N>, E> {
+        self.controller(model, plan, |model, config, tolerance, catch| {
             let pump = pump(model, 0.0, config)?;
             let step = self.observer.integrator(self.tick);
             let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, &step)?;
@@ -193,30 +224,57 @@ pub(crate) fn diagonal<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N])
 }
 
 impl Program<1> {
-    /// Creates the firmware over a model of a pendulum, q = θ.
+    /// Creates the firmware over a model of a pendulum, q = θ, for every task except a plan. For tasks other than a swing-up, the model may
+    /// have any one coordinate.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
-    /// that no feedback holds upright.
+    /// that no feedback holds upright; [`SetupError::NoPlan`].
     pub fn start<'m, M: Mechanism<1>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, TaskController<JointPump, 1>, 1>, SetupError> {
-        Ok(self.firmware(model, self.upright_controller::<M, _, 2>(model, JointPump::new)?))
+    ) -> Result<Firmware<'m, M, TaskController<'static, JointPump, 1>, 1>, SetupError> {
+        self.start_with(model, || Err(SetupError::NoPlan))
+    }
+
+    /// Creates the firmware as [`Program::start`] does; `plan` gives the plan, which was made for this model, if the task is to follow one.
+    ///
+    /// # Errors
+    /// See [`Program::start`]; also those of `plan`, [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    pub fn start_with<'m, 'p, M: Mechanism<1>, E: From<SetupError>>(
+        &self,
+        model: &'m M,
+        plan: impl FnOnce() -> Result<Plan<'p, 1, 1>, E>,
+    ) -> Result<Firmware<'m, M, TaskController<'p, JointPump, 1>, 1>, E> {
+        let controller = self.upright_controller::<M, _, _, 2>(model, plan, JointPump::new)?;
+        Ok(self.firmware(model, controller))
     }
 }
 
 impl Program<2> {
-    /// Creates the firmware over a model of a cart and its pole, q = (x, θ). For tasks other than a swing-up, the
-    /// model may have any two coordinates.
+    /// Creates the firmware over a model of a cart and its pole, q = (x, θ), for every task except a plan. For tasks other than a swing-up,
+    /// the model may have any two coordinates.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
-    /// that no feedback holds upright.
+    /// that no feedback holds upright; [`SetupError::NoPlan`].
     pub fn start<'m, M: Mechanism<2>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, TaskController<CartPump, 2>, 2>, SetupError> {
-        Ok(self.firmware(model, self.upright_controller::<M, _, 4>(model, CartPump::new)?))
+    ) -> Result<Firmware<'m, M, TaskController<'static, CartPump, 2>, 2>, SetupError> {
+        self.start_with(model, || Err(SetupError::NoPlan))
+    }
+
+    /// Creates the firmware as [`Program::start`] does; `plan` gives the plan, which was made for this model, if the task is to follow one.
+    ///
+    /// # Errors
+    /// See [`Program::start`]; also those of `plan`, [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    pub fn start_with<'m, 'p, M: Mechanism<2>, E: From<SetupError>>(
+        &self,
+        model: &'m M,
+        plan: impl FnOnce() -> Result<Plan<'p, 2, 2>, E>,
+    ) -> Result<Firmware<'m, M, TaskController<'p, CartPump, 2>, 2>, E> {
+        let controller = self.upright_controller::<M, _, _, 4>(model, plan, CartPump::new)?;
+        Ok(self.firmware(model, controller))
     }
 }

@@ -20,6 +20,8 @@ mod doubtful_logs;
 mod files;
 #[path = "cli_commands/folders.rs"]
 mod folders;
+#[path = "cli_commands/follow.rs"]
+mod follow;
 #[path = "cli_commands/friction.rs"]
 mod friction;
 #[path = "cli_commands/generate.rs"]

@@ -31,6 +31,16 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
         Ok(Self { file })
     }
 
+    /// Creates the plan of a file in which at most `M` coordinates are driven, for any model: commands and gains beyond those are 0.
+    ///
+    /// # Errors
+    /// [`PlanError::Shape`] unless it has `N` coordinates, and if more than `M` of them are driven.
+    pub fn at_most(file: PlanFile<'a>) -> Result<Self, PlanError> {
+        same("coordinates", file.header().n(), N)?;
+        same("driven coordinates", file.header().commands().max(M), M)?;
+        Ok(Self { file })
+    }
+
     /// The file of the plan.
     pub const fn file(&self) -> &PlanFile<'a> {
         &self.file
@@ -61,6 +71,20 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
         }
         let (m, end) = (m as f32, self.record(node.saturating_add(1)));
         start.towards(&end, within as f32 / m, m * header.h)
+    }
+
+    /// Planned position, velocity and acceleration at the time t after the start, s, on ticks and between them. Before the start and from the
+    /// end on they are those of the first and of the last record, without acceleration.
+    pub fn motion(&self, t: f32) -> [[f32; N]; 3] {
+        let header = self.file.header();
+        let node_seconds = header.ticks_per_node as f32 * header.h;
+        let x = t / node_seconds;
+        let node = x as u32;
+        let start = self.record(node.min(header.nodes));
+        if !(x > 0.0 && node < header.nodes) {
+            return [start.q, start.v, [0.0; N]];
+        }
+        start.motion(&self.record(node.saturating_add(1)), x - node as f32, node_seconds)
     }
 
     fn record(&self, node: u32) -> Reference<N, M> {

@@ -133,6 +133,25 @@ fn sizes_must_be_the_compiled_ones() {
     assert_eq!(Plan::<2, 2>::load(file.bytes(), MODEL).err(), shape("driven coordinates", 1, 2));
 }
 
+/// Commands and gains beyond those of the file are 0.
+#[test]
+fn fewer_commands_than_compiled_can_be_allowed() {
+    let file = Sample::golden().file();
+    let parsed = leastaction_core::plan::PlanFile::parse(file.bytes()).unwrap();
+    let (one, two) = (Plan::<2, 1>::new(parsed).unwrap(), Plan::<2, 2>::at_most(parsed).unwrap());
+    for tick in 0..8 {
+        let (q, v) = ([0.1, -0.2], [0.3, 0.4]);
+        assert_eq!(one.force(tick, &q, &v), two.force(tick, &q, &v));
+        let (found, narrow) = (two.reference(tick), one.reference(tick));
+        assert_eq!((found.q, found.v, found.u), (narrow.q, narrow.v, [narrow.u[0], 0.0]));
+        assert_eq!(found.gain[0], narrow.gain[0]);
+        assert!(found.gain[1].q == [0.0; 2] && found.gain[1].v == [0.0; 2]);
+    }
+    let shape = |what, found, compiled| Some(PlanError::Shape { what, found, compiled });
+    assert_eq!(Plan::<2, 0>::at_most(parsed).err(), shape("driven coordinates", 1, 0));
+    assert_eq!(Plan::<3, 3>::at_most(parsed).err(), shape("coordinates", 2, 3));
+}
+
 #[test]
 fn a_plan_for_another_model_is_refused() {
     let file = Sample::golden().file();

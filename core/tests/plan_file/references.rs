@@ -82,6 +82,35 @@ fn a_cubic_motion_is_reproduced() {
     }
 }
 
+/// Between ticks as on them, and at rest in acceleration beyond both ends.
+#[test]
+fn the_motion_is_that_of_the_references() {
+    let sample = Sample::random(4);
+    let file = sample.file();
+    let plan = Plan::<3, 2>::load(file.bytes(), MODEL).unwrap();
+    for tick in 0..20_u8 {
+        let (found, [q, v, _]) = (plan.reference(tick.into()), plan.motion(0.01 * f32::from(tick)));
+        for i in 0..3 {
+            assert_close("q", q[i].into(), found.q[i].into(), 1e-5);
+            assert_close("v", v[i].into(), found.v[i].into(), 1e-4);
+        }
+        // Velocity and acceleration are the slopes of what comes before them, within a node.
+        let at = |t: f32| plan.motion(0.01 * (f32::from(tick) + t));
+        let ([q0, v0, _], [_, v, a], [q1, v1, _]) = (at(0.25), at(0.5), at(0.75));
+        for i in 0..3 {
+            assert_close("v", v[i].into(), f64::from(q1[i] - q0[i]) / 0.005, 0.02);
+            assert_close("a", a[i].into(), f64::from(v1[i] - v0[i]) / 0.005, 1e-3);
+        }
+    }
+    let (start, end) = (record(&sample, 0), record(&sample, 5));
+    for before in [-1.0, f32::NEG_INFINITY] {
+        assert_eq!(plan.motion(before), [start.q, start.v, [0.0; 3]]);
+    }
+    for after in [0.2001, 7.0, f32::INFINITY] {
+        assert_eq!(plan.motion(after), [end.q, end.v, [0.0; 3]]);
+    }
+}
+
 /// The plan's own angles are continuous: between 3 and 3.5 rad lies 3.25 rad, not an angle wrapped to ±π.
 #[test]
 fn planned_angles_pass_half_a_turn() {

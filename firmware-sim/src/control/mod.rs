@@ -2,6 +2,7 @@
 
 mod by_encoders;
 mod float;
+mod follow;
 mod pump;
 mod reference;
 mod regulator;
@@ -11,6 +12,7 @@ mod track;
 
 pub use by_encoders::ByEncoders;
 pub use float::Float;
+pub use follow::Follow;
 pub use pump::{CartPump, JointPump, NoPump, Pump, PumpConfig};
 pub use reference::{HARMONICS, Reference, Setpoint, Target, Trajectory, enter};
 pub use regulator::{Regulator, Tolerance};

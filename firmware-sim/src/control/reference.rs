@@ -42,8 +42,13 @@ pub struct Setpoint<const N: usize> {
 
 /// Desired motion of a mechanism over time.
 pub trait Trajectory<const N: usize> {
-    /// Position, velocity and acceleration at time t ≥ 0, s.
+    /// Position, velocity and acceleration at time t, s.
     fn at(&self, t: f32) -> Setpoint<N>;
+    /// Whether t counts from the time when the controller's first command takes effect (until then it is negative), not from the beginning
+    /// of the run.
+    fn begins_with_command(&self) -> bool {
+        false
+    }
     /// Checks that the numbers of the trajectory are in their ranges.
     ///
     /// # Errors
@@ -63,6 +68,10 @@ impl<const N: usize> Trajectory<N> for [f32; N] {
 impl<T: Trajectory<N>, const N: usize> Trajectory<N> for &T {
     fn at(&self, t: f32) -> Setpoint<N> {
         (**self).at(t)
+    }
+
+    fn begins_with_command(&self) -> bool {
+        (**self).begins_with_command()
     }
 
     fn validate(&self) -> Result<(), SetupError> {

@@ -38,7 +38,7 @@ impl<const N: usize> Drive<N> {
         forces::Actuator { gain: self.gain, offset: self.offset, delay }
     }
 
-    fn validate(&self) -> Result<(), SetupError> {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
         for gain in self.gain {
             require("actuator gain", gain, gain.is_finite() && gain != 0.0, "finite and not 0")?;
         }

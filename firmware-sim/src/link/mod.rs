@@ -13,5 +13,5 @@ pub use frame::{Broken, Frame, MAX_FRAME, Receiver};
 pub use message::{
     Answer, Done, LoggedSamples, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
 };
-pub use refusal::{ModelRefusal, ProgramFault, Refusal};
-pub use serve::{Port, serve, serve_arm};
+pub use refusal::{ModelRefusal, PlanFault, ProgramFault, Refusal};
+pub use serve::{Flash, Port, serve, serve_arm};

@@ -1,6 +1,7 @@
 use crate::error::SetupError;
 use core::fmt;
 use leastaction_core::model::{Coded, ModelError, entry_of};
+use leastaction_core::plan::PlanError;
 use serde::{Deserialize, Serialize};
 
 /// Reason why a processor refuses a request.
@@ -26,6 +27,10 @@ pub enum Refusal {
     Model(ModelRefusal),
     /// The program is refused.
     Program(ProgramFault),
+    /// The processor has no plan in its flash.
+    NoPlan,
+    /// The plan in the processor's flash is refused.
+    Plan(PlanFault),
 }
 
 /// Refusal of a model file: a reason of core's [catalogue](leastaction_core::model::CATALOGUE).
@@ -44,7 +49,7 @@ impl From<ModelError> for ModelRefusal {
     }
 }
 
-/// Kinds of [`SetupError`], without their details.
+/// Kinds of [`SetupError`] without a plan, without their details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProgramFault {
     /// A number is out of its range, or the model's upright position is not above the hanging one.
@@ -57,13 +62,27 @@ pub enum ProgramFault {
     NoSwingUp,
 }
 
-impl From<SetupError> for ProgramFault {
-    fn from(error: SetupError) -> Self {
+/// Kinds of reasons against a plan, without their details.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PlanFault {
+    /// The bytes are not a whole plan of a format that the image reads.
+    Unreadable,
+    /// The plan was made for another model.
+    OtherModel,
+    /// The plan has another number of coordinates, or more driven ones than coordinates.
+    Shape,
+    /// The plan was made for ticks of another length.
+    Tick,
+    /// The plan takes a coordinate as an angle, but the coordinate's encoder does not.
+    Angle,
+}
+
+impl From<PlanError> for PlanFault {
+    fn from(error: PlanError) -> Self {
         match error {
-            SetupError::OutOfRange { .. } => Self::OutOfRange,
-            SetupError::SingularInertia => Self::SingularInertia,
-            SetupError::NotStabilisable => Self::NotStabilisable,
-            SetupError::NoSwingUp => Self::NoSwingUp,
+            PlanError::OtherModel { .. } => Self::OtherModel,
+            PlanError::Shape { .. } => Self::Shape,
+            _ => Self::Unreadable,
         }
     }
 }
@@ -76,7 +95,16 @@ impl From<ModelError> for Refusal {
 
 impl From<SetupError> for Refusal {
     fn from(error: SetupError) -> Self {
-        Self::Program(error.into())
+        match error {
+            SetupError::OutOfRange { .. } => Self::Program(ProgramFault::OutOfRange),
+            SetupError::SingularInertia => Self::Program(ProgramFault::SingularInertia),
+            SetupError::NotStabilisable => Self::Program(ProgramFault::NotStabilisable),
+            SetupError::NoSwingUp => Self::Program(ProgramFault::NoSwingUp),
+            SetupError::NoPlan => Self::NoPlan,
+            SetupError::Plan(error) => Self::Plan(error.into()),
+            SetupError::PlanTick { .. } => Self::Plan(PlanFault::Tick),
+            SetupError::PlanAngle { .. } => Self::Plan(PlanFault::Angle),
+        }
     }
 }
 
@@ -94,6 +122,8 @@ impl fmt::Display for Refusal {
             Self::NoModel => write!(f, "there is no model in its flash"),
             Self::Model(refusal) => write!(f, "the model in its flash: {refusal}"),
             Self::Program(fault) => write!(f, "the program: {fault}"),
+            Self::NoPlan => write!(f, "there is no plan in its flash"),
+            Self::Plan(fault) => write!(f, "the plan in its flash: {fault}"),
         }
     }
 }
@@ -113,6 +143,18 @@ impl fmt::Display for ProgramFault {
             Self::SingularInertia => "the model's inertia matrix at the upright position is singular",
             Self::NotStabilisable => "no feedback holds the model upright",
             Self::NoSwingUp => "only a pendulum and a pole on a cart are brought upright",
+        })
+    }
+}
+
+impl fmt::Display for PlanFault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unreadable => "not a whole plan, or of a format that its image does not read",
+            Self::OtherModel => "made for another model: plan anew",
+            Self::Shape => "not of the model's coordinates",
+            Self::Tick => "made for ticks of another length than the program's",
+            Self::Angle => "it takes a coordinate as an angle whose encoder does not",
         })
     }
 }

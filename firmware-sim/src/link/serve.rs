@@ -7,7 +7,8 @@ use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
 use crate::{Mechanism, Trained};
 use leastaction_core::forces::{Dissipation, PotentialCorrection};
-use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelError};
+use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelError, fingerprint};
+use leastaction_core::plan::{Plan, PlanFile};
 
 /// A board's end of a link.
 pub trait Port {
@@ -30,53 +31,84 @@ pub trait Port {
     }
 }
 
+/// Files in a board's flash, each at a multiple of 4, where they are read in place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flash<'a> {
+    /// The model; `None` if there is none.
+    pub model: Option<&'a [u8]>,
+    /// The plan that the task [`Follow`](crate::Task::Follow) follows; `None` if there is none.
+    pub plan: Option<&'a [u8]>,
+}
+
+impl<'a> Flash<'a> {
+    /// The plan, checked against the model.
+    fn plan<const N: usize>(&self) -> Result<Plan<'a, N, N>, Refusal> {
+        let file = self.plan.ok_or(Refusal::NoPlan)?;
+        let model = fingerprint(self.model.ok_or(Refusal::NoModel)?)?;
+        Ok(read_plan(file, model)?)
+    }
+}
+
+/// Reads and validates a plan of N coordinates, of which any are driven, for the model with this fingerprint.
+fn read_plan<const N: usize>(file: &[u8], model: u32) -> Result<Plan<'_, N, N>, SetupError> {
+    let file = PlanFile::parse(file)?;
+    file.check_model(model)?;
+    Ok(Plan::at_most(file)?)
+}
+
 /// Friction and laws with networks. Models without such laws run as in a program that knows none.
 type AllForces<'a, const H: usize, const D: usize, const N: usize> =
     (Friction<N>, (Dissipation<'a, f32, N, H, D>, PotentialCorrection<'a, f32, N, H, D>));
 
 /// Runs a program of `$n` coordinates over the model in a file, an inertia network or rigid bodies.
 macro_rules! run {
-    ($link:ident, $file:ident, $program:ident, $n:literal) => {
-        match $file.map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
+    ($link:ident, $flash:ident, $program:ident, $n:literal) => {
+        match $flash.model.map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
             Some(Err(ModelError::OtherFamily { .. })) => {
-                match $file.map(BodiesModel::<$n, f32, Friction<$n>>::load) {
+                match $flash.model.map(BodiesModel::<$n, f32, Friction<$n>>::load) {
                     Some(Err(ModelError::Law { .. })) => {
-                        over!($link, $file.map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load), $program)
+                        over!(
+                            $link,
+                            $flash,
+                            $flash.model.map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load),
+                            $program
+                        )
                     }
-                    loaded => over!($link, loaded, $program),
+                    loaded => over!($link, $flash, loaded, $program),
                 }
             }
             Some(Err(ModelError::Law { .. })) => {
-                let loaded = $file.map(InertiaNetworkModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
-                over!($link, loaded, $program)
+                let loaded =
+                    $flash.model.map(InertiaNetworkModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
+                over!($link, $flash, loaded, $program)
             }
-            loaded => over!($link, loaded, $program),
+            loaded => over!($link, $flash, loaded, $program),
         }
     };
 }
 
 /// Runs a program over a loaded model, begun by `$start`, or answers with the reason for refusing it.
 macro_rules! over {
-    ($link:ident, $loaded:expr, $program:ident) => {
-        over!($link, $loaded, $program, start)
+    ($link:ident, $flash:ident, $loaded:expr, $program:ident) => {
+        over!($link, $flash, $loaded, $program, start_with)
     };
-    ($link:ident, $loaded:expr, $program:ident, $start:ident) => {{
+    ($link:ident, $flash:ident, $loaded:expr, $program:ident, $start:ident) => {{
         let loaded = $loaded.ok_or(Refusal::NoModel).and_then(|model| Ok(model?));
         let model = loaded.as_ref().map_err(|refusal| *refusal);
         let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
-        $link.program(model.as_ref(), |model| $program.$start(model))?
+        $link.program(model.as_ref(), |model| $program.$start(model, || $flash.plan()))?
     }};
 }
 
 /// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an inertia
 /// network of 1 or 2 coordinates with at most `D` hidden layers of at most `H` units, or over 1 or 2 rigid bodies,
-/// optionally with laws of force whose networks have these sizes. The model is borrowed in place.
+/// optionally with laws of force whose networks have these sizes. Model and plan are borrowed in place.
 ///
 /// # Errors
 /// Errors of the port.
 pub fn serve<P: Port, const H: usize, const D: usize>(
     port: &mut P,
-    model: Option<&[u8]>,
+    flash: Flash,
     processor: &str,
 ) -> Result<(), P::Error> {
     let mut link = Link { port, receiver: Receiver::default(), processor };
@@ -84,8 +116,8 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     loop {
         next = match (parse_request::<1>(&next), parse_request::<2>(&next)) {
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
-            (Ok(Request::Begin(program)), _) => run!(link, model, program, 1),
-            (_, Ok(Request::Begin(program))) => run!(link, model, program, 2),
+            (Ok(Request::Begin(program)), _) => run!(link, flash, program, 1),
+            (_, Ok(Request::Begin(program))) => run!(link, flash, program, 2),
             (Ok(Request::Tick(_) | Request::Log(_)), _) | (_, Ok(Request::Tick(_) | Request::Log(_))) => {
                 link.refuse(Refusal::NotBegun)?
             }
@@ -97,14 +129,14 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
 }
 
 /// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an arm of N
-/// joints, optionally with damping and dry friction; the model is borrowed in place. Programs follow targets, and
-/// bring nothing upright.
+/// joints, optionally with damping and dry friction; model and plan are borrowed in place. Programs follow
+/// targets and plans, and bring nothing upright.
 ///
 /// # Errors
 /// Errors of the port.
 pub fn serve_arm<P: Port, const N: usize>(
     port: &mut P,
-    model: Option<&[u8]>,
+    flash: Flash,
     processor: &str,
 ) -> Result<(), P::Error> {
     let mut link = Link { port, receiver: Receiver::default(), processor };
@@ -113,7 +145,8 @@ pub fn serve_arm<P: Port, const N: usize>(
         next = match parse_request::<N>(&next) {
             Ok(Request::End) => return Ok(()),
             Ok(Request::Begin(program)) => {
-                over!(link, model.map(ArmModel::<N, f32, Friction<N>>::load), program, follow)
+                let loaded = flash.model.map(ArmModel::<N, f32, Friction<N>>::load);
+                over!(link, flash, loaded, program, follow_with)
             }
             Ok(Request::Tick(_) | Request::Log(_)) => link.refuse(Refusal::NotBegun)?,
             Err(refusal) => link.refuse(refusal)?,
@@ -161,13 +194,9 @@ impl<P: Port> Link<'_, P> {
     fn program<'m, M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
         &mut self,
         model: Result<&'m M, &Refusal>,
-        start: impl FnOnce(&'m M) -> Result<Firmware<'m, M, C, N>, SetupError>,
+        start: impl FnOnce(&'m M) -> Result<Firmware<'m, M, C, N>, Refusal>,
     ) -> Result<Frame, P::Error> {
-        let started = match model {
-            Ok(model) => start(model).map_err(Refusal::from),
-            Err(refusal) => Err(*refusal),
-        };
-        match started {
+        match model.map_err(|refusal| *refusal).and_then(start) {
             Ok(firmware) => self.ticks(firmware),
             Err(refusal) => self.refuse(refusal),
         }

@@ -1,9 +1,10 @@
-//! Runs of the loop: [`predict()`], [`track()`], [`gravity()`], [`swing_up_pendulum`] and [`swing_up_cartpole`].
+//! Runs of the loop: [`predict()`], [`track()`], [`follow()`], [`gravity()`], [`swing_up_pendulum`] and [`swing_up_cartpole`].
 //!
 //! Each takes a plant, a model, a plain configuration and a sink that sees every tick, and returns a summary. Plant and model may be the
 //! same system. A configuration always gives the same trace, bit for bit, on every machine. [`replay()`] runs the firmware along a log
 //! instead of a plant. [`run_on`] runs the firmware's part on any [`Processor`](crate::Processor), such as one at the other end of a link.
 
+mod follow;
 mod gravity;
 mod predict;
 mod replay;
@@ -12,6 +13,7 @@ mod setup;
 mod swing_up;
 mod track;
 
+pub use follow::{FollowConfig, Followed, follow};
 pub use gravity::{Floating, GravityConfig, gravity};
 pub use predict::{Excitation, Predict, predict};
 pub use replay::{Logged, replay};

@@ -6,7 +6,7 @@ use crate::error::SetupError;
 use crate::firmware::Outcome;
 use crate::plant::Plant;
 use crate::summary::{Recorder, Summary};
-use crate::tick::Tick;
+use crate::tick::{Mode, Tick};
 use crate::{Mechanism, Processor};
 use core::convert::Infallible;
 use core::fmt;
@@ -83,6 +83,8 @@ struct Loop<'a, P, R, T, const N: usize> {
     angle: [bool; N],
     /// Number of ticks since the firmware last ran.
     elapsed: u32,
+    /// Time when the first command takes effect, s; `None` before.
+    begun: Option<f32>,
 }
 
 impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_, P, R, T, N> {
@@ -97,7 +99,7 @@ impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_
         let outcome = self.run(time, &arrival, &measured)?;
         let command = (!arrival.missed).then_some(outcome.command.u);
         let applied = self.world.act(command, arrival.lateness);
-        let reference = self.trajectory.at(time).q;
+        let reference = self.trajectory.at(self.on_trajectory(time)).q;
         Ok(Tick {
             index,
             time,
@@ -117,6 +119,14 @@ impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_
         })
     }
 
+    /// The trajectory's own time at a time of the run, s.
+    fn on_trajectory(&self, time: f32) -> f32 {
+        if !self.trajectory.begins_with_command() {
+            return time;
+        }
+        self.begun.map_or(f32::NEG_INFINITY, |begun| time - begun)
+    }
+
     /// Runs the firmware's part of a tick.
     fn run(
         &mut self,
@@ -128,9 +138,13 @@ impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_
         if arrival.missed {
             return Ok(*self.processor.last());
         }
-        let target = Target::of(&self.trajectory, time + self.delay, self.world.h);
+        let effect = time + self.delay;
+        let target = Target::of(&self.trajectory, self.on_trajectory(effect), self.world.h);
         let outcome = self.processor.run(self.elapsed, measured, &target)?;
         self.elapsed = 0;
+        if outcome.command.mode != Mode::Wait {
+            self.begun.get_or_insert(effect);
+        }
         self.recorder.errors(outcome.errors, 0);
         Ok(outcome)
     }
@@ -192,6 +206,7 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
         recorder: Recorder::new(setup.goal, angle),
         angle,
         elapsed: 0,
+        begun: None,
     };
     for index in 0..setup.ticks() {
         let tick = looped.tick(index).map_err(|error| RunError::Processor { tick: index, error })?;

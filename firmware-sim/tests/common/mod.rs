@@ -1,6 +1,8 @@
 //! Models that are a little wrong, like learned ones.
 #![allow(dead_code, reason = "each test file uses its share")]
 
+pub mod plans;
+
 use leastaction_core::energy::trigonometric::{Trigonometric, Wave};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_firmware_sim::devices::{Device, Stream};

@@ -6,6 +6,7 @@ mod common;
 mod determinism;
 mod devices;
 mod faults;
+mod follow;
 mod gravity;
 mod link;
 mod observer;

@@ -170,7 +170,7 @@ fn the_constant_configuration_has_newtons_default_residuals() {
 fn what_moves_between_tasks_can_be_sent() {
     fn send<T: Send>() {}
     type Model = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
-    send::<Firmware<'static, Model, TaskController<CartPump, 2>, 2>>();
+    send::<Firmware<'static, Model, TaskController<'static, CartPump, 2>, 2>>();
     send::<ObserverOf<'static, Model, 2>>();
     send::<(Program<2>, Outcome<2>, Tick<2>, Summary<2>, SwingUpConfig<2>)>();
     send::<(Request<2>, Answer<'static, 2>, Frame, Receiver)>();

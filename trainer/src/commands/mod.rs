@@ -47,7 +47,7 @@ enum Command {
     Export(export::Export),
     Inspect(inspect::Inspect),
     Convert(convert::Convert),
-    Simulate(simulate::Simulate),
+    Simulate(Box<simulate::Simulate>),
     Demo(demo::Demo),
     Evaluate(evaluate::Evaluate),
     Excite(excite::Excite),

@@ -38,10 +38,12 @@ pub enum BoardError {
         "the boards' images run models of 1 and 2 coordinates, and arms of 7 joints, but this one has {0} coordinates: leave out --on"
     )]
     Coordinates(usize),
-    /// The model does not fit into the slot.
-    #[error("the model has {bytes} bytes, the image has room for {}", Board::ROOM)]
+    /// The files do not fit into the slot.
+    #[error("{what} {bytes} bytes, the image has room for {}", Board::ROOM)]
     TooLarge {
-        /// Size of the file, bytes.
+        /// The files and their verb.
+        what: &'static str,
+        /// Size of the files, with the length between them, bytes.
         bytes: u64,
     },
     /// The emulator is not installed.
@@ -55,7 +57,7 @@ pub enum BoardError {
 }
 
 impl Board {
-    /// Largest size of a model file, bytes: the slot in flash minus its two header words.
+    /// Largest size of a model file, or of a model with its plan, bytes: the slot in flash minus its two header words.
     pub const ROOM: u64 = (64 << 10) - 8;
 
     /// Name of the processor, as it reports itself.
@@ -90,7 +92,7 @@ impl Board {
         }
     }
 
-    /// Address of the model slot: two words and the file (`_slot` in `firmware-sim/chip/memory`).
+    /// Address of the slot: a word, then files, each after its length (`_slot` in `firmware-sim/chip/memory`).
     const fn slot(self) -> u32 {
         if matches!(self, Self::Riscv) { 0x803f_0000 } else { 0x003f_0000 }
     }
@@ -121,25 +123,23 @@ impl Board {
         found.ok_or(BoardError::NoImage { board: self.name(), expected })
     }
 
-    /// Arguments of the emulator: an image, a model in its slot, and the serial line on stdin and stdout.
+    /// Arguments of the emulator: an image, files with their sizes (bytes) in the slot, and the serial line on stdin and stdout.
     ///
     /// # Errors
-    /// [`BoardError`] for a model that does not fit, or a path that cannot be passed.
-    pub(super) fn arguments(
-        self,
-        image: &Path,
-        model: &Path,
-        bytes: u64,
-    ) -> Result<Vec<OsString>, BoardError> {
-        if bytes > Self::ROOM {
-            return Err(BoardError::TooLarge { bytes });
+    /// [`BoardError`] for files that do not fit, or a path that cannot be passed.
+    pub(super) fn arguments(self, image: &Path, files: &[(&Path, u64)]) -> Result<Vec<OsString>, BoardError> {
+        let (mut devices, mut end) = (Vec::new(), WORD);
+        for (file, bytes) in files {
+            let (file, at) = (option_value(file)?, u64::from(self.slot()) + end.next_multiple_of(WORD));
+            devices.push(format!("loader,addr={at:#x},data={bytes},data-len={WORD}"));
+            devices.push(format!("loader,addr={:#x},file={file},force-raw=on", at + WORD));
+            end = end.next_multiple_of(WORD) + WORD + bytes;
         }
-        let (length_at, model_at) = (self.slot() + 4, self.slot() + 8);
-        let model = option_value(model)?;
-        let devices = [
-            format!("loader,addr={length_at:#x},data={bytes},data-len=4"),
-            format!("loader,addr={model_at:#x},file={model},force-raw=on"),
-        ];
+        let bytes = end - 2 * WORD;
+        if bytes > Self::ROOM {
+            let what = if files.len() > 1 { "model and plan have" } else { "the model has" };
+            return Err(BoardError::TooLarge { what, bytes });
+        }
         let mut words: Vec<OsString> = ["-M", self.machine()].map(OsString::from).into();
         if self == Self::Riscv {
             words.extend(["-bios", "none"].map(OsString::from));
@@ -150,6 +150,9 @@ impl Board {
         Ok(words)
     }
 }
+
+/// Size of a word of the slot, bytes.
+const WORD: u64 = 4;
 
 /// Fixed arguments: no window and no console; one instruction per virtual nanosecond, so that counts are equal in every
 /// run; semihosting, with which the program ends the emulator.

@@ -26,19 +26,20 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts a board with an image and a model file in its slot; it runs until `stop` is set.
+    /// Starts a board with an image and files in its slot, a model and perhaps a plan; it runs until `stop` is set.
     ///
     /// # Errors
     /// [`StartError`] if the emulator is not installed, or if a file cannot be read.
     pub fn start(
         board: Board,
         image: &Path,
-        model: &Path,
+        files: &[&Path],
         stop: &'static AtomicBool,
     ) -> Result<Self, StartError> {
-        let bytes = std::fs::metadata(model)?.len();
+        let sized = files.iter().map(|file| Ok((*file, std::fs::metadata(file)?.len())));
+        let files: Vec<_> = sized.collect::<io::Result<_>>()?;
         let mut command = Command::new(board.emulator());
-        command.args(board.arguments(image, model, bytes)?);
+        command.args(board.arguments(image, &files)?);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|error| not_started(board, error))?;
         let pipe = || io::Error::from(ErrorKind::BrokenPipe);

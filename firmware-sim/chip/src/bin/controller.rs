@@ -1,6 +1,6 @@
 //! The controller of a scenario: observer, model and control law, at the other end of a serial line from the world.
 //!
-//! The model lies in the slot of the flash, weights and all, and runs there; it has 1 or 2 coordinates and at most 2 hidden layers of 32
+//! The model lies in the slot of the flash, weights and all, and runs there, and so does a plan for it; the model has 1 or 2 coordinates and at most 2 hidden layers of 32
 //! units. `leastaction simulate … --on` is the world; `firmware-sim/LINK.md` describes their messages.
 #![no_std]
 #![no_main]
@@ -16,7 +16,7 @@ const LAYERS: usize = 2;
 
 fn run() -> Result<(), &'static [u8]> {
     let name = str::from_utf8(board::name()).unwrap_or("");
-    serve::<_, UNITS, LAYERS>(&mut Serial::new(), board::model(), name)
+    serve::<_, UNITS, LAYERS>(&mut Serial::new(), board::flash(), name)
         .map_err(|_| b"nobody speaks".as_slice())
 }
 

@@ -4,7 +4,7 @@ mod robot;
 
 use super::{Demo, MARK, say, write_model};
 use crate::commands::simulate::{
-    self, Floats, LawName, Plant, Request, Scenario, Trace, TrackArgs, World, simulate,
+    self, Floats, LawName, PlanArgs, Plant, Request, Scenario, Trace, TrackArgs, World, simulate,
 };
 use crate::commands::train;
 use leastaction::cli::{Done, Failure, Output, written};
@@ -125,6 +125,8 @@ fn follow(
         world: &World::default(),
         motion,
         floats: &Floats::default(),
+        follows: &PlanArgs::default(),
+        plan: None,
         config: None,
         on: None,
     };

@@ -3,7 +3,7 @@
 mod arm;
 mod portrait;
 
-use super::simulate::{self, Floats, Plant, Request, Scenario, TrackArgs, World, simulate};
+use super::simulate::{self, Floats, PlanArgs, Plant, Request, Scenario, TrackArgs, World, simulate};
 use super::{interrupt, train};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
@@ -114,6 +114,8 @@ impl Demo {
             world: &World::default(),
             motion: &TrackArgs::default(),
             floats: &Floats::default(),
+            follows: &PlanArgs::default(),
+            plan: None,
             config: None,
             on: None,
         };

@@ -4,12 +4,13 @@ use super::plant::{OnPlant, encoders};
 use super::reference::strongest;
 use super::scenario::closed_loop;
 use super::track::{MEMORY, samples};
-use super::{Report, Request, Trace};
+use super::world::replace;
+use super::{Report, Request, Scenario, Trace};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative};
 use leastaction_firmware_sim::Mechanism;
-use leastaction_firmware_sim::scenario::{Floating, GravityConfig};
+use leastaction_firmware_sim::scenario::{Floating, GravityConfig, Setup};
 use leastaction_replica::SystemOf;
 use serde::Serialize;
 
@@ -17,7 +18,8 @@ use serde::Serialize;
 #[derive(Args, Default)]
 #[command(next_help_heading = "Floating (gravity)")]
 pub struct Floats {
-    /// Start position, rad or m, one value per coordinate or one for all [default: the middle of the training data, else 0].
+    /// Start position, rad or m, one value per coordinate or one for all, also for follow [default: that of the plan; the middle of the
+    /// training data, else 0].
     #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     at: Vec<f64>,
     /// Largest force of the push from 2.0 to 2.2 s, N m or N, one value per coordinate or one for all [default: a tenth of the limits].
@@ -29,31 +31,32 @@ pub struct Floats {
 }
 
 impl Floats {
-    /// Refuses these options for other scenarios.
-    pub fn check(&self, floats: bool) -> Result<(), Failure> {
-        let lists = [&self.at, &self.push];
-        if floats || (lists.iter().all(|list| list.is_empty()) && self.drag.is_none()) {
-            return Ok(());
+    /// Refuses these options for other scenarios; following a plan knows the start.
+    pub fn check(&self, scenario: Scenario) -> Result<(), Failure> {
+        let pushed = !self.push.is_empty() || self.drag.is_some();
+        match scenario {
+            Scenario::Gravity => Ok(()),
+            Scenario::Follow if !pushed => Ok(()),
+            _ if !pushed && self.at.is_empty() => Ok(()),
+            _ => Err(Failure::Input(
+                "--at is of --scenario gravity and follow, --push and --drag are of gravity".to_owned(),
+            )),
         }
-        Err(Failure::Input("--at, --push and --drag are of --scenario gravity".to_owned()))
+    }
+
+    /// Overrides the start of a scenario.
+    pub(super) fn start_at<const N: usize>(&self, setup: &mut Setup<N>) -> Result<(), Failure> {
+        replace("--at", &self.at, &mut setup.start.q)
     }
 
     /// Overrides the scenario's settings with those of the command line.
     fn adapt<const N: usize>(&self, config: &mut GravityConfig<N>) -> Result<(), Failure> {
         let setup = &mut config.setup;
-        replace("--at", &self.at, &mut setup.start.q)?;
+        self.start_at(setup)?;
         replace("--push", &self.push, &mut setup.push.most)?;
         config.drag = self.drag.map_or(config.drag, |drag| drag as f32);
         Ok(())
     }
-}
-
-/// Replaces `values` by those of an option, if the option is given.
-fn replace<const N: usize>(option: &str, list: &[f64], values: &mut [f32; N]) -> Result<(), Failure> {
-    if !list.is_empty() {
-        *values = super::world::for_all(option, list, 0.0)?;
-    }
-    Ok(())
 }
 
 /// Result of floating.

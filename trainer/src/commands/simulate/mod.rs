@@ -1,6 +1,7 @@
 //! `leastaction simulate`.
 
 mod course;
+mod follow;
 mod gravity;
 mod picture;
 mod plant;
@@ -13,6 +14,7 @@ mod trace;
 mod track;
 mod world;
 
+pub use follow::PlanArgs;
 pub use gravity::Floats;
 pub use picture::draw;
 pub use plant::Plant;
@@ -27,7 +29,7 @@ use super::system::SymoSystem;
 use clap::Args;
 use leastaction::cli::arguments::{positive, positive_f32, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
-use leastaction::models::load;
+use leastaction::models::{Loaded, load, read};
 use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use replay::{Replay, ReplayReport};
@@ -61,6 +63,11 @@ use std::time::Duration;
 ///
 /// Example: leastaction simulate arm.postcard --scenario gravity --plant robot.postcard
 ///
+/// With --scenario follow, the firmware follows the plan that `leastaction plan` made for the model, and holds its end. The report says how
+/// far the mechanism was from the plan's start, how far it left the plan, and how much of the plan's limits that took.
+///
+/// Example: leastaction simulate model.postcard --scenario follow --plan plan.postcard
+///
 /// With --replay, the observer runs along a log, and the report says how far the readings were from the model's prediction one tick before;
 /// the exit code is 1 if the model cannot be stepped.
 ///
@@ -73,7 +80,7 @@ pub struct Simulate {
     #[arg(long, value_enum, required_unless_present = "replay")]
     scenario: Option<Scenario>,
     /// A log to run the observer along, instead of a scenario: shows how well the firmware's model predicts the next reading.
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["scenario", "system", "plant", "seed", "seconds"])]
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["scenario", "system", "plant", "seed", "seconds", "plan"])]
     replay: Option<PathBuf>,
     /// The configuration whose [data] says how to read the log of --replay or --trajectory.
     #[arg(long, value_name = "FILE")]
@@ -81,16 +88,16 @@ pub struct Simulate {
     /// The mechanism that the loop acts on [default: chosen by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
-    /// The model file of the mechanism that the loop acts on; for predict, track and gravity.
+    /// The model file of the mechanism that the loop acts on; for predict, track, gravity and follow.
     #[arg(long, value_name = "FILE", conflicts_with = "system")]
     plant: Option<PathBuf>,
     /// Seed of the initial state and of all noise.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
-    /// Length of the run, s [default: 10; 5 for predict].
+    /// Length of the run, s [default: 10; 5 for predict; 2 more than the plan for follow].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     seconds: Option<f32>,
-    /// Time between ticks, s [default: 0.01; with --plant the model's own step].
+    /// Time between ticks, s [default: 0.01; with --plant the model's own step; the plan's].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     tick: Option<f32>,
     /// Run the controller on an emulated board.
@@ -106,6 +113,8 @@ pub struct Simulate {
     motion: TrackArgs,
     #[command(flatten)]
     floats: Floats,
+    #[command(flatten)]
+    follows: PlanArgs,
     #[command(flatten)]
     world: World,
     /// The folder to write to.
@@ -141,7 +150,10 @@ impl Simulate {
     }
 
     fn run_scenario(&self, scenario: Scenario, output: Output) -> Done {
-        let (model, _) = load(&self.model)?;
+        let Loaded { model, bytes } = read(&self.model)?;
+        self.follows.check(scenario == Scenario::Follow)?;
+        let file = self.follows.read()?;
+        let plan = file.as_ref().map(|plan| plan.of_model(&bytes)).transpose()?;
         let plant_model = self.plant.as_deref().map(load).transpose()?;
         let plant = match (self.plant.as_deref(), &plant_model) {
             (Some(file), Some((model, _))) => Plant::Model { file, model },
@@ -165,6 +177,8 @@ impl Simulate {
             world,
             motion,
             floats,
+            follows: &self.follows,
+            plan,
             config,
             on,
         };
@@ -180,8 +194,8 @@ impl Simulate {
     fn target(&self) -> Result<Option<Target>, Failure> {
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| Failure::Input(format!("--timeout: {error}")))?;
-        let (image, model) = (self.image.clone(), self.model.clone());
-        Ok(self.on.map(|on| Target { board: on.into(), image, model, patience }))
+        let (image, model, plan) = (self.image.clone(), self.model.clone(), self.follows.plan.clone());
+        Ok(self.on.map(|on| Target { board: on.into(), image, model, plan, patience }))
     }
 }
 

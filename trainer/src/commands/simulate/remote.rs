@@ -41,6 +41,8 @@ pub struct Target {
     pub image: Option<PathBuf>,
     /// The model file, which goes into the board's flash.
     pub model: PathBuf,
+    /// The plan's file, which goes there, too.
+    pub plan: Option<PathBuf>,
     /// Longest wait for an answer.
     pub patience: Duration,
 }
@@ -102,7 +104,9 @@ impl Target {
             BoardError::Coordinates(_) => Failure::Input(error.to_string()),
             error => failed(&error),
         })?;
-        Emulator::start(self.board, &image, &self.model, interrupt::flag()?).map_err(|error| failed(&error))
+        let files: Vec<_> =
+            [Some(&self.model), self.plan.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+        Emulator::start(self.board, &image, &files, interrupt::flag()?).map_err(|error| failed(&error))
     }
 }
 

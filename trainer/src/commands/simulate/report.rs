@@ -1,5 +1,6 @@
 //! Results of a run in the loop.
 
+use super::follow::PlanReport;
 use super::gravity::FloatingReport;
 use super::{Plant, Request, Scenario};
 use leastaction::cli::{Done, Failure};
@@ -60,6 +61,9 @@ pub struct Report {
     /// Result of floating, in the scenario gravity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floating: Option<FloatingReport>,
+    /// Result of following a plan, in the scenario follow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planned: Option<PlanReport>,
     /// Fingerprint of the trace.
     pub trace_hash: String,
     /// File of the trace.
@@ -96,6 +100,7 @@ impl Report {
             missed,
             model_errors: model,
             floating: None,
+            planned: None,
             trace_hash: format!("{:016x}", summary.hash),
             trace: PathBuf::new(),
             picture: PathBuf::new(),
@@ -174,6 +179,9 @@ impl fmt::Display for Report {
             let rest = rest_after
                 .map_or("not at the end".to_owned(), |after| format!("{after:.2} s after the push"));
             line(f, "at rest", &rest)?;
+        }
+        for (name, value) in self.planned.iter().flat_map(|planned| planned.lines(q, list)) {
+            line(f, &name, &value)?;
         }
         line(f, "controller on", &self.controller())?;
         line(f, "ticks", &format!("{} (model errors: {})", self.ticks, self.model_errors))?;

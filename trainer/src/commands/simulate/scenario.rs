@@ -1,5 +1,6 @@
 //! The scenarios of the firmware loop.
 
+use super::follow::{PlanArgs, Planned, planned};
 use super::gravity::{Floats, OnAnother, floating};
 use super::plant::{Plant, Predicting, no_graphs, on_plant};
 use super::remote::Target;
@@ -11,6 +12,7 @@ use leastaction::cli::{Failure, Output};
 use leastaction::models::{chip_file, meant};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
+use leastaction_core::plan::PlanFile;
 use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{
@@ -37,6 +39,8 @@ pub enum Scenario {
     Gravity,
     /// Swing the pole up and hold it (pendulum, cartpole).
     SwingUp,
+    /// Follow a plan, and hold its end.
+    Follow,
 }
 
 impl fmt::Display for Scenario {
@@ -46,6 +50,7 @@ impl fmt::Display for Scenario {
             Self::Track => "track",
             Self::Gravity => "gravity",
             Self::SwingUp => "swing-up",
+            Self::Follow => "follow",
         })
     }
 }
@@ -71,6 +76,10 @@ pub struct Request<'a> {
     pub motion: &'a TrackArgs,
     /// Options for floating.
     pub floats: &'a Floats,
+    /// Options for following a plan.
+    pub follows: &'a PlanArgs,
+    /// The plan to follow, which was made for the model.
+    pub plan: Option<PlanFile<'a>>,
     /// The configuration whose `[data]` says how to read a motion's log.
     pub config: Option<&'a Path>,
     /// Processor that runs the controller; `None`: this machine.
@@ -110,7 +119,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     request.world.check(request)?;
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
     request.motion.check(is_followed, request.config)?;
-    request.floats.check(request.scenario == Scenario::Gravity)?;
+    request.floats.check(request.scenario)?;
     let file = chip_file(request.model).map_err(Failure::Input)?;
     let model = meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
@@ -124,8 +133,11 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
         (Plant::Model { model: plant, .. }, Scenario::Gravity) => {
             on_plant(request, &model, plant, (OnAnother, trace))
         }
+        (Plant::Model { model: plant, .. }, Scenario::Follow) => {
+            on_plant(request, &model, plant, (Planned, trace))
+        }
         (Plant::Model { .. }, scenario) => Err(Failure::Input(format!(
-            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict, track or gravity"
+            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict, track, gravity or follow"
         ))),
     }
 }
@@ -165,6 +177,7 @@ fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result
             following(request, (&plant, model), &config, trace)
         }
         Scenario::Gravity => floating(request, (&plant, model), GravityConfig::<1>::pendulum(), trace),
+        Scenario::Follow => planned(request, (&plant, model), trace),
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
@@ -200,6 +213,7 @@ fn two_coordinates(
             let config = if acrobot { GravityConfig::<2>::acrobot() } else { GravityConfig::<2>::cartpole() };
             floating(request, (&plant, model), config, trace)
         }
+        (Scenario::Follow, _) => planned(request, (&plant, model), trace),
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
             request.adapt(&mut config.setup)?;
@@ -269,7 +283,9 @@ pub(super) fn reported<const N: usize>(
 /// The failure for a configuration that cannot be run.
 pub(super) fn misused(error: SetupError) -> Failure {
     match error {
-        SetupError::OutOfRange { .. } => Failure::Input(error.to_string()),
-        _ => Failure::Work(error.to_string()),
+        SetupError::SingularInertia | SetupError::NotStabilisable | SetupError::NoSwingUp => {
+            Failure::Work(error.to_string())
+        }
+        _ => Failure::Input(error.to_string()),
     }
 }

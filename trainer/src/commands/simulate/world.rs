@@ -181,6 +181,18 @@ pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<(D
     Ok(Some((Drive { gain, offset }, file.delay() / h)))
 }
 
+/// Replaces `values` by those of an option, if the option is given.
+pub(super) fn replace<const N: usize>(
+    option: &str,
+    list: &[f64],
+    values: &mut [f32; N],
+) -> Result<(), Failure> {
+    if !list.is_empty() {
+        *values = for_all(option, list, 0.0)?;
+    }
+    Ok(())
+}
+
 /// Expands a list to one value per coordinate.
 pub(super) fn for_all<const N: usize>(option: &str, list: &[f64], default: f64) -> Result<[f32; N], Failure> {
     match list {

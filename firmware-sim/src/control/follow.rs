@@ -1,0 +1,96 @@
+use super::{Command, Controller, Setpoint, Target, Trajectory};
+use crate::Program;
+use crate::angle::wrap;
+use crate::devices::Drive;
+use crate::error::SetupError;
+use crate::observer::same_step;
+use crate::tick::Mode;
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::discrete::StepError;
+use leastaction_core::plan::Plan;
+
+/// Follows a [plan](leastaction_core::plan): u = ū − K(x − x̄) within the plan's limits, from the first command on.
+///
+/// The plan's ticks are counted from the tick in which the estimate is first trusted; missed ticks count, and so do ticks without a trusted
+/// estimate after that, in which nothing is commanded. A command is that of the estimate where it takes effect, so a delay moves the motion
+/// as a whole. From the plan's end on its last record is held. A mechanism that is not at the plan's start is not refused: the law is a
+/// feedback, and brings it to the plan from as far as its gains and limits reach.
+#[derive(Clone, Copy, Debug)]
+pub struct Follow<'p, const N: usize> {
+    plan: Plan<'p, N, N>,
+    drive: Drive<N>,
+    angle: [bool; N],
+    begun: Option<Begun<N>>,
+}
+
+/// Count of ticks since the first command, and whole turns (rad) by which the estimate was then off the plan.
+#[derive(Clone, Copy, Debug)]
+struct Begun<const N: usize> {
+    tick: u32,
+    turns: [f32; N],
+}
+
+impl<'p, const N: usize> Follow<'p, N> {
+    /// Creates the controller of a program; `drive` is the conversion between the plan's commands and forces.
+    ///
+    /// # Errors
+    /// [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    pub(crate) fn new(
+        plan: Plan<'p, N, N>,
+        drive: Drive<N>,
+        program: &Program<N>,
+    ) -> Result<Self, SetupError> {
+        let (header, tick, angle) = (plan.file().header(), program.tick, program.angle);
+        if !same_step(tick, header.h) {
+            return Err(SetupError::PlanTick { planned: header.h, tick });
+        }
+        let turns = header.angles.iter().map(|angle| *angle == 1);
+        match turns.zip(angle).position(|(turns, angle)| turns && !angle) {
+            Some(coordinate) => Err(SetupError::PlanAngle { coordinate: coordinate as u8 }),
+            None => Ok(Self { plan, drive, angle, begun: None }),
+        }
+    }
+
+    /// Begins the plan, if it has not begun. Encoders of angles forget whole turns, of which the plan knows the right ones.
+    fn begun(&mut self, q: &[f32; N]) -> Begun<N> {
+        let (start, angle) = (self.plan.reference(0).q, self.angle);
+        *self.begun.get_or_insert_with(|| {
+            let apart = |i: usize| q[i] - start[i];
+            let turns = |i: usize| if angle[i] { apart(i) - wrap(apart(i)) } else { 0.0 };
+            Begun { tick: 0, turns: core::array::from_fn(turns) }
+        })
+    }
+}
+
+impl<M, const N: usize> Controller<M, N> for Follow<'_, N> {
+    fn read(&mut self, elapsed: u32, _: &[Option<f32>; N]) {
+        if let Some(Begun { tick, .. }) = &mut self.begun {
+            *tick = tick.saturating_add(elapsed);
+        }
+    }
+
+    fn command(
+        &mut self,
+        _: &M,
+        _: &Target<N>,
+        state: &ContinuousState<f32, N>,
+    ) -> Result<Command<N>, StepError<f32>> {
+        let Begun { tick, turns } = self.begun(&state.q);
+        let q = core::array::from_fn(|i| state.q[i] - turns[i]);
+        let command = self.plan.force(tick, &q, &state.v).map_err(|_| StepError::NotFinite)?;
+        let mode = if tick < self.plan.ticks() { Mode::Track } else { Mode::Hold };
+        Ok(Command { u: self.drive.force(&command), mode })
+    }
+}
+
+/// The planned motion, which begins when the first command takes effect.
+impl<const N: usize, const M: usize> Trajectory<N> for Plan<'_, N, M> {
+    fn at(&self, t: f32) -> Setpoint<N> {
+        let [q, v, a] = self.motion(t);
+        Setpoint { q, v, a }
+    }
+
+    fn begins_with_command(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,201 @@
+//! The scenario `follow`: the firmware follows a plan.
+
+use super::plant::{OnPlant, encoders};
+use super::scenario::{closed_loop, misused};
+use super::world::{known_actuator, replace};
+use super::{Report, Request, Trace};
+use clap::Args;
+use leastaction::cli::Failure;
+use leastaction::cli::arguments::{not_negative, positive};
+use leastaction_core::model::fingerprint;
+use leastaction_core::plan::{Plan, PlanFile};
+use leastaction_firmware_sim::devices::Drive;
+use leastaction_firmware_sim::scenario::{FollowConfig, Followed};
+use leastaction_firmware_sim::{Mechanism, SetupError};
+use leastaction_replica::SystemOf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Options for following a plan.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Following a plan (follow)")]
+pub struct PlanArgs {
+    /// The plan, which `leastaction plan` made for this model.
+    #[arg(long, value_name = "PLAN")]
+    pub(super) plan: Option<PathBuf>,
+    /// Spread of the start about the plan's start, rad or m, one value per coordinate or one for all [default: 0.02].
+    #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
+    spread: Vec<f64>,
+    /// Largest error at the end, rad or m, one value per coordinate or one for all [default: 0.1].
+    #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = positive)]
+    tolerance: Vec<f64>,
+}
+
+impl PlanArgs {
+    /// Refuses these options for other scenarios, and this scenario without a plan.
+    pub fn check(&self, follows: bool) -> Result<(), Failure> {
+        let given = self.plan.is_some() || !self.spread.is_empty() || !self.tolerance.is_empty();
+        let reason = match (follows, given) {
+            (false, true) => "--plan, --spread and --tolerance are of --scenario follow",
+            (true, _) if self.plan.is_none() => {
+                "follow needs a plan for the model, as `leastaction plan` makes it: name its file with --plan"
+            }
+            _ => return Ok(()),
+        };
+        Err(Failure::Input(reason.to_owned()))
+    }
+
+    /// The plan's file in memory, if one is named.
+    pub fn read(&self) -> Result<Option<PlanBytes>, Failure> {
+        self.plan.as_deref().map(PlanBytes::read).transpose()
+    }
+
+    /// Overrides the scenario's settings with those of the command line.
+    fn adapt<const N: usize>(&self, config: &mut FollowConfig<N>) -> Result<(), Failure> {
+        replace("--spread", &self.spread, &mut config.setup.start.q_spread)?;
+        replace("--tolerance", &self.tolerance, &mut config.setup.goal.tolerance)
+    }
+}
+
+/// A plan's file in memory, at a multiple of 4.
+pub struct PlanBytes {
+    path: PathBuf,
+    words: Vec<u32>,
+    length: usize,
+}
+
+impl PlanBytes {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let bytes = std::fs::read(path).map_err(|error| Failure::input(path, error))?;
+        let (length, mut words) = (bytes.len(), vec![0_u32; bytes.len().div_ceil(4)]);
+        bytemuck::cast_slice_mut(&mut words)[..length].copy_from_slice(&bytes);
+        Ok(Self { path: path.to_owned(), words, length })
+    }
+
+    /// The plan, which must be one for the model whose file has these bytes.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if it is not.
+    pub fn of_model(&self, model: &[u8]) -> Result<PlanFile<'_>, Failure> {
+        let refused = |error: &dyn std::fmt::Display| Failure::input(&self.path, error);
+        let model = fingerprint(model).map_err(|error| refused(&error))?;
+        let plan = PlanFile::parse(&bytemuck::cast_slice(&self.words)[..self.length]);
+        let plan = plan.map_err(|error| refused(&error))?;
+        plan.check_model(model).map_err(|error| refused(&error))?;
+        Ok(plan)
+    }
+}
+
+/// Result of following a plan.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanReport {
+    /// Time when the first command took effect, s.
+    begun: Option<f32>,
+    /// Length of the plan, s.
+    seconds: f32,
+    /// Position and velocity at the first command, minus those of the plan's start.
+    off_start: [Vec<f32>; 2],
+    /// Largest |error| along the plan.
+    deviation: Vec<f32>,
+    /// Largest share of the plan's limits in the commands.
+    limit_share: Vec<f32>,
+    /// Whether the plan ends at rest.
+    rests: bool,
+    /// Error at the plan's end.
+    end_error: Option<Vec<f32>>,
+    /// Whether that is within the tolerance.
+    reached: bool,
+    /// Largest |error| after the end.
+    held_error: Vec<f32>,
+}
+
+impl PlanReport {
+    fn new<const N: usize>(followed: &Followed<N>, seconds: f32) -> Self {
+        let Followed { begun, off_start, deviation, rests, end, held, share, .. } = *followed;
+        Self {
+            begun,
+            seconds,
+            off_start: off_start.map(Vec::from),
+            deviation: deviation.to_vec(),
+            limit_share: share.to_vec(),
+            rests,
+            end_error: end.map(Vec::from),
+            reached: followed.reached(),
+            held_error: held.to_vec(),
+        }
+    }
+
+    /// Names and values of the report's lines; `q` is the unit of positions.
+    pub(super) fn lines(&self, q: &str, list: impl Fn(&[f32]) -> String) -> Vec<(String, String)> {
+        let begun = match self.begun {
+            Some(begun) => format!("{begun:.2} s, for {:.2} s", self.seconds),
+            None => "never: the firmware did not trust its estimate".to_owned(),
+        };
+        let end = match (&self.end_error, self.reached) {
+            (None, _) => "not in this run".to_owned(),
+            (Some(end), true) => format!("reached, error {}", list(end)),
+            (Some(end), false) => format!("NOT reached, error {}", list(end)),
+        };
+        let percent: Vec<_> = self.limit_share.iter().map(|share| format!("{:.0}%", 100.0 * share)).collect();
+        let [off_q, off_v] = self.off_start.each_ref().map(|off| list(off));
+        let mut lines = vec![
+            ("the plan began after".to_owned(), begun),
+            (
+                format!("there, off its start by ({q})"),
+                format!("{off_q}, at velocities off by {off_v} per s"),
+            ),
+            (format!("off the plan, largest ({q})"), list(&self.deviation)),
+            ("command, largest of its limit".to_owned(), percent.join(", ")),
+            ("the plan's end".to_owned(), end),
+        ];
+        if self.rests && self.end_error.is_some() {
+            lines.push((format!("error after it, largest ({q})"), list(&self.held_error)));
+        }
+        lines
+    }
+}
+
+/// Runs the loop, here or on a board.
+pub(super) fn planned<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
+    request: &Request,
+    (plant, model): (&P, &M),
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    let file = request.plan.ok_or(SetupError::NoPlan).map_err(misused)?;
+    let plan = Plan::<N, N>::at_most(file).map_err(|error| misused(error.into()))?;
+    let config = config(request, &plan)?;
+    let (program, mut followed) = (config.program(), Followed::new(&plan, &config));
+    let firmware = (&program, program.follow_with(model, || Ok::<_, SetupError>(plan)));
+    let mut report = closed_loop(request, plant, (&config.setup, plan), firmware, |tick| {
+        followed.update(tick);
+        trace.push(tick);
+    })?;
+    report.success = followed.success(report.success);
+    report.planned = Some(PlanReport::new(&followed, plan.seconds()));
+    Ok(report)
+}
+
+/// The default configuration for the plan, with the options of the command line.
+fn config<const N: usize>(request: &Request, plan: &Plan<N, N>) -> Result<FollowConfig<N>, Failure> {
+    let mut config = FollowConfig::new(plan, encoders(request));
+    let known = known_actuator(request.model, config.setup.tick)?;
+    config.drive = known.map_or(Drive::ideal(), |(drive, _)| drive);
+    request.adapt(&mut config.setup)?;
+    request.floats.start_at(&mut config.setup)?;
+    request.follows.adapt(&mut config)?;
+    Ok(config)
+}
+
+/// Task of following a plan on the plant of another model file.
+pub struct Planned;
+
+impl OnPlant for Planned {
+    fn run<const N: usize>(
+        self,
+        request: &Request,
+        systems: (&SystemOf<N>, &SystemOf<N>),
+        trace: &mut Trace,
+    ) -> Result<Report, Failure> {
+        planned(request, systems, trace)
+    }
+}
