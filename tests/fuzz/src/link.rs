@@ -1,23 +1,24 @@
 //! Processor's end of the link.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
-use leastaction_firmware_sim::link::{Answer, Port, Receiver, parse_answer, serve, serve_arm};
+use leastaction_firmware_sim::link::{Answer, Flash, Port, Receiver, parse_answer, serve, serve_arm};
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
 #[repr(align(4))]
 struct Aligned<const N: usize>([u8; N]);
 
-macro_rules! model {
+macro_rules! in_flash {
     ($name:ident, $file:literal) => {
         static $name: Aligned<
             { include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)).len() },
         > = Aligned(*include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)));
     };
 }
-model!(CARTPOLE, "cartpole.postcard");
-model!(DRY, "cartpole-dry.postcard");
-model!(ARM, "arm.postcard");
+in_flash!(CARTPOLE, "cartpole.postcard");
+in_flash!(DRY, "cartpole-dry.postcard");
+in_flash!(PLAN, "swing-up.postcard");
+in_flash!(ARM, "arm.postcard");
 
 /// A port that hears prepared bytes and keeps the answers.
 struct Line<'a> {
@@ -38,19 +39,20 @@ impl Port for Line<'_> {
     }
 }
 
-/// Sends the world's bytes, either unchanged or as documents in valid frames, to a processor with one of three models
-/// or none.
+/// Sends the world's bytes, either unchanged or as documents in valid frames, to a processor with one of three models,
+/// one of them with a plan, or none.
 ///
 /// Every answer must be a whole frame, and every command a finite number.
 pub fn link(input: &[u8]) {
     let Some(([mode], rest)) = input.split_first_chunk::<1>() else { return };
     let heard = if mode & 4 == 0 { framed(rest) } else { rest.to_vec() };
     let mut line = Line { heard: heard.iter(), said: Vec::new() };
+    let flash = |model, plan| Flash { model, plan };
     let end = match mode & 3 {
-        0 => serve::<_, 32, 2>(&mut line, Some(&CARTPOLE.0), "fuzz"),
-        1 => serve::<_, 32, 2>(&mut line, Some(&DRY.0), "fuzz"),
-        2 => serve_arm::<_, 7>(&mut line, Some(&ARM.0), "fuzz"),
-        _ => serve::<_, 32, 2>(&mut line, None, "fuzz"),
+        0 => serve::<_, 32, 2>(&mut line, flash(Some(&CARTPOLE.0), None), "fuzz"),
+        1 => serve::<_, 32, 2>(&mut line, flash(Some(&DRY.0), Some(&PLAN.0)), "fuzz"),
+        2 => serve_arm::<_, 7>(&mut line, flash(Some(&ARM.0), None), "fuzz"),
+        _ => serve::<_, 32, 2>(&mut line, Flash::default(), "fuzz"),
     };
     assert!(end.is_ok() || line.heard.len() == 0);
     if mode & 3 == 2 { answers::<7>(&line.said) } else { answers::<2>(&line.said) }

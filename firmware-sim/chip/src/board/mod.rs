@@ -48,7 +48,9 @@ fn file(word: usize) -> Option<&'static [u8]> {
     // SAFETY: as above, within the slot, which nobody writes while the program runs.
     let length = unsafe { slot.add(word).read_volatile() } as usize;
     // SAFETY: as above.
-    (1..=room).contains(&length).then(|| unsafe { core::slice::from_raw_parts(slot.add(word + 1).cast(), length) })
+    (1..=room)
+        .contains(&length)
+        .then(|| unsafe { core::slice::from_raw_parts(slot.add(word + 1).cast(), length) })
 }
 
 /// Ends the emulation: with exit code 0, or with the error printed and 1.

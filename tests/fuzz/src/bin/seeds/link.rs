@@ -2,7 +2,7 @@
 
 use super::{Done, Seeds};
 use leastaction_firmware_sim::control::{Gains, Law as ControlLaw, Target};
-use leastaction_firmware_sim::devices::ActuatorConfig;
+use leastaction_firmware_sim::devices::{ActuatorConfig, Drive};
 use leastaction_firmware_sim::link::{LoggedSamples, Request, Samples, VERSION};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::{Program, Task};
@@ -15,8 +15,9 @@ pub fn documents(seeds: &mut Seeds) -> Done {
     let logged = Request::Log(LoggedSamples { sequence: 1, elapsed: 1, measured, command: [0.5, 0.0] });
     let swing_up = SwingUpConfig::cartpole().program();
     let float = Program { task: Task::Float { begin: [0.0, 0.1], drag: 1.0 }, ..swing_up };
-    let begun =
-        [swing_up, TrackConfig::<2>::cartpole().program(), float, Program { task: Task::Listen, ..swing_up }];
+    let follow = Program { task: Task::Follow { drive: Drive::ideal() }, ..swing_up };
+    let track = TrackConfig::<2>::cartpole().program();
+    let begun = [swing_up, track, float, Program { task: Task::Listen, ..swing_up }, follow];
     for program in begun {
         for model in 0..4_u8 {
             let mut session = vec![model];

@@ -70,7 +70,7 @@ fn models(corpus: &Path, repository: &Path) -> Done {
     for entry in fs::read_dir(repository.join("firmware-sim/chip/models"))? {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "postcard") {
-            files.push(fs::read(path)?);
+            files.extend(Some(fs::read(path)?).filter(|file| file.starts_with(&MAGIC)));
         }
     }
     for file in files {
@@ -84,7 +84,9 @@ fn models(corpus: &Path, repository: &Path) -> Done {
 /// Writes contents of the plan of core's tests, and sizes of plans with numbers.
 fn plans(corpus: &Path, repository: &Path) -> Done {
     let mut plan = Seeds::of(corpus, "plan")?;
-    for file in golden(repository)?.into_iter().filter(|file| file.starts_with(&plan::MAGIC)) {
+    let swing_up = fs::read(repository.join("firmware-sim/chip/models/swing-up.postcard"))?;
+    let golden = golden(repository)?.into_iter().filter(|file| file.starts_with(&plan::MAGIC));
+    for file in golden.chain([swing_up]) {
         plan.add(&[&[0], &file[5..file.len() - 4]].concat())?;
     }
     let numbers: Vec<u8> = (0..40).flat_map(|i| (i as f32 / 8.0 - 1.0).to_le_bytes()).collect();
