@@ -75,8 +75,8 @@ fn states_and_controls_are_those_of_arrays() {
 fn a_regulator_is_that_of_its_matrices() {
     let system = System::conservative(CARTPOLE);
     let del = Del::<f64, Galerkin>::new(0.01);
-    let plant = Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [0], ticks: 1 };
-    let transition = plant.linearise_at(&[0.0; 4], &[0.0]).unwrap();
+    let plant = Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [0], stride: 1 };
+    let transition = plant.linearise_at(&[0.0; 4], (1, &[0.0])).unwrap();
     let weights = Weights { x: [10.0, 25.0, 3.0, 3.0], u: [0.7] };
     let regulator = stationary(&transition, &weights).unwrap();
     let (a, b, k, p) =

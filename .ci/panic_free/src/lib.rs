@@ -96,10 +96,10 @@ where
     L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
-    let (del, inputs, ticks) = (Del::<f32, P>::new(0.01), black_box([0]), black_box(1));
-    let plant = Stepped { system, del, actuator: Actuator::ideal(), inputs, ticks };
-    black_box(plant.linearise_rest::<D>(&black_box([0.1; N]), &[0.1]).ok()?);
-    let transition = plant.linearise_at(&black_box([0.1; D]), &[0.1]).ok()?;
+    let (del, inputs, stride) = (Del::<f32, P>::new(0.01), black_box([0]), black_box(1));
+    let plant = Stepped { system, del, actuator: Actuator::ideal(), inputs, stride };
+    black_box(plant.linearise_rest::<D>(&black_box([0.1; N]), (black_box(1), &[0.1])).ok()?);
+    let transition = plant.linearise_at(&black_box([0.1; D]), (black_box(2), &[0.1])).ok()?;
     let regulator = stationary(&transition, &black_box(Weights { x: [1.0; D], u: [1.0] })).ok()?;
     let closed = transition.a_matrix() - transition.b_matrix() * regulator.gain_matrix();
     Some((closed.transpose() * regulator.cost_matrix() * closed).trace())

@@ -4,11 +4,12 @@
 //! such gains) over the caller's array of [`Node`]s. Nothing here knows a mechanism; [`Stepped`] makes a plant of a Lagrangian and its
 //! integrator.
 //!
-//! A state x has D numbers, of a mechanism (q, v); a control u has M. A node is a time over which u is held.
+//! A state x has D numbers, of a mechanism (q, v); a control u has M. A node is a time of t ticks over which u is held.
 //!
 //! # Problem
 //!
-//! minimise Σ_k ½(x_k − x*)ᵀQ(x_k − x*) + ½u_kᵀRu_k + ½(x_K − x*)ᵀQ_K(x_K − x*), Q, R and Q_K diagonal, x_{k+1} = f(x_k, u_k), subject to
+//! minimise Σ_k t_k[½(x_k − x*)ᵀQ(x_k − x*) + ½u_kᵀRu_k] + ½(x_K − x*)ᵀQ_K(x_K − x*), Q and R diagonal, Q_K symmetric,
+//! x_{k+1} = f(x_k, u_k, t_k), subject to
 //!
 //! - limits of the controls, which every iterate satisfies: a projected Newton method in each backward step;
 //! - limits of the states, and the goal, which is a set of states at the end: an augmented Lagrangian.
@@ -34,7 +35,9 @@ mod node;
 mod plant;
 mod problem;
 pub mod riccati;
+mod rollout;
 mod rounds;
+mod shooting;
 mod stepped;
 
 pub use backward::{Decision, NodeModel, Value};

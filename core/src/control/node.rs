@@ -1,5 +1,5 @@
 use super::Transition;
-use crate::linear::multiply;
+use crate::linear::{add_scaled, multiply};
 use crate::scalar::Real;
 
 /// A node of a motion: its state and control, its linear approximation, and the change of control that the last backward pass found.
@@ -9,6 +9,8 @@ pub struct Node<R, const D: usize, const M: usize> {
     pub x: [R; D],
     /// Control u, held over the node.
     pub u: [R; M],
+    /// Number of ticks that the node lasts, at least 1.
+    pub ticks: u16,
     /// Linear approximation about x and u.
     pub transition: Transition<R, D, M>,
     /// Change k of the control.
@@ -19,30 +21,62 @@ pub struct Node<R, const D: usize, const M: usize> {
     pub multiplier: [R; D],
     /// Course of the node, as its plant keeps it ([`Plant::advance`](super::Plant::advance)).
     pub course: [R; D],
-    /// State, control and course of the trial under way.
-    pub(super) trial: ([R; D], [R; M], [R; D]),
+    /// The trial under way.
+    pub(super) trial: Trial<R, D, M>,
+}
+
+/// A node of a trial motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial<R, const D: usize, const M: usize> {
+    /// Number of ticks.
+    pub ticks: u16,
+    /// State at the start.
+    pub x: [R; D],
+    /// Control.
+    pub u: [R; M],
+    /// Course.
+    pub course: [R; D],
 }
 
 impl<R: Real, const D: usize, const M: usize> Node<R, D, M> {
-    /// A node with the given control, its state unknown.
-    pub fn new(u: [R; M]) -> Self {
+    /// A node of some ticks with the given control, its state unknown.
+    pub fn new(ticks: u16, u: [R; M]) -> Self {
         let zero = [R::zero(); D];
         Self {
             x: zero,
             u,
+            ticks,
             transition: Transition::identity(),
             change: [R::zero(); M],
             gain: [zero; M],
             multiplier: zero,
             course: zero,
-            trial: (zero, u, zero),
+            trial: Trial { ticks, x: zero, u, course: zero },
         }
     }
 
     /// Control at x for a part of the change, without limits.
     pub(super) fn control(&self, part: R, x: &[R; D]) -> [R; M] {
-        let deviation = core::array::from_fn(|i| x[i] - self.x[i]);
-        let feedback = multiply(&self.gain, &deviation);
-        core::array::from_fn(|j| self.u[j] + part * self.change[j] - feedback[j])
+        let held = self.followed(&self.x, x);
+        core::array::from_fn(|j| held[j] + part * self.change[j])
     }
+
+    /// Control u − K(x − x̄), without limits.
+    pub(super) fn followed(&self, reference: &[R; D], x: &[R; D]) -> [R; M] {
+        feedback((&self.u, &self.gain), &add_scaled(x, -R::one(), reference))
+    }
+
+    /// Makes the trial the present node.
+    pub(super) fn accept(&mut self) {
+        let Trial { ticks, x, u, course } = self.trial;
+        (self.ticks, self.x, self.u, self.course) = (ticks, x, u, course);
+    }
+}
+
+/// u − K δx.
+pub(super) fn feedback<R: Real, const D: usize, const M: usize>(
+    (u, gain): (&[R; M], &[[R; D]; M]),
+    dx: &[R; D],
+) -> [R; M] {
+    add_scaled(u, -R::one(), &multiply(gain, dx))
 }

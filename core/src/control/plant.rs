@@ -25,7 +25,8 @@ impl<R: Real, const D: usize, const M: usize> Transition<R, D, M> {
 
 /// A controlled process that passes from node to node.
 ///
-/// A plant gives the same numbers for the same arguments.
+/// A node is given by what is `held`: a control u, and for how many ticks, at least 1. A plant gives the same numbers for the same
+/// arguments.
 pub trait Plant<R: Real, const D: usize, const M: usize> {
     /// A motion under way: the state with whatever its steps carry on.
     type Motion;
@@ -38,7 +39,7 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
     /// [`StepError::NotFinite`] if a number is not finite.
     fn begin(&self, x: &[R; D]) -> Result<Self::Motion, StepError<R>>;
 
-    /// Advances a motion by one node under the control u, and returns the state at the node's end. `course` receives what
+    /// Advances a motion by a node, and returns the state at the node's end. `course` receives what
     /// [`Plant::linearise`] may use again.
     ///
     /// # Errors
@@ -46,21 +47,21 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
     fn advance(
         &self,
         motion: &mut Self::Motion,
-        u: &[R; M],
+        held: (u16, &[R; M]),
         course: &mut [R; D],
     ) -> Result<[R; D], StepError<R>>;
 
     /// Data of a state.
     fn frame(&self, x: &[R; D]) -> Self::Frame;
 
-    /// Linearises a node from its two ends, each a state with its data, its control and its course.
+    /// Linearises a node from its two ends, each a state with its data, what is held, and its course.
     ///
     /// # Errors
     /// [`StepError`] if the node cannot be computed.
     fn linearise(
         &self,
         ends: [(&[R; D], &Self::Frame); 2],
-        u: &[R; M],
+        held: (u16, &[R; M]),
         course: &[R; D],
     ) -> Result<Transition<R, D, M>, StepError<R>>;
 
@@ -69,14 +70,14 @@ pub trait Plant<R: Real, const D: usize, const M: usize> {
         None
     }
 
-    /// Linearises the node that begins at x under the control u.
+    /// Linearises the node that begins at x.
     ///
     /// # Errors
     /// [`StepError`] if the node cannot be computed.
-    fn linearise_at(&self, x: &[R; D], u: &[R; M]) -> Result<Transition<R, D, M>, StepError<R>> {
+    fn linearise_at(&self, x: &[R; D], held: (u16, &[R; M])) -> Result<Transition<R, D, M>, StepError<R>> {
         let mut course = [R::zero(); D];
-        let end = self.advance(&mut self.begin(x)?, u, &mut course)?;
-        self.linearise([(x, &self.frame(x)), (&end, &self.frame(&end))], u, &course)
+        let end = self.advance(&mut self.begin(x)?, held, &mut course)?;
+        self.linearise([(x, &self.frame(x)), (&end, &self.frame(&end))], held, &course)
     }
 }
 
@@ -91,10 +92,10 @@ impl<R: Real, T: Plant<R, D, M>, const D: usize, const M: usize> Plant<R, D, M> 
     fn advance(
         &self,
         motion: &mut Self::Motion,
-        u: &[R; M],
+        held: (u16, &[R; M]),
         course: &mut [R; D],
     ) -> Result<[R; D], StepError<R>> {
-        (**self).advance(motion, u, course)
+        (**self).advance(motion, held, course)
     }
 
     fn frame(&self, x: &[R; D]) -> Self::Frame {
@@ -104,10 +105,10 @@ impl<R: Real, T: Plant<R, D, M>, const D: usize, const M: usize> Plant<R, D, M> 
     fn linearise(
         &self,
         ends: [(&[R; D], &Self::Frame); 2],
-        u: &[R; M],
+        held: (u16, &[R; M]),
         course: &[R; D],
     ) -> Result<Transition<R, D, M>, StepError<R>> {
-        (**self).linearise(ends, u, course)
+        (**self).linearise(ends, held, course)
     }
 
     fn energy(&self, x: &[R; D]) -> Option<(R, [R; D])> {

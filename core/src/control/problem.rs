@@ -1,6 +1,6 @@
 use super::backward::Value;
 use super::{Cost, Limits, Node, Penalty, Plant};
-use crate::linear::{add_scaled, diagonal};
+use crate::linear::{Matrix, add_scaled, add_scaled_matrix, diagonal, multiply};
 use crate::scalar::Real;
 
 /// A diagonal quadratic function: slope and curvature of every component.
@@ -17,7 +17,7 @@ pub struct Problem<P, R, const D: usize, const M: usize> {
     pub controls: Limits<R, M>,
     /// Limits of the states that hold at every node's start except the first.
     pub hard: Penalty<R, D>,
-    /// Limits of the states that only cost, ½w e² for an excess e, at the same places.
+    /// Limits of the states that only cost, ½w e² for an excess e and each tick of the node, at the same places.
     pub soft: Penalty<R, D>,
     /// States to be reached at the end.
     pub goal: Penalty<R, D>,
@@ -58,8 +58,7 @@ impl<P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Problem<P, R, D
 
     /// Quadratic model of the cost of the last state.
     pub(super) fn end_value(&self, x: &[R; D], of: &GoalMultipliers<R, D>, penalty: R) -> Value<R, D> {
-        let (mut slope, curvature) = self.end_slope(x, &of.state, penalty);
-        let mut curvature = diagonal(curvature);
+        let (mut slope, mut curvature) = self.end_slope(x, &of.state, penalty);
         if let Some((energy, by_x)) = self.energy_of(x) {
             let (pull, bend) = self.energy.slope(0, energy, of.energy, penalty);
             slope = add_scaled(&slope, pull, &by_x);
@@ -88,44 +87,55 @@ impl<P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Problem<P, R, D
 }
 
 impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
-    /// Cost of a node's state and control, soft limits included.
-    pub fn running_cost(&self, x: &[R; D], u: &[R; M]) -> R {
-        self.cost.of_node(x, u) + self.soft.value(x, &[R::zero(); D], R::one())
+    /// Cost of a state and control over some ticks, soft limits included.
+    pub fn running_cost(&self, ticks: u16, x: &[R; D], u: &[R; M]) -> R {
+        count::<R>(ticks) * (self.cost.of_tick(x, u) + self.soft_cost(x))
     }
 
     /// Slope and curvature of the running cost in the state.
-    pub fn running_slope(&self, x: &[R; D]) -> Diagonal<R, D> {
-        let deviation = self.cost.deviation(x);
-        let (mut slope, mut curvature) = ([R::zero(); D], self.cost.x);
+    pub fn running_slope(&self, ticks: u16, x: &[R; D]) -> Diagonal<R, D> {
+        let (deviation, ticks) = (self.cost.deviation(x), count::<R>(ticks));
+        let (mut slope, mut curvature) = ([R::zero(); D], [R::zero(); D]);
         for i in 0..D {
             let (soft, bend) = self.soft.slope(i, x[i], R::zero(), R::one());
-            slope[i] = self.cost.x[i] * deviation[i] + soft;
-            curvature[i] += bend;
+            slope[i] = ticks * (self.cost.x[i] * deviation[i] + soft);
+            curvature[i] = ticks * (self.cost.x[i] + bend);
         }
         (slope, curvature)
     }
 
-    /// Penalties of the limits along the motion.
-    pub(super) fn limits_cost(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> R {
-        self.hard.value(x, multiplier, penalty) + self.soft.value(x, &[R::zero(); D], R::one())
+    /// Slope and curvature of the running cost in the control.
+    pub fn control_slope(&self, ticks: u16, u: &[R; M]) -> Diagonal<R, M> {
+        let ticks = count::<R>(ticks);
+        let curvature = self.cost.u.map(|weight| ticks * weight);
+        (core::array::from_fn(|j| curvature[j] * u[j]), curvature)
     }
 
-    /// Slope and curvature of the cost of the last state.
-    fn end_slope(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> Diagonal<R, D> {
+    /// Penalties of the soft limits for a tick.
+    fn soft_cost(&self, x: &[R; D]) -> R {
+        self.soft.value(x, &[R::zero(); D], R::one())
+    }
+
+    /// Cost of a node of a motion without that of hard limits; its `first` state is given, and no limit holds there.
+    pub(super) fn node_cost(&self, (ticks, x, u): (u16, &[R; D], &[R; M]), first: bool) -> R {
+        if first { count::<R>(ticks) * self.cost.of_tick(x, u) } else { self.running_cost(ticks, x, u) }
+    }
+
+    /// Slope and curvature of the cost of the last state, without that of the energy.
+    fn end_slope(&self, x: &[R; D], multiplier: &[R; D], penalty: R) -> ([R; D], Matrix<R, D>) {
         let (cost, near) = (&self.cost, self.cost.near(x));
-        let deviation = cost.deviation(x);
-        let (mut slope, mut curvature) = ([R::zero(); D], cost.end);
+        let (mut slope, mut of_goal) = (multiply(&cost.end, &cost.deviation(x)), [R::zero(); D]);
         for i in 0..D {
-            let (of_goal, bend) = self.goal.slope(i, near[i], multiplier[i], penalty);
-            slope[i] = cost.end[i] * deviation[i] + of_goal;
-            curvature[i] += bend;
+            let (pull, bend) = self.goal.slope(i, near[i], multiplier[i], penalty);
+            slope[i] += pull;
+            of_goal[i] = bend;
         }
-        (slope, curvature)
+        (slope, add_scaled_matrix(&cost.end, R::one(), &diagonal(of_goal)))
     }
 
     /// Slope and curvature of the cost of a node's state.
     pub(super) fn state_cost<const C: usize>(&self, node: &Node<R, D, C>, penalty: R) -> Diagonal<R, D> {
-        let (mut slope, mut curvature) = self.running_slope(&node.x);
+        let (mut slope, mut curvature) = self.running_slope(node.ticks, &node.x);
         for i in 0..D {
             let (hard, bend) = self.hard.slope(i, node.x[i], node.multiplier[i], penalty);
             slope[i] += hard;
@@ -133,6 +143,11 @@ impl<P, R: Real, const D: usize, const M: usize> Problem<P, R, D, M> {
         }
         (slope, curvature)
     }
+}
+
+/// A number of ticks as a scalar.
+fn count<R: Real>(ticks: u16) -> R {
+    R::constant(f64::from(ticks))
 }
 
 /// Bounds of a search.

@@ -9,7 +9,7 @@ use crate::scalar::Real;
 
 /// A mechanism under its integrator as a plant of N coordinates: x = (q, v), p = L_v(q, v), T quadratic in v; D is 2N.
 ///
-/// A node lasts `ticks` steps, over which u is held. Control j drives coordinate `inputs[j]` with the gain of the actuator,
+/// A node of k ticks takes s = ⌈k/stride⌉ steps of hk/s each, over which u is held. Control j drives coordinate `inputs[j]` with the gain of the actuator,
 /// τ_i = g_i u_j + o_i; an undriven coordinate has τ_i = o_i. The actuator's delay is not part of the plant: a controller steps the state
 /// through the commands already sent, and decides from there.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,9 @@ pub struct Stepped<'s, L, F, R, P, const N: usize, const M: usize> {
     pub actuator: Actuator<R, N>,
     /// Coordinate that each control drives.
     pub inputs: [usize; M],
-    /// Number of ticks in a node, at least 1.
-    pub ticks: u16,
+    /// Largest number of ticks that one step may cover, at least 1: more only for a system whose steps may be scaled, which a model that
+    /// learned the error of its own step is not.
+    pub stride: u16,
 }
 
 /// The derivative of a state, or of its controls, in the two halves (q, p) or (q, v).
@@ -46,17 +47,28 @@ where
     pub fn linearise_rest<const D: usize>(
         &self,
         q: &[R; N],
-        u: &[R; M],
+        (ticks, u): (u16, &[R; M]),
     ) -> Result<Transition<R, D, M>, StepError<R>> {
         let rest = [R::zero(); N];
+        let (steps, del) = self.steps(ticks);
         let step =
-            Interval::<R, P, N>::new(*q, rest, self.del.h(), self.control(u)).end_derivative(self.system)?;
+            Interval::<R, P, N>::new(*q, rest, del.h(), self.control(u)).end_derivative(self.system)?;
         let l = self.system.lagrangian.linearization(q, &rest);
         let mut moved = Moved::start(&l);
-        for _ in 0..self.ticks {
+        for _ in 0..steps {
             moved.step(&step, |by_tau| self.driven(by_tau));
         }
         moved.end(&l)
+    }
+
+    /// Number of steps of a node, and the integrator of one.
+    fn steps(&self, ticks: u16) -> (u16, Del<R, P>) {
+        let steps = ticks.div_ceil(self.stride.max(1));
+        if steps == ticks {
+            return (steps, self.del);
+        }
+        let ticks_each = R::constant(f64::from(ticks)) / R::constant(f64::from(steps));
+        (steps, self.del.with_step(self.del.h() * ticks_each))
     }
 
     /// Force over the node.
@@ -112,12 +124,12 @@ where
     fn advance(
         &self,
         motion: &mut State<R, N>,
-        u: &[R; M],
+        (ticks, u): (u16, &[R; M]),
         course: &mut [R; D],
     ) -> Result<[R; D], StepError<R>> {
-        let control = self.control(u);
-        for _ in 0..self.ticks {
-            self.del.step(self.system, motion, &control)?;
+        let (control, (steps, del)) = (self.control(u), self.steps(ticks));
+        for _ in 0..steps {
+            del.step(self.system, motion, &control)?;
         }
         *course = joined(&[motion.last_increment(), motion.last_bubble()]);
         Ok(joined(&[motion.q(), motion.velocity(&self.system.lagrangian)?]))
@@ -131,19 +143,19 @@ where
     fn linearise(
         &self,
         [(x, start), (_, end)]: [(&[R; D], &Linearization<R, N>); 2],
-        u: &[R; M],
+        (ticks, u): (u16, &[R; M]),
         course: &[R; D],
     ) -> Result<Transition<R, D, M>, StepError<R>> {
-        let ((q, v), control) = (halves::<R, N, D>(x), self.control(u));
+        let ((q, v), control, (steps, del)) = (halves::<R, N, D>(x), self.control(u), self.steps(ticks));
         let mut moved = Moved::start(start);
-        if self.ticks == 1 {
+        if steps == 1 {
             let (w, s) = halves(course);
-            let path = Interval::<R, P, N>::new(q, w, self.del.h(), control).moved(&[R::zero(); N], &s);
+            let path = Interval::<R, P, N>::new(q, w, del.h(), control).moved(&[R::zero(); N], &s);
             moved.step(&path.end_derivative(self.system)?, |by_tau| self.driven(by_tau));
         } else {
             let mut state = State::with_momentum(q, start.l_v, v)?;
-            for _ in 0..self.ticks {
-                let step = self.del.step_with_derivative(self.system, &mut state, &control)?;
+            for _ in 0..steps {
+                let step = del.step_with_derivative(self.system, &mut state, &control)?;
                 moved.step(&step, |by_tau| self.driven(by_tau));
             }
         }

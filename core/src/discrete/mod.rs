@@ -137,6 +137,11 @@ impl<R: Real, P: Path> Del<R, P> {
         self.h
     }
 
+    /// This integrator with another step h > 0, s.
+    pub const fn with_step(&self, h: R) -> Self {
+        Self::with_newton(h, self.newton)
+    }
+
     /// Advances `state` by one step under the control `u`: initial guess → residual → Newton → update.
     ///
     /// An error leaves the state unchanged.

@@ -5,6 +5,7 @@ use leastaction_core::control::{
     Cost, Ilqr, Limits, Node, Options, Penalty, Plant, Problem, Solution, Status, Transition,
 };
 use leastaction_core::discrete::StepError;
+use leastaction_core::linear::{add_scaled_matrix, diagonal, dot, product};
 
 /// x⁺ = Ax + Bu.
 #[derive(Clone, Copy, Debug)]
@@ -33,10 +34,12 @@ impl<const D: usize, const M: usize> Plant<f64, D, M> for Linear<D, M> {
     fn advance(
         &self,
         motion: &mut [f64; D],
-        u: &[f64; M],
+        (ticks, u): (u16, &[f64; M]),
         _: &mut [f64; D],
     ) -> Result<[f64; D], StepError<f64>> {
-        *motion = self.0.apply(motion, u);
+        for _ in 0..ticks {
+            *motion = self.0.apply(motion, u);
+        }
         Ok(*motion)
     }
 
@@ -45,10 +48,14 @@ impl<const D: usize, const M: usize> Plant<f64, D, M> for Linear<D, M> {
     fn linearise(
         &self,
         _: [(&[f64; D], &()); 2],
-        _: &[f64; M],
+        (ticks, _): (u16, &[f64; M]),
         _: &[f64; D],
     ) -> Result<Transition<f64, D, M>, StepError<f64>> {
-        Ok(self.0)
+        let Transition { a, b } = self.0;
+        Ok((1..ticks).fold(self.0, |all, _| Transition {
+            a: product(&a, &all.a),
+            b: add_scaled_matrix(&product(&a, &all.b), 1.0, &b),
+        }))
     }
 }
 
@@ -64,7 +71,7 @@ pub fn problem() -> Problem<Linear<5, 2>, f64, 5, 2> {
             turns: [false; 5],
             x: [0.5, 0.2, 0.0, 0.7, 0.3],
             u: [0.6, 1.1],
-            end: [2.0, 1.0, 3.0, 0.0, 1.5],
+            end: diagonal([2.0, 1.0, 3.0, 0.0, 1.5]),
         },
         controls: Limits { least: [-100.0; 2], most: [100.0; 2] },
         hard: Penalty::none(),
@@ -78,7 +85,7 @@ pub const START: [f64; 5] = [1.0, -0.7, 0.4, 0.9, -1.2];
 pub const NODES: usize = 12;
 
 pub fn nodes() -> Vec<Node<f64, 5, 2>> {
-    vec![Node::new([0.0; 2]); NODES]
+    vec![Node::new(1, [0.0; 2]); NODES]
 }
 
 /// Slope of the cost in every control, from the adjoint equation.
@@ -88,7 +95,7 @@ pub fn slopes(
     end: &[f64; 5],
 ) -> Vec<[f64; 2]> {
     let (Transition { a, b }, cost) = (problem.plant.0, &problem.cost);
-    let mut adjoint: [f64; 5] = core::array::from_fn(|i| cost.end[i] * (end[i] - cost.goal[i]));
+    let mut adjoint: [f64; 5] = core::array::from_fn(|i| dot(&cost.end[i], &cost.deviation(end)));
     let mut slopes = vec![];
     for node in nodes.iter().rev() {
         let by_u = |j: usize| cost.u[j] * node.u[j] + (0..5).map(|i| b[i][j] * adjoint[i]).sum::<f64>();
@@ -158,7 +165,7 @@ fn controls_at_their_limits_are_optimal() {
 #[test]
 fn a_goal_is_met_at_the_least_cost() {
     let base = problem();
-    let cost = Cost { x: [0.0; 5], end: [0.0; 5], u: [1.0; 2], ..base.cost };
+    let cost = Cost { x: [0.0; 5], end: [[0.0; 5]; 5], u: [1.0; 2], ..base.cost };
     let limits = Limits { least: cost.goal, most: cost.goal };
     let problem = Problem { cost, goal: Penalty { limits, weights: [1.0; 5] }, ..base };
     let mut nodes = nodes();
@@ -171,13 +178,13 @@ fn a_goal_is_met_at_the_least_cost() {
 
 /// ½ |u|² of the controls of least norm that lead from the start to a goal.
 fn least_norm(plant: &Linear<5, 2>, goal: &[f64; 5]) -> f64 {
-    use leastaction_core::linear::{dot, multiply, product, solve, transpose};
+    use leastaction_core::linear::{multiply, solve, transpose};
     let Transition { a, b } = plant.0;
     let (mut free, mut gram, mut spread) = (START, [[0.0; 5]; 5], b);
     for _ in 0..NODES {
         free = multiply(&a, &free);
         let square = product(&spread, &transpose(&spread));
-        gram = leastaction_core::linear::add_scaled_matrix(&gram, 1.0, &square);
+        gram = add_scaled_matrix(&gram, 1.0, &square);
         spread = product(&a, &spread);
     }
     let missing: [f64; 5] = core::array::from_fn(|i| goal[i] - free[i]);

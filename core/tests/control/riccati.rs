@@ -48,7 +48,7 @@ fn p_is_the_cost_of_the_motion_under_the_gains() {
             let u: [f64; 2] = core::array::from_fn(|j| by[j] - dot(&gain[j], &x));
             sum += x.iter().zip(WEIGHTS.x).map(|(x, w)| w * x * x).sum::<f64>();
             sum += u.iter().zip(WEIGHTS.u).map(|(u, w)| w * u * u).sum::<f64>();
-            plant.advance(&mut x, &u, &mut [0.0; 4]).unwrap();
+            plant.advance(&mut x, (1, &u), &mut [0.0; 4]).unwrap();
         }
         0.5 * (sum + dot(&x, &x))
     };

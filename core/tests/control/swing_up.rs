@@ -64,7 +64,7 @@ impl<const N: usize, const D: usize> Task<N, D> {
         let system = System::conservative(self.mechanism);
         let del = Del::<R, P>::new(R::constant(H));
         let plant =
-            Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [self.input], ticks: 1 };
+            Stepped { system: &system, del, actuator: Actuator::ideal(), inputs: [self.input], stride: 1 };
         let (goal, limit) = (self.goal.map(R::constant), R::constant(self.limit));
         let mut hard = Penalty::none();
         (hard.limits.least[0], hard.limits.most[0]) = (R::constant(-self.track), R::constant(self.track));
@@ -75,7 +75,7 @@ impl<const N: usize, const D: usize> Task<N, D> {
                 turns: [false; D],
                 x: [R::zero(); D],
                 u: [R::constant(H)],
-                end: [R::zero(); D],
+                end: [[R::zero(); D]; D],
             },
             controls: Limits { least: [-limit], most: [limit] },
             hard,
@@ -84,7 +84,7 @@ impl<const N: usize, const D: usize> Task<N, D> {
             energy: Penalty::none(),
         };
         let mut nodes: Vec<Node<R, D, 1>> =
-            (0..self.nodes).map(|k| Node::new([R::constant(0.01 * (5.0 * H * k as f64).sin())])).collect();
+            (0..self.nodes).map(|k| Node::new(1, [R::constant(0.01 * (5.0 * H * k as f64).sin())])).collect();
         let mut search = Ilqr::new(problem, options, self.start.map(R::constant), &mut nodes).unwrap();
         let solution = search.solve(|_| true).unwrap();
         let end = *search.end();
@@ -99,7 +99,7 @@ impl<const N: usize, const D: usize> Task<N, D> {
         for node in nodes {
             assert_eq!(node.x, x);
             assert!(node.u[0].abs() <= R::constant(self.limit));
-            x = plant.advance(&mut motion, &node.u, &mut [R::zero(); D]).unwrap();
+            x = plant.advance(&mut motion, (node.ticks, &node.u), &mut [R::zero(); D]).unwrap();
         }
         assert_eq!(*end, x);
     }

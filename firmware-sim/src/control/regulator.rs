@@ -108,8 +108,8 @@ fn linearise_by<M: Mechanism<N>, P: Path, const N: usize, const D: usize>(
     (input, force): (usize, f32),
 ) -> Result<Transition<f32, D, 1>, StepError<f32>> {
     let system = model.system();
-    Stepped { system, del, actuator: Actuator::ideal(), inputs: [input], ticks: 1 }
-        .linearise_rest(at, &[force])
+    Stepped { system, del, actuator: Actuator::ideal(), inputs: [input], stride: 1 }
+        .linearise_rest(at, (1, &[force]))
 }
 
 /// Joins positions and velocities to a state.

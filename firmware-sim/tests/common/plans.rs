@@ -62,12 +62,12 @@ impl<const N: usize> SwingUp<N> {
             delay: 0.0,
         };
         let del = Del::<f64, Midpoint>::new(f64::from(H));
-        let plant = Stepped { system: &system, del, actuator, inputs: [0], ticks: 2 };
+        let plant = Stepped { system: &system, del, actuator, inputs: [0], stride: 1 };
         let start: [f64; D] = from_fn(|i| if i == N - 1 { PI } else { 0.0 });
         let (goal, most) = ([0.0; D], [0.8 * self.limit]);
         let problem = Problem {
             plant: &plant,
-            cost: Cost { goal, turns: [false; D], x: goal, u: [0.02], end: goal },
+            cost: Cost { goal, turns: [false; D], x: goal, u: [0.01], end: [[0.0; D]; D] },
             controls: Limits { least: most.map(|u| -u), most },
             hard: Penalty::none(),
             soft: Penalty::none(),
@@ -76,7 +76,7 @@ impl<const N: usize> SwingUp<N> {
         };
         let count = (self.seconds / (2.0 * f64::from(H))).round() as u32;
         let mut nodes: Vec<Node<f64, D, 1>> =
-            (0..count).map(|k| Node::new([0.01 * (0.1 * f64::from(k)).sin()])).collect();
+            (0..count).map(|k| Node::new(2, [0.01 * (0.1 * f64::from(k)).sin()])).collect();
         let options =
             Options { iterations: 1000, tolerance: 1e-6, violation: 1e-5, penalty: 1.0, growth: 10.0 };
         let mut search = Ilqr::new(problem, options, start, &mut nodes).unwrap();
@@ -90,7 +90,7 @@ impl<const N: usize> SwingUp<N> {
         let weights =
             Weights { x: from_fn(|i| if i < N { 100.0 } else { 10.0 }), u: [30.0 / self.limit.powi(2)] };
         let hold = [-f64::from(self.drive.offset[0]) / f64::from(self.drive.gain[0])];
-        let end = stationary(&plant.linearise_at(&[0.0; D], &hold).unwrap(), &weights).unwrap();
+        let end = stationary(&plant.linearise_at(&[0.0; D], (2, &hold)).unwrap(), &weights).unwrap();
         let mut cost = end.cost;
         let mut records = vec![[&[0.0; D][..], &hold, &end.gain[0]].concat()];
         for node in nodes.iter().rev() {

@@ -62,7 +62,8 @@ impl<P> Attempt<'_, P> {
             return Ok(found);
         }
         let (start, problem) = (array::<D>(&self.task.start), self.task.problem(self.plant));
-        let mut nodes: Vec<Node<f64, D, N>> = guess.commands.iter().map(|u| Node::new(*u)).collect();
+        let mut nodes: Vec<Node<f64, D, N>> =
+            guess.commands.iter().map(|u| Node::new(self.task.ticks_per_node, *u)).collect();
         let search = Ilqr::new(problem, self.task.options(), start, &mut nodes)?;
         let (end, solution) = self.shoot(search)?;
         Ok(Reached { nodes, end, solution, direct: false })
@@ -79,7 +80,7 @@ impl<P> Attempt<'_, P> {
             return None;
         }
         let problem = self.task.problem(self.plant);
-        let mut search = Interior::new(&problem, begin, TOLERANCE).ok()?;
+        let mut search = Interior::new(&problem, begin, self.task.ticks_per_node, TOLERANCE).ok()?;
         let ended = search.solve(self.left().min(ITERATIONS), |iteration| self.watch(iteration)).ok()?;
         // Near the solution the search may stop at the rounding of the plant's steps.
         if ended == Ended::Stuck && search.gap() > ACCEPTED {

@@ -106,8 +106,7 @@ impl Trial<'_> {
         law: &Followed<N, N>,
         system: &SystemOf<N>,
     ) -> Option<[f64; D]> {
-        let task = crate::Task { ticks_per_node: 1, ..self.plan.task.clone() };
-        let plant = task.plant::<N>(system, self.model);
+        let plant = self.plan.task.plant::<N>(system, self.model);
         let start = |i: usize| Some(self.plan.task.start.get(i)? + self.deviation.get(i)?);
         let mut x: [f64; D] = from_fn(|i| start(i).unwrap_or_default());
         let mut motion = plant.begin(&x).ok()?;
@@ -115,7 +114,7 @@ impl Trial<'_> {
         for tick in 0..law.ticks().saturating_add(rest) {
             let half = |from: usize| -> [f32; N] { from_fn(|i| x.get(from + i).map_or(0.0, |x| *x as f32)) };
             let u = law.command(tick, &half(0), &half(N)).ok()?;
-            x = plant.advance(&mut motion, &u.map(f64::from), &mut [0.0; D]).ok()?;
+            x = plant.advance(&mut motion, (1, &u.map(f64::from)), &mut [0.0; D]).ok()?;
         }
         Some(x)
     }

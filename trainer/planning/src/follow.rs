@@ -42,7 +42,7 @@ impl Task {
     ) -> Gains<N, D> {
         let weights = self.weights();
         let (command, holds) = self.holding(system, model, x);
-        let at_end = plant.linearise_at(x, &command).ok().filter(|_| holds);
+        let at_end = plant.linearise_at(x, (self.ticks_per_node, &command)).ok().filter(|_| holds);
         let regulator = at_end.and_then(|transition| stationary(&transition, &weights).ok());
         let holds = regulator.is_some();
         let end = regulator

@@ -26,8 +26,6 @@ pub struct PlantStep<const N: usize> {
     pub tick: f64,
     /// Order.
     pub order: Order,
-    /// Number of ticks in a node.
-    pub ticks: u16,
     /// Bounds of Newton's method.
     pub newton: Newton<f32>,
     /// Gain and offset of the drives.
@@ -46,10 +44,10 @@ impl<'s, const N: usize> Widened<'s, N> {
 
 fn stepped<'s, P: Path, const N: usize>(
     system: &'s SystemOf<'s, N>,
-    PlantStep { tick, ticks, newton, actuator, .. }: PlantStep<N>,
+    PlantStep { tick, newton, actuator, .. }: PlantStep<N>,
 ) -> SteppedOf<'s, P, N> {
     let del = Del::with_newton(tick as f32, newton);
-    Stepped { system, del, actuator, inputs: std::array::from_fn(|i| i), ticks }
+    Stepped { system, del, actuator, inputs: std::array::from_fn(|i| i), stride: 1 }
 }
 
 /// Evaluates `$do` with `$plant` bound to the plant of either order.
@@ -91,11 +89,12 @@ impl<const N: usize, const D: usize> Plant<f64, D, N> for Widened<'_, N> {
     fn advance(
         &self,
         motion: &mut Self::Motion,
-        u: &[f64; N],
+        (ticks, u): (u16, &[f64; N]),
         course: &mut [f64; D],
     ) -> Result<[f64; D], StepError<f64>> {
         let mut own = [0.0; D];
-        let end = either!(self, plant => Plant::<f32, D, N>::advance(plant, motion, &narrow(u), &mut own));
+        let held = (ticks, &narrow(u));
+        let end = either!(self, plant => Plant::<f32, D, N>::advance(plant, motion, held, &mut own));
         *course = wide(own);
         end.map(wide).map_err(widened)
     }
@@ -107,13 +106,13 @@ impl<const N: usize, const D: usize> Plant<f64, D, N> for Widened<'_, N> {
     fn linearise(
         &self,
         ends: [(&[f64; D], &Self::Frame); 2],
-        u: &[f64; N],
+        (ticks, u): (u16, &[f64; N]),
         course: &[f64; D],
     ) -> Result<Transition<f64, D, N>, StepError<f64>> {
         let [(x, start), (y, end)] = ends;
         let (x, y, u, course) = (narrow(x), narrow(y), narrow(u), narrow(course));
         let found: Result<Transition<f32, D, N>, _> =
-            either!(self, plant => plant.linearise([(&x, start), (&y, end)], &u, &course));
+            either!(self, plant => plant.linearise([(&x, start), (&y, end)], (ticks, &u), &course));
         let Transition { a, b } = found.map_err(widened)?;
         Ok(Transition { a: a.map(wide), b: b.map(wide) })
     }

@@ -31,8 +31,7 @@ impl Task {
         let gain = |i: usize| if self.limits.is_driven(i) { actuator.gain(i) as f32 } else { 0.0 };
         let actuator =
             Actuator { gain: from_fn(gain), offset: from_fn(|i| actuator.offset(i) as f32), delay: 0.0 };
-        let (tick, order, ticks) = (self.tick, self.order, self.ticks_per_node);
-        Widened::new(system, PlantStep { tick, order, ticks, newton: newton(), actuator })
+        Widened::new(system, PlantStep { tick: self.tick, order: self.order, newton: newton(), actuator })
     }
 
     /// The problem over a plant.
@@ -40,7 +39,7 @@ impl Task {
         &self,
         plant: P,
     ) -> Problem<P, f64, D, N> {
-        let dt = self.node_seconds();
+        let dt = self.tick;
         let weights = |list: &[f64]| list.iter().map(|weight| weight * dt).collect::<Vec<_>>();
         let controls: Vec<[f64; 2]> = (0..N)
             .map(|i| if self.limits.is_driven(i) { self.limits.planned(i) } else { [0.0; 2] })
@@ -54,7 +53,7 @@ impl Task {
                 turns: from_fn(|i| self.goal.turns.get(i).copied().unwrap_or_default()),
                 x: array(&weights(&self.cost.x)),
                 u: array(&weights(&self.cost.u)),
-                end: [0.0; D],
+                end: [[0.0; D]; D],
             },
             controls: ends(&controls),
             hard: Penalty { limits: ends(&self.limits.x), weights: unit },

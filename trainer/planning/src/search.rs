@@ -155,7 +155,8 @@ impl Searching<'_> {
         let (start, goal) = (array::<D>(&self.task.start), array::<D>(&self.task.goal.middle()));
         let guesser = Guesser { task: self.task, model: self.model, system };
         let roll = |command: &mut dyn FnMut(usize, &[f64]) -> [f64; N]| -> f64 {
-            let ended = rolled(&plant, &start, count, |k, x: &[f64; D]| command(k, x));
+            let ended =
+                rolled(&plant, &start, (count, self.task.ticks_per_node), |k, x: &[f64; D]| command(k, x));
             ended
                 .map_or(f64::INFINITY, |x| x.iter().zip(&goal).map(|(x, goal)| (x - goal) * (x - goal)).sum())
         };
@@ -223,7 +224,7 @@ impl Searching<'_> {
         let Found { mut nodes, end, report, .. } = chosen;
         let plant = self.task.plant::<N>(system, self.model);
         for node in &mut nodes {
-            if let Ok(transition) = plant.linearise_at(&node.x, &node.u) {
+            if let Ok(transition) = plant.linearise_at(&node.x, (node.ticks, &node.u)) {
                 node.transition = transition;
             }
         }
@@ -257,13 +258,13 @@ fn golden(length: usize) -> usize {
 fn rolled<P: Plant<f64, D, N>, const N: usize, const D: usize>(
     plant: &P,
     start: &[f64; D],
-    count: usize,
+    (count, ticks): (usize, u16),
     mut command: impl FnMut(usize, &[f64; D]) -> [f64; N],
 ) -> Option<[f64; D]> {
     let mut motion = plant.begin(start).ok()?;
     let mut x = *start;
     for k in 0..count {
-        x = plant.advance(&mut motion, &command(k, &x), &mut [0.0; D]).ok()?;
+        x = plant.advance(&mut motion, (ticks, &command(k, &x)), &mut [0.0; D]).ok()?;
     }
     Some(x)
 }

@@ -4,6 +4,7 @@ use leastaction_core::control::{
     Cost, GoalMultipliers, Ilqr, Limits, Node, Options, Penalty, Plant, Problem, Status, Transition,
 };
 use leastaction_core::discrete::StepError;
+use leastaction_core::linear::diagonal;
 use leastaction_planning::interior::{Ended, FreeMotion, Interior};
 
 /// x⁺ = Ax + Bu: two coupled masses on springs, pushed at both.
@@ -23,7 +24,12 @@ impl Plant<f64, 4, 2> for Springs {
         if x.iter().all(|x| x.is_finite()) { Ok(*x) } else { Err(StepError::NotFinite) }
     }
 
-    fn advance(&self, x: &mut [f64; 4], u: &[f64; 2], _: &mut [f64; 4]) -> Result<[f64; 4], StepError<f64>> {
+    fn advance(
+        &self,
+        x: &mut [f64; 4],
+        (_, u): (u16, &[f64; 2]),
+        _: &mut [f64; 4],
+    ) -> Result<[f64; 4], StepError<f64>> {
         *x = STEP.apply(x, u);
         Ok(*x)
     }
@@ -33,7 +39,7 @@ impl Plant<f64, 4, 2> for Springs {
     fn linearise(
         &self,
         _: [(&[f64; 4], &()); 2],
-        _: &[f64; 2],
+        _: (u16, &[f64; 2]),
         _: &[f64; 4],
     ) -> Result<Transition<f64, 4, 2>, StepError<f64>> {
         Ok(STEP)
@@ -54,7 +60,7 @@ fn free() -> Springy {
             turns: [false; 4],
             x: [0.3, 0.1, 0.05, 0.2],
             u: [0.1, 0.4],
-            end: [3.0, 2.0, 1.0, 0.5],
+            end: diagonal([3.0, 2.0, 1.0, 0.5]),
         },
         controls: Limits { least: [-1e3; 2], most: [1e3; 2] },
         hard: Penalty::none(),
@@ -81,7 +87,7 @@ const OPTIONS: Options<f64> =
 fn solved(problem: &Springy) -> (f64, Vec<Node<f64, 4, 2>>, [f64; 4]) {
     let line: Vec<_> = (0..NODES).map(|k| START.map(|x| x * (1.0 - k as f64 / NODES as f64))).collect();
     let begin = FreeMotion { x: line, u: vec![[0.0; 2]; NODES], end: [0.0; 4] };
-    let mut search = Interior::new(problem, &begin, 1e-9).unwrap();
+    let mut search = Interior::new(problem, &begin, 1, 1e-9).unwrap();
     let mut last = None;
     let ended = search.solve(100, |iteration| {
         last = Some(*iteration);
@@ -95,7 +101,7 @@ fn solved(problem: &Springy) -> (f64, Vec<Node<f64, 4, 2>>, [f64; 4]) {
 
 /// Cost that iterative LQR finds.
 fn by_shooting(problem: Springy) -> f64 {
-    let mut nodes = vec![Node::new([0.0; 2]); NODES];
+    let mut nodes = vec![Node::new(1, [0.0; 2]); NODES];
     let mut search = Ilqr::new(problem, OPTIONS, START, &mut nodes).unwrap();
     let solution = search.solve(|_| true).unwrap();
     assert_eq!(solution.status, Status::Solved);
@@ -147,7 +153,7 @@ fn a_goal_out_of_reach_is_not_called_solved() {
     let mut problem = limited();
     problem.goal.limits = Limits { least: [90.0; 4], most: [90.0; 4] };
     let begin = FreeMotion { x: vec![START; NODES], u: vec![[0.0; 2]; NODES], end: START };
-    let mut search = Interior::new(&problem, &begin, 1e-9).unwrap();
+    let mut search = Interior::new(&problem, &begin, 1, 1e-9).unwrap();
     assert_ne!(search.solve(300, |_| true).unwrap(), Ended::Solved);
     assert!(search.gap() > 0.1);
 }
@@ -156,7 +162,7 @@ fn a_goal_out_of_reach_is_not_called_solved() {
 fn a_search_ends_when_it_is_told_to() {
     let problem = limited();
     let begin = FreeMotion { x: vec![START; NODES], u: vec![[0.0; 2]; NODES], end: START };
-    let mut search = Interior::new(&problem, &begin, 1e-9).unwrap();
+    let mut search = Interior::new(&problem, &begin, 1, 1e-9).unwrap();
     let mut seen = 0;
     let ended = search.solve(100, |_| {
         seen += 1;
@@ -169,5 +175,5 @@ fn a_search_ends_when_it_is_told_to() {
 fn a_state_that_is_not_a_number_is_refused() {
     let problem = free();
     let begin = FreeMotion { x: vec![[f64::NAN; 4]; NODES], u: vec![[0.0; 2]; NODES], end: START };
-    assert!(matches!(Interior::new(&problem, &begin, 1e-9), Err(StepError::NotFinite)));
+    assert!(matches!(Interior::new(&problem, &begin, 1, 1e-9), Err(StepError::NotFinite)));
 }

@@ -6,15 +6,13 @@ use leastaction_core::control::{Plant, Transition};
 use leastaction_core::discrete::StepError;
 use std::array::from_fn;
 
-/// A double pendulum under a torque of one joint, which is held over a node of some ticks.
+/// A double pendulum under a torque of one joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Driven {
     /// The pendulum.
     pub pendulum: DoublePendulum,
     /// The robot.
     pub robot: Robot,
-    /// Number of ticks in a node.
-    pub ticks: u16,
 }
 
 impl Driven {
@@ -32,9 +30,14 @@ impl Plant<f64, 4, 1> for Driven {
         Self::checked(*x)
     }
 
-    fn advance(&self, x: &mut State, [u]: &[f64; 1], _: &mut State) -> Result<State, StepError<f64>> {
+    fn advance(
+        &self,
+        x: &mut State,
+        (ticks, [u]): (u16, &[f64; 1]),
+        _: &mut State,
+    ) -> Result<State, StepError<f64>> {
         let tau = self.robot.torques(*u);
-        for _ in 0..self.ticks {
+        for _ in 0..ticks {
             *x = self.pendulum.step(*x, tau, TICK);
         }
         Self::checked(*x)
@@ -45,7 +48,7 @@ impl Plant<f64, 4, 1> for Driven {
     fn linearise(
         &self,
         [(x, ()), _]: [(&State, &()); 2],
-        [u]: &[f64; 1],
+        (ticks, [u]): (u16, &[f64; 1]),
         _: &State,
     ) -> Result<Transition<f64, 4, 1>, StepError<f64>> {
         let (tau, still) = (self.robot.torques(*u), [0.0; 2]);
@@ -53,7 +56,7 @@ impl Plant<f64, 4, 1> for Driven {
         // The last change is that of the torque.
         let mut changes: [State; 5] = from_fn(unit);
         let mut x = *x;
-        for _ in 0..self.ticks {
+        for _ in 0..ticks {
             let each = from_fn(|k| (changes[k], if k < 4 { still } else { self.robot.torques(1.0) }));
             (x, changes) = self.pendulum.step_with_changes(x, tau, TICK, each);
         }

@@ -84,7 +84,7 @@ impl Tvlqr {
     /// # Errors
     /// [`ControlError`].
     pub fn plan(robot: Robot, model: &DoublePendulum) -> Result<Self, ControlError> {
-        let plant = Driven { pendulum: *model, robot, ticks: TICKS };
+        let plant = Driven { pendulum: *model, robot };
         let found = parallel::map(STARTS, &|start| search(plant, start as u64));
         let mut best: Option<Found> = None;
         let mut violation = f64::INFINITY;
@@ -96,14 +96,14 @@ impl Tvlqr {
             }
         }
         let found = best.ok_or(ControlError::NoSwingUp { starts: STARTS, violation })?;
-        Self::with_gains(Driven { ticks: 1, ..plant }, &found.torques)
+        Self::with_gains(plant, &found.torques)
     }
 
     /// Gains along the motion from hanging under the torques of the nodes.
     fn with_gains(plant: Driven, torques: &[f64]) -> Result<Self, ControlError> {
         let [q, v, u] = DEVIATIONS.map(|deviation| 1.0 / (deviation * deviation));
         let weights = Weights { x: [q, q, v, v], u: [u] };
-        let about = plant.linearise_at(&UPRIGHT, &[0.0]).map_err(ControlError::Motion)?;
+        let about = plant.linearise_at(&UPRIGHT, (1, &[0.0])).map_err(ControlError::Motion)?;
         let end = stationary(&about, &weights).map_err(ControlError::Regulator)?;
         let mut motion = Vec::new();
         let mut x = [0.0; 4];
@@ -113,7 +113,7 @@ impl Tvlqr {
         }
         let (mut ticks, mut cost) = (Vec::new(), end.cost);
         for (x, u) in motion.into_iter().rev() {
-            let transition = plant.linearise_at(&x, &[u]).map_err(ControlError::Motion)?;
+            let transition = plant.linearise_at(&x, (1, &[u])).map_err(ControlError::Motion)?;
             let regulator =
                 back(&transition, &weights, &cost).map_err(|error| ControlError::Regulator(error.into()))?;
             cost = regulator.cost;
@@ -144,10 +144,10 @@ fn search(plant: Driven, seed: u64) -> Result<Found, ControlError> {
     let [amplitude, frequency, phase] =
         [1.0..PLANNED, 0.5..2.0, 0.0..TAU].map(|range| random.random_range(range));
     let wave = |k: usize| amplitude * (TAU * frequency * k as f64 * node + phase).sin();
-    let mut nodes: Vec<Node<f64, 4, 1>> = (0..count).map(|k| Node::new([wave(k)])).collect();
+    let mut nodes: Vec<Node<f64, 4, 1>> = (0..count).map(|k| Node::new(TICKS, [wave(k)])).collect();
     let options =
         Options { iterations: ITERATIONS, tolerance: 1e-5, violation: ACCEPTED, penalty: 1.0, growth: 10.0 };
-    let problem = problem(plant, node);
+    let problem = problem(plant);
     let mut search = Ilqr::new(problem, options, [0.0; 4], &mut nodes).map_err(ControlError::Motion)?;
     let solution = search.solve(|_| true).map_err(ControlError::Motion)?;
     let torques = search.nodes().iter().map(|node| node.u[0]).collect();
@@ -155,8 +155,8 @@ fn search(plant: Driven, seed: u64) -> Result<Found, ControlError> {
 }
 
 /// Upright at rest by little torque.
-fn problem(plant: Driven, node: f64) -> Problem<Driven, f64, 4, 1> {
-    let weight = node / (PLANNED * PLANNED);
+fn problem(plant: Driven) -> Problem<Driven, f64, 4, 1> {
+    let weight = TICK / (PLANNED * PLANNED);
     Problem {
         plant,
         cost: Cost {
@@ -164,7 +164,7 @@ fn problem(plant: Driven, node: f64) -> Problem<Driven, f64, 4, 1> {
             turns: [true, true, false, false],
             x: [0.0; 4],
             u: [weight],
-            end: [0.0; 4],
+            end: [[0.0; 4]; 4],
         },
         controls: Limits { least: [-PLANNED], most: [PLANNED] },
         hard: Penalty::none(),

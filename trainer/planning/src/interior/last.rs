@@ -1,6 +1,6 @@
 use super::{Bounds, blend};
 use leastaction_core::control::{Diagonal, Limits, Problem, Value};
-use leastaction_core::linear::{add_scaled, diagonal};
+use leastaction_core::linear::{Matrix, add_scaled, add_scaled_matrix, diagonal, dot, multiply};
 use std::array::from_fn;
 
 /// The last state with the goal: numbers to be reached are equations, others are limits.
@@ -13,7 +13,7 @@ pub struct Last<const D: usize> {
     /// Trial under way.
     pub trial: [f64; D],
     /// Weights of the cost, and the state from which it counts deviations.
-    cost: [[f64; D]; 2],
+    cost: (Matrix<f64, D>, [f64; D]),
     goal: Limits<f64, D>,
     bounds: Bounds<D>,
     /// Multipliers λ of the equations.
@@ -34,15 +34,15 @@ impl<const D: usize> Last<D> {
         let mut x = x;
         let bounds = Bounds::new(goal, &mut x, mu);
         let zero = [0.0; D];
-        Self { x, dx: zero, trial: x, cost: [cost.end, moved(&cost.goal)], goal, bounds, multiplier: zero }
+        Self { x, dx: zero, trial: x, cost: (cost.end, moved(&cost.goal)), goal, bounds, multiplier: zero }
     }
 
-    /// Slope of the cost and of the barriers, and curvature.
+    /// Slope of the cost and of the barriers, and the curvature of the barriers.
     fn terms(&self, mu: f64) -> Diagonal<f64, D> {
         let (slope, curvature) = self.bounds.terms(&self.x, mu);
-        let [weights, centre] = &self.cost;
-        let of_cost = from_fn(|i| weights[i] * (self.x[i] - centre[i]));
-        (add_scaled(&of_cost, 1.0, &slope), add_scaled(weights, 1.0, &curvature))
+        let (weights, centre) = &self.cost;
+        let of_cost = multiply(weights, &add_scaled(&self.x, -1.0, centre));
+        (add_scaled(&of_cost, 1.0, &slope), curvature)
     }
 
     /// Distance of every number that is to be reached, at a state.
@@ -60,7 +60,7 @@ impl<const D: usize> Last<D> {
                 curvature[i] += 1.0 / SOFTNESS;
             }
         }
-        Value { slope, curvature: diagonal(curvature) }
+        Value { slope, curvature: add_scaled_matrix(&self.cost.0, 1.0, &diagonal(curvature)) }
     }
 
     /// Slope of the barrier cost along the step.
@@ -71,8 +71,9 @@ impl<const D: usize> Last<D> {
 
     /// Cost of a state.
     pub fn cost(&self, x: &[f64; D]) -> f64 {
-        let [weights, centre] = &self.cost;
-        (0..D).map(|i| 0.5 * weights[i] * (x[i] - centre[i]).powi(2)).sum()
+        let (weights, centre) = &self.cost;
+        let deviation = add_scaled(x, -1.0, centre);
+        0.5 * dot(&deviation, &multiply(weights, &deviation))
     }
 
     /// Barrier cost of a state.

@@ -59,6 +59,8 @@ pub struct Interior<'p, P, const D: usize, const N: usize> {
     problem: &'p Problem<P, f64, D, N>,
     points: Vec<Point<D, N>>,
     last: Last<D>,
+    /// Number of ticks in a node.
+    ticks: u16,
     filter: Filter,
     mu: f64,
     /// Stop of the search, and the smallest μ times 10.
@@ -66,22 +68,24 @@ pub struct Interior<'p, P, const D: usize, const N: usize> {
 }
 
 impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D, N> {
-    /// Begins with a motion, moved inside the limits.
+    /// Begins with a motion whose nodes last `ticks` each, moved inside the limits.
     ///
     /// # Errors
     /// [`StepError`] if a node of it cannot be computed.
     pub fn new(
         problem: &'p Problem<P, f64, D, N>,
         begin: &FreeMotion<D, N>,
+        ticks: u16,
         tolerance: f64,
     ) -> Result<Self, StepError<f64>> {
         let point = |(k, (x, u)): (usize, (&[f64; D], &[f64; N]))| {
             let limits = if k == 0 { Limits::none() } else { problem.hard.limits };
-            begun(problem, limits, (*x, *u))
+            begun(problem, limits, (*x, *u), ticks)
         };
         let points: Vec<_> = begin.x.iter().zip(&begin.u).enumerate().map(point).collect::<Result<_, _>>()?;
         let last = Last::new(problem, begin.end, FIRST_MU);
-        let mut new = Self { problem, points, last, filter: Filter::default(), mu: FIRST_MU, tolerance };
+        let mut new =
+            Self { problem, points, last, ticks, filter: Filter::default(), mu: FIRST_MU, tolerance };
         new.filter = Filter::new(new.merit().gap);
         Ok(new)
     }
@@ -98,7 +102,7 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
         let mut cost = self.cost();
         for count in 1..=iterations {
             for point in &mut self.points {
-                point.linearise(&self.problem.plant)?;
+                point.linearise(&self.problem.plant, self.ticks)?;
             }
             let error = if count == 1 { f64::INFINITY } else { self.error(0.0) };
             if error <= self.tolerance {
@@ -136,7 +140,7 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
         let (problem, mu) = (self.problem, self.mu);
         let (mut value, mut next) = (self.last.value(mu), self.last.x);
         for point in self.points.iter_mut().rev() {
-            value = point.backward(problem, (&value, &next), mu)?;
+            value = point.backward((problem, self.ticks), (&value, &next), mu)?;
             next = point.now.x;
         }
         let mut dx = [0.0; D];
@@ -157,7 +161,7 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
     fn search(&mut self, first: bool) -> f64 {
         let (mu, now) = (self.mu, self.merit());
         let [longest, dual] = self.reach();
-        let along = self.points.iter().map(|point| point.slope(self.problem, mu)).sum::<f64>();
+        let along = self.points.iter().map(|point| point.slope((self.problem, self.ticks), mu)).sum::<f64>();
         let slope = along + self.last.slope(mu);
         let mut part = longest;
         for _ in 0..TRIALS {
@@ -183,8 +187,8 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
 
     /// Merit of a part of the step; absent if a node cannot be computed.
     fn trial(&mut self, part: f64) -> Option<Merit> {
-        let plant = &self.problem.plant;
-        self.points.iter_mut().try_for_each(|point| point.try_part(plant, part)).ok()?;
+        let (plant, ticks) = (&self.problem.plant, self.ticks);
+        self.points.iter_mut().try_for_each(|point| point.try_part(plant, ticks, part)).ok()?;
         self.last.try_part(part);
         Some(self.merit_of(|point| &point.trial, &self.last.trial))
     }
@@ -200,7 +204,7 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
         for (point, next) in self.points.iter().zip(after) {
             let Iterate { x, u, end, .. } = of(point);
             gap += end.iter().zip(next).map(|(end, next)| (end - next).abs()).sum::<f64>();
-            cost += self.problem.running_cost(x, u);
+            cost += self.problem.running_cost(self.ticks, x, u);
             cost += self.mu * (point.bounds.0.barrier(x) + point.bounds.1.barrier(u));
         }
         Merit { gap, cost }
@@ -226,7 +230,7 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
         let mut before = None;
         for point in &self.points {
             let Point { now, bounds, costate, .. } = point;
-            slope = slope.max(point.residual(self.problem, before));
+            slope = slope.max(point.residual((self.problem, self.ticks), before));
             unbalance = unbalance.max(bounds.0.unbalance(&now.x, mu)).max(bounds.1.unbalance(&now.u, mu));
             let of_gaps = (costate.iter().map(|y| y.abs()).sum(), D);
             for of in [bounds.0.sum(&now.x), bounds.1.sum(&now.u), of_gaps] {
@@ -247,14 +251,15 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
 
     /// Cost of the present motion.
     fn cost(&self) -> f64 {
-        let nodes = self.points.iter().map(|Point { now, .. }| self.problem.running_cost(&now.x, &now.u));
+        let cost = |Iterate { x, u, .. }: &Iterate<D, N>| self.problem.running_cost(self.ticks, x, u);
+        let nodes = self.points.iter().map(|point| cost(&point.now));
         nodes.sum::<f64>() + self.last.cost(&self.last.x)
     }
 
     /// Nodes of the present motion, with the gains and the multipliers of limits that the last step found, and the multipliers of the goal.
     pub fn into_nodes(self) -> (Vec<Node<f64, D, N>>, [f64; D]) {
         let node = |point: &Point<D, N>| {
-            let mut node = Node::new(point.now.u);
+            let mut node = Node::new(self.ticks, point.now.u);
             (node.x, node.gain, node.multiplier) =
                 (point.now.x, point.decision.gain, point.bounds.0.multiplier());
             node
@@ -268,10 +273,11 @@ fn begun<P: Plant<f64, D, N>, const D: usize, const N: usize>(
     problem: &Problem<P, f64, D, N>,
     limits: Limits<f64, D>,
     (mut x, mut u): ([f64; D], [f64; N]),
+    ticks: u16,
 ) -> Result<Point<D, N>, StepError<f64>> {
     let bounds = (Bounds::new(limits, &mut x, FIRST_MU), Bounds::new(problem.controls, &mut u, FIRST_MU));
     let mut now = Iterate { x, u, course: [0.0; D], end: x };
-    Point::evaluate(&problem.plant, &mut now)?;
+    Point::evaluate(&problem.plant, ticks, &mut now)?;
     Ok(Point {
         now,
         trial: now,

@@ -4,6 +4,9 @@ use leastaction_core::discrete::StepError;
 use leastaction_core::linear::{SolveError, add_scaled, multiply, transpose};
 use std::array::from_fn;
 
+/// A problem with the number of ticks in a node.
+pub type Running<'p, P, const D: usize, const N: usize> = (&'p Problem<P, f64, D, N>, u16);
+
 /// State, control, course and end of a node.
 #[derive(Clone, Copy, Debug)]
 pub struct Iterate<const D: usize, const N: usize> {
@@ -42,10 +45,11 @@ impl<const D: usize, const N: usize> Point<D, N> {
     /// Computes the end of the node.
     pub fn evaluate<P: Plant<f64, D, N>>(
         plant: &P,
+        ticks: u16,
         iterate: &mut Iterate<D, N>,
     ) -> Result<(), StepError<f64>> {
         let mut state = plant.begin(&iterate.x)?;
-        iterate.end = plant.advance(&mut state, &iterate.u, &mut iterate.course)?;
+        iterate.end = plant.advance(&mut state, (ticks, &iterate.u), &mut iterate.course)?;
         Ok(())
     }
 
@@ -55,10 +59,10 @@ impl<const D: usize, const N: usize> Point<D, N> {
     }
 
     /// Linearises the node.
-    pub fn linearise<P: Plant<f64, D, N>>(&mut self, plant: &P) -> Result<(), StepError<f64>> {
+    pub fn linearise<P: Plant<f64, D, N>>(&mut self, plant: &P, ticks: u16) -> Result<(), StepError<f64>> {
         let Iterate { x, u, course, end } = &self.now;
         let (start, stop) = (plant.frame(x), plant.frame(end));
-        self.transition = plant.linearise([(x, &start), (end, &stop)], u, course)?;
+        self.transition = plant.linearise([(x, &start), (end, &stop)], (ticks, u), course)?;
         Ok(())
     }
 
@@ -68,27 +72,30 @@ impl<const D: usize, const N: usize> Point<D, N> {
     /// [`SolveError`] if a number is not finite.
     pub fn backward<P>(
         &mut self,
-        problem: &Problem<P, f64, D, N>,
+        problem: Running<'_, P, D, N>,
         (ahead, next): (&Value<f64, D>, &[f64; D]),
         mu: f64,
     ) -> Result<Value<f64, D>, SolveError> {
         self.ahead = *ahead;
         let end = Value { slope: ahead.slope_at(&self.gap(next)), ..*ahead };
         let model = NodeModel::new(self.costs(problem, mu), &self.transition, &end);
-        self.decision = model.decide_free(&moves(&problem.controls))?;
+        self.decision = model.decide_free(&moves(&problem.0.controls))?;
         Ok(model.value(&self.decision))
     }
 
     /// Slopes and curvatures of the barrier cost of state and control.
-    fn costs<P>(&self, problem: &Problem<P, f64, D, N>, mu: f64) -> (Diagonal<f64, D>, Diagonal<f64, N>) {
+    fn costs<P>(
+        &self,
+        (problem, ticks): Running<'_, P, D, N>,
+        mu: f64,
+    ) -> (Diagonal<f64, D>, Diagonal<f64, N>) {
         let Iterate { x, u, .. } = &self.now;
         let (of_x, of_u) = (self.bounds.0.terms(x, mu), self.bounds.1.terms(u, mu));
-        let (slope, curvature) = problem.running_slope(x);
-        let weights = &problem.cost.u;
-        let control = from_fn(|j| weights[j] * u[j]);
+        let ((slope, curvature), control) =
+            (problem.running_slope(ticks, x), problem.control_slope(ticks, u));
         (
             (add_scaled(&slope, 1.0, &of_x.0), add_scaled(&curvature, 1.0, &of_x.1)),
-            (add_scaled(&control, 1.0, &of_u.0), add_scaled(weights, 1.0, &of_u.1)),
+            (add_scaled(&control.0, 1.0, &of_u.0), add_scaled(&control.1, 1.0, &of_u.1)),
         )
     }
 
@@ -100,7 +107,7 @@ impl<const D: usize, const N: usize> Point<D, N> {
     }
 
     /// Slope of the barrier cost along the step.
-    pub fn slope<P>(&self, problem: &Problem<P, f64, D, N>, mu: f64) -> f64 {
+    pub fn slope<P>(&self, problem: Running<'_, P, D, N>, mu: f64) -> f64 {
         let (of_x, of_u) = self.costs(problem, mu);
         let along = |slope: &[f64], step: &[f64]| slope.iter().zip(step).map(|(a, b)| a * b).sum::<f64>();
         along(&of_x.0, &self.step.0) + along(&of_u.0, &self.step.1)
@@ -108,14 +115,15 @@ impl<const D: usize, const N: usize> Point<D, N> {
 
     /// Largest slope of the Lagrangian in state and control; `before` is the multiplier of the gap at the node's start, absent if its state
     /// is given.
-    pub fn residual<P>(&self, problem: &Problem<P, f64, D, N>, before: Option<&[f64; D]>) -> f64 {
+    pub fn residual<P>(&self, (problem, ticks): Running<'_, P, D, N>, before: Option<&[f64; D]>) -> f64 {
         let Transition { a, b } = &self.transition;
-        let ((of_x, _), of_u) = (problem.running_slope(&self.now.x), &problem.cost.u);
+        let (of_x, _) = problem.running_slope(ticks, &self.now.x);
+        let (of_u, _) = problem.control_slope(ticks, &self.now.u);
         let (by_x, by_u) = (multiply(&transpose(a), &self.costate), multiply(&transpose(b), &self.costate));
         let (state, control) = (self.bounds.0.multiplier(), self.bounds.1.multiplier());
         let x = |before: &[f64; D]| largest((0..D).map(|i| of_x[i] + by_x[i] + state[i] - before[i]));
         let moves = moves(&problem.controls);
-        let u = (0..N).filter(|j| moves[*j]).map(|j| of_u[j] * self.now.u[j] + by_u[j] + control[j]);
+        let u = (0..N).filter(|j| moves[*j]).map(|j| of_u[j] + by_u[j] + control[j]);
         before.map_or(0.0, x).max(largest(u))
     }
 
@@ -123,11 +131,16 @@ impl<const D: usize, const N: usize> Point<D, N> {
     ///
     /// # Errors
     /// [`StepError`] if the node cannot be computed.
-    pub fn try_part<P: Plant<f64, D, N>>(&mut self, plant: &P, part: f64) -> Result<(), StepError<f64>> {
+    pub fn try_part<P: Plant<f64, D, N>>(
+        &mut self,
+        plant: &P,
+        ticks: u16,
+        part: f64,
+    ) -> Result<(), StepError<f64>> {
         let Iterate { x, u, course, end } = &self.now;
         let (x, u) = (add_scaled(x, part, &self.step.0), add_scaled(u, part, &self.step.1));
         self.trial = Iterate { x, u, course: *course, end: *end };
-        Self::evaluate(plant, &mut self.trial)
+        Self::evaluate(plant, ticks, &mut self.trial)
     }
 
     /// Makes the trial the present node, and takes parts of the changes of the multipliers.

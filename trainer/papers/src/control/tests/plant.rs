@@ -102,13 +102,13 @@ fn the_tip_is_highest_upright() {
 #[test]
 fn derivatives_of_a_node_are_those_of_differences() {
     for robot in [Robot::Acrobot, Robot::Pendubot] {
-        let plant = Driven { pendulum: full(), robot, ticks: 3 };
+        let plant = Driven { pendulum: full(), robot };
         let end = |x: State, u: f64| {
             let tau = robot.torques(u);
             (0..3).fold(x, |x, _| plant.pendulum.step(x, tau, TICK))
         };
         for x in STATES {
-            let found = plant.linearise_at(&x, &[0.7]).unwrap();
+            let found = plant.linearise_at(&x, (3, &[0.7])).unwrap();
             let nearby = |j: usize, d: f64| {
                 let x = from_fn(|i| if i == j { x[i] + d } else { x[i] });
                 end(x, if j == 4 { 0.7 + d } else { 0.7 })
