@@ -6,5 +6,6 @@ mod common;
 mod limits;
 mod linear_plant;
 mod plants;
+mod receding;
 mod riccati;
 mod swing_up;
