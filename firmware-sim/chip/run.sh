@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's. The boards: a Cortex-M4F
 # (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). Prints one JSON line per board, model and order,
-# one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction and of laws
-# with networks. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
+# one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction, of laws
+# with networks, and of decisions over a receding horizon. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets if available, else Debian's compiler with the standard library's source; installs what is missing.
@@ -25,9 +25,9 @@ done
 images=(inertia-network_2 inertia-network_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
     inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
 bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step bare_stepper)
-case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary " in
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding elementary " in
     *" ${only:-bare} "*) ;;
-    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary" >&2; exit 2 ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding elementary" >&2; exit 2 ;;
 esac
 
 if [ -n "$build_only" ]; then
@@ -85,6 +85,24 @@ friction() {
     fi
 }
 
+# Measures decisions over a receding horizon of 25 nodes of two links: at most 400,000 instructions an iteration, and 16 KB of RAM, on a
+# Cortex-M4F; the slowest iteration takes at most 1.2 times the median.
+receding() {
+    local board=$1 elf ram
+    elf=$(program "$board" receding)
+    output=$(emulate "$board" "$elf" 0 2>&1) || { printf 'receding on %s: %s\n' "$board" "$output" >&2; return 1; }
+    ram=$(($(value nodes_bytes) + $(value controller_bytes) + $(value decision_stack)))
+    printf '{"board": "%s", "only": "receding", "nodes_bytes": %s, "stack_bytes": %s, "follow_instructions": %s' \
+        "$board" "$(value nodes_bytes)" "$(value decision_stack)" "$(value follow_instructions)"
+    printf ', "iteration_instructions": %s, "iteration_instructions_worst": %s}\n' \
+        "$(value iteration_instructions)" "$(value iteration_instructions_worst)"
+    if [ "$board" = cortex-m4f ] && { [ "$(value iteration_instructions)" -gt 400000 ] || [ "$ram" -gt 16384 ] ||
+        [ $((5 * $(value iteration_instructions_worst))) -gt $((6 * $(value iteration_instructions))) ]; }; then
+        echo "receding on $board: too many instructions or too much RAM ($ram bytes)" >&2
+        return 1
+    fi
+}
+
 # Checks every elementary function at thousands of inputs.
 elementary() {
     local board=$1
@@ -107,6 +125,7 @@ run() {
             case "$only" in "" | "$board" | "$image" | bare) bare "$board" "$image" ;; esac
         done
         case "$only" in "" | "$board" | friction) friction "$board" ;; esac
+        case "$only" in "" | "$board" | receding) receding "$board" ;; esac
         case "$only" in "" | "$board" | elementary) elementary "$board" ;; esac
     done
 }

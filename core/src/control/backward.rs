@@ -98,9 +98,12 @@ impl<R: Real, const D: usize, const M: usize> NodeModel<R, D, M> {
         Transition { a, b }: &Transition<R, D, M>,
         (room, start): (&Limits<R, M>, &[R; M]),
     ) -> Result<Decision<R, D, M>, SolveError> {
-        let b_t = transpose(b);
-        let uu = add_scaled_matrix(&self.uu, damping, &product(&b_t, b));
-        let ux = add_scaled_matrix(&self.ux, damping, &product(&b_t, a));
+        let (mut uu, mut ux) = (self.uu, self.ux);
+        if damping > R::zero() {
+            let b_t = transpose(b);
+            uu = add_scaled_matrix(&uu, damping, &product(&b_t, b));
+            ux = add_scaled_matrix(&ux, damping, &product(&b_t, a));
+        }
         let Minimum { k, free } = minimum(&uu, &self.u, room, start)?;
         let gain = gain(&restricted(&uu, &free), &ux, &free)?;
         Ok(Decision { change: k, gain })

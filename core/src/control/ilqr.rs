@@ -4,6 +4,9 @@ use super::{GoalMultipliers, Iteration, Node, Options, Plant, Problem, Solution,
 use crate::discrete::StepError;
 use crate::scalar::Real;
 
+/// Maximum number of trials of a line search.
+const TRIALS: u16 = 12;
+
 /// Iterative LQR over the caller's nodes: the present motion, which meets the limits of the controls, and the state of the search.
 #[derive(Debug)]
 pub struct Ilqr<'n, P, R, const D: usize, const M: usize> {
@@ -39,7 +42,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Ilqr<'n, P,
         (x, nodes): ([R; D], &'n mut [Node<R, D, M>]),
         goal: GoalMultipliers<R, D>,
     ) -> Result<Self, StepError<R>> {
-        let shooting = Shooting::new(problem, (x, nodes), goal, options.penalty)?;
+        let shooting = Shooting::new(problem, (x, nodes), goal, (options.penalty, TRIALS))?;
         Ok(Self { shooting, options })
     }
 

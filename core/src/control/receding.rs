@@ -21,6 +21,8 @@ pub struct Horizon<R, const D: usize, const M: usize> {
     pub ticks: u16,
     /// Number of iterations of a decision.
     pub iterations: u16,
+    /// Maximum number of trials of an iteration's line search: each is a rollout, of half the part of the change of the one before.
+    pub trials: u16,
     /// Scale ρ > 0 of the penalties of limits of the state and of the goal.
     pub penalty: R,
     /// Law of the nodes that enter; without it they keep the last control.
@@ -95,7 +97,8 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> RecedingHor
         for node in nodes.iter_mut() {
             node.multiplier = [R::zero(); D];
         }
-        let shooting = Shooting::new(problem, (x, nodes), GoalMultipliers::none(), horizon.penalty)?;
+        let shooting =
+            Shooting::new(problem, (x, nodes), GoalMultipliers::none(), (horizon.penalty, horizon.trials))?;
         Ok(Self { shooting, horizon })
     }
 

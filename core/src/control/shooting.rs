@@ -7,8 +7,6 @@ use crate::scalar::Real;
 
 /// Smallest and largest damping of the backward pass, and the factor of its changes.
 const DAMPING: [f64; 3] = [1e-8, 1e10, 4.0];
-/// Maximum number of trials of a line search; each takes half the part of the one before.
-const TRIALS: usize = 12;
 /// Part of the expected fall that an accepted trial must reach.
 const ENOUGH: f64 = 1e-4;
 
@@ -29,6 +27,8 @@ pub struct Shooting<'n, P, R, const D: usize, const M: usize> {
     pub cost: R,
     /// Number of iterations.
     pub count: u16,
+    /// Maximum number of trials of a line search; each takes half the part of the one before.
+    trials: u16,
     /// Whether the linear approximations are those of the present motion.
     linearised: bool,
 }
@@ -42,14 +42,23 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Shooting<'n
         problem: Problem<P, R, D, M>,
         (x, nodes): ([R; D], &'n mut [Node<R, D, M>]),
         goal: GoalMultipliers<R, D>,
-        penalty: R,
+        (penalty, trials): (R, u16),
     ) -> Result<Self, StepError<R>> {
         if let Some(first) = nodes.first_mut() {
             first.x = x;
         }
         let (end, zero) = (End::new(x, goal), R::zero());
-        let mut new =
-            Self { problem, nodes, end, penalty, damping: zero, cost: zero, count: 0, linearised: false };
+        let mut new = Self {
+            problem,
+            nodes,
+            end,
+            penalty,
+            damping: zero,
+            cost: zero,
+            count: 0,
+            trials,
+            linearised: false,
+        };
         new.cost = new.rollout(zero)?;
         new.accept();
         Ok(new)
@@ -120,7 +129,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Shooting<'n
     /// Tries smaller and smaller parts of the change until the cost falls; returns the accepted part, or 0, and the fall.
     fn search(&mut self, expected: &Expected<R>) -> (R, R) {
         let mut part = R::one();
-        for _ in 0..TRIALS {
+        for _ in 0..self.trials {
             if let Ok(cost) = self.rollout(part)
                 && cost - self.cost <= R::constant(ENOUGH) * expected.at(part)
             {

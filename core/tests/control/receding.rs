@@ -32,7 +32,7 @@ fn regulated(ticks: u16) -> (Springy, Terminal<f64, 5, 2>) {
 }
 
 fn horizon(ticks: u16, terminal: Option<Terminal<f64, 5, 2>>) -> Horizon<f64, 5, 2> {
-    Horizon { ticks, iterations: 1, penalty: 1.0, terminal }
+    Horizon { ticks, iterations: 1, trials: 12, penalty: 1.0, terminal }
 }
 
 #[track_caller]
@@ -348,7 +348,7 @@ impl<const N: usize> Task<N> {
         let Regulator { gain, cost: end } = stationary(&transition, &weights).unwrap();
         let problem = Problem { cost: Cost { end, ..problem.cost }, ..problem };
         let terminal = Some(Terminal { u: [R::zero()], gain });
-        let horizon = Horizon { ticks: 2, iterations: 2, penalty: R::one(), terminal };
+        let horizon = Horizon { ticks: 2, iterations: 2, trials: 12, penalty: R::one(), terminal };
         let mut random = Random(seed);
         let mut x: [f64; D] = from_fn(|i| random.symmetric(if i == N - 1 { PI } else { 0.5 }));
         let mut nodes = vec![Node::new(2, [R::zero()]); self.nodes];
