@@ -34,6 +34,11 @@ impl Task {
         }
     }
 
+    /// Deviations of the velocities that weigh alike, rad/s or m/s.
+    pub(crate) fn velocity_deviations<const N: usize>(&self) -> [f32; N] {
+        from_fn(|i| self.follow.x.get(N + i).map_or(1.0, |v| *v as f32))
+    }
+
     /// Gains of time-varying LQR along a motion that ends at x.
     pub(crate) fn gains<P: Plant<f64, D, N>, const N: usize, const D: usize>(
         &self,

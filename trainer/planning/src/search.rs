@@ -223,12 +223,16 @@ impl Searching<'_> {
     ) -> Plan {
         let Found { mut nodes, end, report, .. } = chosen;
         let plant = self.task.plant::<N>(system, self.model);
+        // Feedback meets friction at velocities off the motion's: the slope at the motion itself, c/ε at rest, would be that of a strong
+        // brake which no real motion feels, and would ask for gains that noise drives into the limits.
+        let met = system.lagrangian.with_forces(system.forces.spread_over(&self.task.velocity_deviations()));
+        let linearised = self.task.plant::<N>(&met, self.model);
         for node in &mut nodes {
-            if let Ok(transition) = plant.linearise_at(&node.x, (node.ticks, &node.u)) {
+            if let Ok(transition) = linearised.linearise_at(&node.x, (node.ticks, &node.u)) {
                 node.transition = transition;
             }
         }
-        let gains = self.task.gains((&plant, system, self.model), (&nodes, &end));
+        let gains = self.task.gains((&linearised, system, self.model), (&nodes, &end));
         let tube: Tube = self.task.tube(&gains, &nodes);
         let Gains { nodes: regulators, end: at_end, command, holds } = gains;
         let each = nodes.iter().zip(&regulators);

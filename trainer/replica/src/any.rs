@@ -28,6 +28,11 @@ impl<'f, const N: usize> AnyLagrangian<'f, N> {
     ) -> SystemOf<'f, N> {
         System { lagrangian: Self::new(lagrangian), forces }
     }
+
+    /// A system with this Lagrangian and other forces.
+    pub fn with_forces<'s>(&'s self, forces: ForcesOf<'s, N>) -> SystemOf<'s, N> {
+        System { lagrangian: AnyLagrangian::new(self), forces }
+    }
 }
 
 impl<const N: usize> Lagrangian<f32, N> for AnyLagrangian<'_, N> {

@@ -4,6 +4,7 @@ use crate::{LAYERS, UNITS};
 use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
+use std::f32::consts::FRAC_PI_2;
 
 /// Viscous damping and dry friction.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
@@ -45,6 +46,25 @@ impl<const N: usize> ForcesOf<'_, N> {
             Self::Viscous(viscous) | Self::Friction((viscous, _)) => viscous.coefficients,
             Self::All(all) => all.0.0.coefficients,
         }
+    }
+
+    /// These forces with dry friction as a linear feedback meets it, whose velocities are spread about those of a motion with standard
+    /// deviations `spread` (rad/s or m/s): widths become √(ε² + πσ²/2).
+    ///
+    /// The slope −c/√(ε² + πσ²/2) at v = 0 is the mean slope of −c tanh(v/ε) over Gaussian velocities, exactly for σ → 0 and for ε → 0, where
+    /// it is −c√(2/π)/σ, and within 3% in between (the random-input describing function: Gelb and Vander Velde 1968).
+    #[must_use]
+    pub fn spread_over(&self, spread: &[f32; N]) -> Self {
+        let mut spread_forces = self.clone();
+        let dry = match &mut spread_forces {
+            Self::Viscous(_) => return spread_forces,
+            Self::Friction((_, dry)) => dry,
+            Self::All(all) => &mut all.0.1,
+        };
+        for (friction, spread) in dry.coordinates.iter_mut().zip(spread) {
+            friction.width = friction.width.hypot(FRAC_PI_2.sqrt() * spread);
+        }
+        spread_forces
     }
 }
 
@@ -88,5 +108,40 @@ impl<const N: usize> Forces<f32, N> for ForcesOf<'_, N> {
 
     fn trusted_part(&self, v: &[f32; N], dv: &[f32; N]) -> f32 {
         with_law!(self, law => law.trusted_part(v, dv))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::forces::DryFriction;
+
+    /// Mean of (1 − tanh²(v/ε))/ε over v = σ z with Gaussian z, by the trapezoidal rule.
+    fn mean_slope(width: f64, spread: f64) -> f64 {
+        let nodes = || (-8_000..=8_000).map(|k| 1e-3 * f64::from(k));
+        let weight = |z: f64| (-0.5 * z * z).exp();
+        let slope = |z: f64| (1.0 - (spread * z / width).tanh().powi(2)) / width;
+        nodes().map(|z| weight(z) * slope(z)).sum::<f64>() / nodes().map(weight).sum::<f64>()
+    }
+
+    #[test]
+    fn spread_friction_has_the_mean_slope() {
+        let friction = |width: f32| {
+            let dry = DryFriction { constant: 1.0, load: 0.0, smoothing: 1.0, width };
+            ForcesOf::Friction((Viscous { coefficients: [0.3] }, Coulomb { coordinates: [dry] }))
+        };
+        for (width, spread) in [(0.02, 0.0), (0.02, 0.01), (0.05, 0.05), (0.05, 0.1), (0.02, 1.0), (0.5, 0.3)]
+        {
+            let (_, slope) = friction(width).spread_over(&[spread]).derivatives(&[0.0], &[0.0], &[0.0]);
+            let expected = 0.3 + mean_slope(f64::from(width), f64::from(spread));
+            let found = f64::from(-slope[0][0]);
+            assert!((found - expected).abs() < 0.03 * expected, "{found} instead of {expected}");
+        }
+    }
+
+    #[test]
+    fn damping_is_not_spread() {
+        let viscous = ForcesOf::Viscous(Viscous { coefficients: [0.3, 0.4] });
+        assert_eq!(viscous.spread_over(&[1.0, 1.0]).damping(), viscous.damping());
     }
 }

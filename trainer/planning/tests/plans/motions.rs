@@ -3,6 +3,7 @@
 use crate::{problem, solved};
 use leastaction_core::control::Status;
 use leastaction_core::plan::PlanFile;
+use leastaction_models::{FrictionArchitecture, Number};
 use leastaction_planning::{Plan, plan};
 use std::sync::atomic::AtomicBool;
 
@@ -117,6 +118,26 @@ fn a_reserve_leaves_room_for_feedback() {
     let largest = found.nodes.iter().map(|node| node.u[0].abs()).fold(0.0, f64::max);
     assert!(largest <= 1.2 + 1e-9, "{largest}");
     assert!(found.tube.widths.iter().all(|widths| widths.iter().all(|width| *width > 0.0)));
+}
+
+/// At rest dry friction of 0.05 N m has the slope of a damper of 2.5 N m s/rad if it changes its sign within 0.02 rad/s, and of one ten times
+/// weaker within 0.2 rad/s. Feedback, which corrects velocities of about 1 rad/s, meets neither.
+#[test]
+fn gains_meet_dry_friction_at_the_deviations() {
+    let gain = |width: f64| {
+        let (mut machine, task) =
+            problem("pendulum", |text| format!("{text}\n[search]\nstarts = 1\n")).unwrap();
+        let dry = [0.05, 0.0, 1.0, width];
+        machine.model.architecture.friction = FrictionArchitecture::new(vec![], vec![dry.map(Number::known)]);
+        machine.model.weights.extend(dry);
+        let found = solved(&machine, &task);
+        assert!(found.is_feasible() && found.holds, "{}", found.solution.violation);
+        found.end.gain[0].clone()
+    };
+    let (narrow, wide) = (gain(0.02), gain(0.2));
+    for (narrow, wide) in narrow.iter().zip(&wide) {
+        assert!(*wide > 0.5 && (narrow - wide).abs() < 0.01 * wide, "{narrow} and {wide}");
+    }
 }
 
 #[test]
