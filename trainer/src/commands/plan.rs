@@ -52,7 +52,7 @@ struct Files {
 
 /// Result of a plan.
 #[derive(Clone, Debug, Serialize)]
-struct Report {
+pub struct Report {
     config: PathBuf,
     feasible: bool,
     /// Whether the drives hold the end at rest.
@@ -84,6 +84,20 @@ struct Start {
     violation: f64,
     iterations: u16,
     seconds: f64,
+}
+
+impl Report {
+    /// Page that shows the plan.
+    pub fn page(&self) -> &Path {
+        &self.files.page
+    }
+
+    /// Length, and the trial of its law, in a few words.
+    pub fn summary(&self) -> String {
+        let Self { seconds, nodes, .. } = self;
+        let trial = |[starts, exact, _]: [usize; 3]| format!(", followed from {exact} of {starts} starts");
+        format!("{seconds:.2} s in {nodes} nodes{}", self.followed.map_or_else(String::new, trial))
+    }
 }
 
 impl fmt::Display for Report {
@@ -122,8 +136,20 @@ impl fmt::Display for Report {
 }
 
 impl Plan {
+    /// The plan of a configuration, with its files in a folder, made without progress.
+    pub fn of(config: PathBuf, output: PathBuf) -> Self {
+        Self { config, output, guess: None, quiet: true }
+    }
+
     /// Plans and writes the files.
     pub fn run(self, output: Output) -> Done {
+        let (report, verdict) = self.make(output)?;
+        output.report(&report)?;
+        verdict
+    }
+
+    /// Plans and writes the files; the second result says why the motion is no plan, if it is none.
+    pub fn make(&self, output: Output) -> Result<(Report, Done), Failure> {
         let config = PlanConfig::read(&self.config).map_err(|error| refused(&self.config, error))?;
         let machine = machine(&config)?;
         output.notes(&machine.notes);
@@ -142,8 +168,7 @@ impl Plan {
         output.notes(&failed.collect::<Vec<_>>());
         let files = self.write(&machine, &found, &config)?;
         let followed = followed(&machine, &found)?;
-        output.report(&Report { followed, ..self.report(&found, files) })?;
-        self.verdict(&machine, &found)
+        Ok((Report { followed, ..self.report(&found, files) }, self.verdict(&machine, &found)))
     }
 
     fn path(&self, name: &str) -> PathBuf {

@@ -95,3 +95,25 @@ fn what_cannot_be_followed_is_refused() {
     bench.run(&words("pendulum", "--drag 1")).bad(2, &["--push and --drag are of gravity"]);
     bench.run(&words("pendulum", "--spread 1,2")).bad(2, &["--spread has 2 values"]);
 }
+
+#[test]
+#[ignore = "a quarter of a minute"]
+fn the_demo_ends_with_an_acrobot_that_was_learned_and_swung_up() {
+    let bench = Bench::new();
+    let report = bench.run("demo -q --out demo --json").good().json();
+    let acrobot = &report["acrobot"];
+    assert_eq!(acrobot["swing_up"]["planned"]["reached"].as_bool(), Some(true), "{acrobot}");
+    assert!(
+        numbers(&acrobot["swing_up"]["planned"]["held_error"]).iter().all(|error| *error < 0.1),
+        "{acrobot}"
+    );
+    let world = "--coulomb 0.1,0.07 --width 0.05 --delay 6 --json";
+    let follow = "simulate demo/acrobot/model.postcard --scenario follow --plan demo/acrobot/plan.postcard";
+    // Seed 0 is the demo's own run.
+    let again = bench.run(&format!("{follow} {world}")).good().json();
+    assert_eq!(again["trace_hash"], acrobot["swing_up"]["trace_hash"]);
+    for seed in 1..20 {
+        bench.run(&format!("{follow} --seed {seed} {world}")).good();
+    }
+    assert!(bench.text("demo/acrobot/plan.html").contains("</html>"));
+}

@@ -72,7 +72,7 @@ fn steps(demo: &Demo, output: Output) -> Result<Report, Failure> {
     data::write(at("log.npz"), &log).map_err(written)?;
     data::write(at("unseen.npz"), &unseen).map_err(written)?;
     say("train: bodies, rotors and friction, from torques");
-    let training = demo.train(&at(super::CONFIG), output)?;
+    let training = demo.train(&at(super::CONFIG), &at("run"), output)?;
     say("export: the weights as a model file, and as Rust source");
     let (model, model_bytes) = write_model(&at("run"), &at("arm.postcard"), &at("arm.rs"))?;
     let torques = torques(&model, &unseen).ok_or_else(|| Failure::Work("the log is too short".to_owned()))?;

@@ -1,5 +1,6 @@
 //! `leastaction demo`.
 
+mod acrobot;
 mod arm;
 mod portrait;
 
@@ -25,7 +26,9 @@ use std::time::Instant;
 /// From logged motion to a controller, in under a minute.
 ///
 /// Logs the motion of a cart-pole, learns its energies from positions and forces alone, exports the weights as a model file, and swings the
-/// pole up in the firmware loop with a controller that knows only the model. An earlier demo in the folder is replaced.
+/// pole up in the firmware loop with a controller that knows only the model. Then an acrobot, two links with a drive between them alone, is
+/// learned from logs with noise, friction and delay, its swing-up is planned, and the firmware's program follows the plan. An earlier demo
+/// in the folder is replaced.
 ///
 /// `demo arm` starts from the description of an arm with six joints and a log of its torques: bodies, rotors and friction are learned, and
 /// a motion is followed in the firmware loop by the model's inverse dynamics, compared with PD and gravity compensation.
@@ -74,6 +77,7 @@ struct Report {
     model_bytes: usize,
     forecast: Forecast,
     swing_up: simulate::Report,
+    acrobot: acrobot::Report,
     pictures: Vec<PathBuf>,
 }
 
@@ -88,7 +92,8 @@ impl Demo {
         let started = Instant::now();
         let report = self.steps(output, &started)?;
         output.report(&report)?;
-        report.swing_up.judge()
+        report.swing_up.judge()?;
+        report.acrobot.swing_up().judge()
     }
 
     fn steps(&self, output: Output, started: &Instant) -> Result<Report, Failure> {
@@ -98,7 +103,7 @@ impl Demo {
         say("generate: a cart-pole under random forces");
         let samples = self.generate(&at("data.npz"))?;
         say("train: the energies, from positions and forces alone");
-        let training = self.train(&at(CONFIG), output)?;
+        let training = self.train(&at(CONFIG), &at("run"), output)?;
         say("export: the weights as a model file, and as Rust source");
         let (model, model_bytes) = write_model(&at("run"), &at("model.postcard"), &at("model.rs"))?;
         say("forecast: the model against the truth, free motion from two positions");
@@ -120,16 +125,20 @@ impl Demo {
             on: None,
         };
         let (swing_up, _) = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;
+        let acrobot = acrobot::run(self, output, say)?;
+        let mut pictures = vec![training.loss_curve.clone(), at("phase.svg"), swing_up.picture.clone()];
+        pictures.extend(acrobot.pictures().map(Path::to_path_buf));
         Ok(Report {
             out: self.out.clone(),
             seconds: started.elapsed().as_secs_f64(),
             samples,
-            pictures: vec![training.loss_curve.clone(), at("phase.svg"), swing_up.picture.clone()],
+            pictures,
             training,
             model: at("model.postcard"),
             model_bytes,
             forecast,
             swing_up,
+            acrobot,
         })
     }
 
@@ -161,11 +170,10 @@ impl Demo {
         atomic::write(file, text.as_bytes()).map_err(|error| Failure::file(file, error))
     }
 
-    fn train(&self, file: &Path, output: Output) -> Result<train::Report, Failure> {
-        let folder = self.out.join("run");
+    fn train(&self, file: &Path, folder: &Path, output: Output) -> Result<train::Report, Failure> {
         let plan = train::plan(file, Config::read(file)?, output)?;
-        let run = Run::begin(plan, &folder, true)?;
-        let (report, ending) = train::train(run, &folder, self.quiet, interrupt::flag()?)?;
+        let run = Run::begin(plan, folder, true)?;
+        let (report, ending) = train::train(run, folder, self.quiet, interrupt::flag()?)?;
         if ending == Ending::Interrupted {
             return Err(Failure::Interrupted("interrupted; run the demo again".to_owned()));
         }
@@ -190,7 +198,7 @@ fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(Model, usize), F
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let line = |f: &mut fmt::Formatter, name: &str, value: String| writeln!(f, "{name:<34} {value}");
-        let Self { training, forecast, swing_up, .. } = self;
+        let Self { training, forecast, swing_up, acrobot, .. } = self;
         line(f, "logged", format!("{TRAJECTORIES} trajectories, {} samples", self.samples))?;
         line(f, "learned", format!("{} parameters in {:.1} s", training.parameters, training.seconds))?;
         line(f, "training loss (m², rad²)", format!("{:.1e}", training.train_loss))?;
@@ -210,6 +218,7 @@ impl fmt::Display for Report {
         )?;
         line(f, "Newton iterations a step at most", swing_up.newton_iterations.to_string())?;
         line(f, "trace hash", swing_up.trace_hash.clone())?;
+        write!(f, "\n{acrobot}\n")?;
         line(f, "all of it took", format!("{:.1} s", self.seconds))?;
         writeln!(f, "\nModel: {}. Trace: {}.", self.model.display(), swing_up.trace.display())?;
         let pictures: Vec<_> = self.pictures.iter().map(|picture| picture.display().to_string()).collect();

@@ -2,6 +2,7 @@
 
 use super::plant::{OnPlant, encoders};
 use super::scenario::{closed_loop, misused};
+use super::track::{MEMORY, samples};
 use super::world::{known_actuator, replace};
 use super::{Report, Request, Trace};
 use clap::Args;
@@ -32,6 +33,11 @@ pub struct PlanArgs {
 }
 
 impl PlanArgs {
+    /// Arguments for the plan of a file.
+    pub fn along(plan: PathBuf) -> Self {
+        Self { plan: Some(plan), ..Self::default() }
+    }
+
     /// Refuses these options for other scenarios, and this scenario without a plan.
     pub fn check(&self, follows: bool) -> Result<(), Failure> {
         let given = self.plan.is_some() || !self.spread.is_empty() || !self.tolerance.is_empty();
@@ -125,6 +131,23 @@ impl PlanReport {
         }
     }
 
+    /// Sentences for a reader who sees nothing but them; `held` says whether the run succeeded.
+    pub fn told(&self, held: bool) -> String {
+        let list =
+            |values: &[f32]| values.iter().map(|x| format!("{x:.2}")).collect::<Vec<_>>().join(" and ");
+        let end = self.begun.filter(|_| self.reached).map(|begun| begun + self.seconds);
+        let arrived = match end {
+            Some(end) if held => format!("It was there after {end:.2} s, and stayed"),
+            Some(end) => format!("It was there after {end:.2} s, but did NOT stay"),
+            None => "It did NOT arrive".to_owned(),
+        };
+        format!(
+            "The firmware's program followed the plan, at most {} off. {arrived}, at most {} off.\n",
+            list(&self.deviation),
+            list(&self.held_error)
+        )
+    }
+
     /// Names and values of the report's lines; `q` is the unit of positions.
     pub(super) fn lines(&self, q: &str, list: impl Fn(&[f32]) -> String) -> Vec<(String, String)> {
         let begun = match self.begun {
@@ -181,6 +204,7 @@ fn config<const N: usize>(request: &Request, plan: &Plan<N, N>) -> Result<Follow
     let known = known_actuator(request.model, config.setup.tick)?;
     config.drive = known.map_or(Drive::ideal(), |(drive, _)| drive);
     request.adapt(&mut config.setup)?;
+    config.setup.observer.memory = samples(MEMORY, config.setup.tick);
     request.floats.start_at(&mut config.setup)?;
     request.follows.adapt(&mut config)?;
     Ok(config)

@@ -63,6 +63,11 @@ const WIDTH: f64 = 0.05;
 const INNOVATION: f32 = 3e-3;
 
 impl World {
+    /// A mechanism with dry friction (N m or N, changing its sign over `width`, rad/s or m/s) whose drives are late by `delay`, s.
+    pub fn dry_and_late(coulomb: Vec<f64>, width: f64, delay: f64) -> Self {
+        Self { coulomb, width: vec![width], delay: Some(1e3 * delay), ..Self::default() }
+    }
+
     /// Refuses options that have no meaning for a scenario.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         let friction = !self.viscous.is_empty() || !self.coulomb.is_empty();
