@@ -42,6 +42,9 @@ pub struct PlanConfig {
     /// Trial of the plan.
     #[serde(default)]
     pub check: CheckConfig,
+    /// Policy from anywhere; not used by a plan.
+    #[serde(default)]
+    pub policy: PolicyConfig,
 }
 
 /// Number of nodes below which a motion is divided into ticks by default.
@@ -184,6 +187,26 @@ pub struct CheckConfig {
 impl Default for CheckConfig {
     fn default() -> Self {
         Self { starts: 20, q: 0.05, v: 0.1, masses: 0.05 }
+    }
+}
+
+/// Policy from anywhere to the goal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PolicyConfig {
+    /// Number of starts from which motions are searched before the first command.
+    pub starts: usize,
+    /// Distances of positions from the goal within which the regulator is tried; by default 0.1 rad or m.
+    pub q: Option<Vec<f64>>,
+    /// Distances of velocities from 0 within which the regulator is tried; by default 0.5 rad/s or m/s.
+    pub v: Option<Vec<f64>>,
+    /// Velocities of the starts; by default those that the energy between start and goal makes.
+    pub speeds: Option<Vec<f64>>,
+}
+
+impl Default for PolicyConfig {
+    fn default() -> Self {
+        Self { starts: 128, q: None, v: None, speeds: None }
     }
 }
 

@@ -1,9 +1,10 @@
 //! From a configuration and a machine to numbers that have been checked.
 
 use crate::config::{
-    CheckConfig, CostConfig, DEFAULT_NODES, FollowConfig, GoalConfig, PlanConfig, Range, Seconds,
+    CheckConfig, CostConfig, DEFAULT_NODES, FollowConfig, GoalConfig, PlanConfig, PolicyConfig, Range,
+    Seconds,
 };
-use crate::task::{Check, CostWeights, Follow, Goal, LimitsOf, Search, Task};
+use crate::task::{Check, CostWeights, Follow, Goal, LimitsOf, PolicyNumbers, Search, Task};
 use crate::{Machine, PlanError};
 use leastaction_core::discrete::Order;
 use std::ops::RangeInclusive;
@@ -12,6 +13,8 @@ use std::ops::RangeInclusive;
 const MAX_NODES: usize = 100_000;
 /// Any number.
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+/// Default distances of positions and velocities from the goal within which the regulator of a policy is tried.
+const CATCH: [f64; 2] = [0.1, 0.5];
 /// Default deviations of positions and velocities for the gains.
 const DEVIATIONS: [f64; 2] = [0.1, 1.0];
 
@@ -45,6 +48,7 @@ impl Task {
             search: search(config)?,
             follow: follow(&config.follow, &limits)?,
             check: check(&config.check, n)?,
+            policy: policy(&config.policy, n)?,
             limits,
         };
         task.check(machine)?;
@@ -275,6 +279,24 @@ fn follow(config: &FollowConfig, limits: &LimitsOf) -> Result<Follow, PlanError>
         positive(key, x)?;
     }
     Ok(Follow { x, u })
+}
+
+fn policy(config: &PolicyConfig, n: usize) -> Result<PolicyNumbers, PlanError> {
+    if config.starts == 0 {
+        return Err(PlanError::value("policy.starts", "is 0; a policy needs at least one start"));
+    }
+    let [q, v] = CATCH.map(|distance| vec![distance; n]);
+    let catch = [
+        exactly("policy.q", n, config.q.as_ref().unwrap_or(&q))?,
+        exactly("policy.v", n, config.v.as_ref().unwrap_or(&v))?,
+    ]
+    .concat();
+    let speeds = config.speeds.as_ref().map(|speeds| exactly("policy.speeds", n, speeds)).transpose()?;
+    let catches = catch.iter().map(|x| ("policy", *x));
+    for (key, x) in catches.chain(speeds.iter().flatten().map(|x| ("policy.speeds", *x))) {
+        positive(key, x)?;
+    }
+    Ok(PolicyNumbers { starts: config.starts, catch, speeds })
 }
 
 fn check(config: &CheckConfig, n: usize) -> Result<Check, PlanError> {

@@ -68,7 +68,7 @@ impl Task {
     }
 
     /// Command that holds the mechanism at x, and whether it does.
-    fn holding<const N: usize, const D: usize>(
+    pub(crate) fn holding<const N: usize, const D: usize>(
         &self,
         system: &SystemOf<N>,
         model: &Model,

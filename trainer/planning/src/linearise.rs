@@ -73,7 +73,8 @@ impl<'c> StateVisitor<'c> for Linearising<'_> {
         let actuator =
             forces::Actuator { gain: of(Actuator::gain), offset: of(Actuator::offset), delay: 0.0 };
         let NodeStep { tick, order, ticks } = *self.step;
-        let plant = Widened::new(system, PlantStep { tick, order, newton: Newton::new(), actuator });
+        let plant =
+            Widened::new(system, PlantStep { tick, order, stride: 1, newton: Newton::new(), actuator });
         let [q, v, u] = self.at;
         let x: [f64; D] = from_fn(|i| if i < N { q[i] } else { v[i - N] });
         let found: Result<Transition<f64, D, N>, _> = plant.linearise_at(&x, (ticks, &from_fn(|i| u[i])));

@@ -40,14 +40,25 @@ impl Machine {
     /// # Errors
     /// [`PlanError::Model`].
     pub fn of_description(file: &Path) -> Result<Self, PlanError> {
-        let options =
-            Options { inertias: Inertias::Required, followers: Followers::Held, ..Options::default() };
-        let Described { tree, notes } =
-            urdf::read_with(file, &options).map_err(|error| PlanError::model(file, error))?;
-        let model = known(&tree).ok_or_else(|| PlanError::model(file, "a joint follows another one"))?;
+        let described = urdf::read_with(file, &options()).map_err(|error| PlanError::model(file, error))?;
+        Self::described(described).ok_or_else(|| PlanError::model(file, FOLLOWER))
+    }
+
+    /// Reads the text of a robot description, as [`Machine::of_description`] does.
+    ///
+    /// # Errors
+    /// [`PlanError::Motion`].
+    pub fn of_text(text: &str) -> Result<Self, PlanError> {
+        let described = urdf::parse_with(text, &options());
+        let described = described.map_err(|error| PlanError::Motion(error.to_string()))?;
+        Self::described(described).ok_or_else(|| PlanError::Motion(FOLLOWER.to_owned()))
+    }
+
+    /// The machine of a description; `None` if a joint follows another one.
+    fn described(Described { tree, notes }: Described) -> Option<Self> {
         let coordinates = 0..tree.coordinates();
-        Ok(Self {
-            model,
+        Some(Self {
+            model: known(&tree)?,
             names: coordinates.clone().map(|k| tree.coordinate_name(k).to_owned()).collect(),
             limits: coordinates.map(|k| tree.limits(k)).collect(),
             notes: notes.iter().map(ToString::to_string).collect(),
@@ -75,6 +86,14 @@ impl Machine {
     pub fn angles(&self) -> Vec<bool> {
         self.model.architecture.coordinates().chars().map(|letter| letter == 'a').collect()
     }
+}
+
+/// Message for a description whose joints are not free.
+const FOLLOWER: &str = "a joint follows another one";
+
+/// Options under which all numbers of a description are known.
+fn options() -> Options {
+    Options { inertias: Inertias::Required, followers: Followers::Held, ..Options::default() }
 }
 
 /// Passes the system of a model, in the chip's arithmetic, to a visitor.

@@ -26,6 +26,8 @@ pub struct PlantStep<const N: usize> {
     pub tick: f64,
     /// Order.
     pub order: Order,
+    /// Largest number of ticks in a step.
+    pub stride: u16,
     /// Bounds of Newton's method.
     pub newton: Newton<f32>,
     /// Gain and offset of the drives.
@@ -44,10 +46,10 @@ impl<'s, const N: usize> Widened<'s, N> {
 
 fn stepped<'s, P: Path, const N: usize>(
     system: &'s SystemOf<'s, N>,
-    PlantStep { tick, newton, actuator, .. }: PlantStep<N>,
+    PlantStep { tick, stride, newton, actuator, .. }: PlantStep<N>,
 ) -> SteppedOf<'s, P, N> {
     let del = Del::with_newton(tick as f32, newton);
-    Stepped { system, del, actuator, inputs: std::array::from_fn(|i| i), stride: 1 }
+    Stepped { system, del, actuator, inputs: std::array::from_fn(|i| i), stride }
 }
 
 /// Evaluates `$do` with `$plant` bound to the plant of either order.

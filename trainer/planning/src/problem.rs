@@ -21,17 +21,28 @@ fn ends<const K: usize>(list: &[[f64; 2]]) -> Limits<f64, K> {
 }
 
 impl Task {
-    /// The model under the task's steps. Coordinates that are not driven have no gain.
+    /// The model under the task's steps, one every tick.
     pub(crate) fn plant<'s, const N: usize>(
         &self,
         system: &'s SystemOf<'s, N>,
         model: &Model,
     ) -> Widened<'s, N> {
+        self.striding(system, model, 1)
+    }
+
+    /// The model under steps of up to `stride` ticks. Coordinates that are not driven have no gain.
+    pub(crate) fn striding<'s, const N: usize>(
+        &self,
+        system: &'s SystemOf<'s, N>,
+        model: &Model,
+        stride: u16,
+    ) -> Widened<'s, N> {
         let actuator = &model.facts.actuator;
         let gain = |i: usize| if self.limits.is_driven(i) { actuator.gain(i) as f32 } else { 0.0 };
         let actuator =
             Actuator { gain: from_fn(gain), offset: from_fn(|i| actuator.offset(i) as f32), delay: 0.0 };
-        Widened::new(system, PlantStep { tick: self.tick, order: self.order, newton: newton(), actuator })
+        let (tick, order) = (self.tick, self.order);
+        Widened::new(system, PlantStep { tick, order, stride, newton: newton(), actuator })
     }
 
     /// The problem over a plant.

@@ -28,6 +28,8 @@ pub struct Task {
     pub follow: Follow,
     /// Trial of the plan.
     pub check: Check,
+    /// Policy from anywhere.
+    pub policy: PolicyNumbers,
 }
 
 /// End of a motion.
@@ -114,6 +116,17 @@ pub struct Check {
     pub x: Vec<f64>,
     /// Part by which masses are off.
     pub masses: f64,
+}
+
+/// Numbers of a policy from anywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolicyNumbers {
+    /// Number of starts from which motions are searched.
+    pub starts: usize,
+    /// Distances from the goal within which the regulator is tried, a state.
+    pub catch: Vec<f64>,
+    /// Velocities of the starts, if they are given.
+    pub speeds: Option<Vec<f64>>,
 }
 
 impl Task {

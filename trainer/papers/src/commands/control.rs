@@ -80,9 +80,10 @@ impl Control {
 
     fn report(&self, output: Output) -> Result<Report, Failure> {
         let mut report = Report { rows: Vec::new() };
+        let exact = Model::exact().map_err(|error| Failure::Work(error.to_string()))?;
         for table in self.table.tables() {
             for robot in cases(self.robot) {
-                let ours = (&CONTROLLERS[..], &[Model::exact()][..]);
+                let ours = (&CONTROLLERS[..], std::slice::from_ref(&exact));
                 let found = rows(*table, robot, ours, &self.seeds, &|line| output.note(line))
                     .map_err(|error| Failure::Work(format!("{}: {error}", robot.name())))?;
                 report.rows.extend(found);

@@ -3,8 +3,10 @@
 //! Data flows one way: [`DoublePendulum`] ─► simulation ─► courses of runs, disturbed or imperfect ─► scores ─► [`Row`]s beside the published
 //! ones. Controllers are [`Policy`]s, made by [`Controller::prepare`].
 
+mod anywhere;
 mod disturbance;
 mod driven;
+mod model;
 mod plant;
 mod policy;
 mod published;
@@ -17,7 +19,8 @@ mod tables;
 mod tests;
 mod tvlqr;
 
+pub use model::{Believed, Model};
 pub use plant::{DoublePendulum, State, UPRIGHT};
 pub use policy::{CONTROLLERS, ControlError, Controller, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
 pub use rows::{Report, Row};
-pub use tables::{Model, Table, rows};
+pub use tables::{Table, rows};

@@ -1,6 +1,7 @@
 //! Robots, and the controllers that are judged.
 
-use super::plant::DoublePendulum;
+use super::anywhere;
+use super::model::Believed;
 use super::tvlqr::Tvlqr;
 use leastaction_core::control::riccati::RegulatorError;
 use leastaction_core::discrete::StepError;
@@ -58,20 +59,22 @@ pub trait Policy {
 }
 
 /// Maker of one policy per run, so that runs go side by side. What all runs share has been prepared.
-pub type Maker = Box<dyn Fn() -> Box<dyn Policy> + Send + Sync>;
+pub type Maker<'m> = Box<dyn Fn() -> Box<dyn Policy + 'm> + Send + Sync + 'm>;
 
 /// Controller of ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Controller {
     /// A swing-up with time-varying LQR, held by LQR.
     Tvlqr,
+    /// The shortest motion that is found from wherever the pendulum is, with the help of a library.
+    Anywhere,
 }
 
 /// All controllers of ours.
-pub const CONTROLLERS: [Controller; 1] = [Controller::Tvlqr];
+pub const CONTROLLERS: [Controller; 2] = [Controller::Anywhere, Controller::Tvlqr];
 
 /// Reason why a controller cannot be prepared.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum ControlError {
     /// A posture cannot be held.
     #[error("no regulator about the goal: {0}")]
@@ -89,6 +92,9 @@ pub enum ControlError {
         /// Largest deviation from the goal.
         violation: f64,
     },
+    /// There is no model, or no policy for it.
+    #[error("{0}")]
+    Policy(String),
 }
 
 impl Controller {
@@ -96,19 +102,26 @@ impl Controller {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Tvlqr => "leastaction tvlqr",
+            Self::Anywhere => "leastaction anywhere",
         }
     }
 
-    /// Prepares the controller for a robot with the numbers of the pendulum that it believes in.
+    /// Prepares the controller for a robot with the model that it believes in.
     ///
     /// # Errors
     /// [`ControlError`].
-    pub fn prepare(self, robot: Robot, model: &DoublePendulum) -> Result<Maker, ControlError> {
+    pub fn prepare<'m>(
+        self,
+        robot: Robot,
+        believed: &Believed<'m>,
+        note: &(dyn Fn(&str) + Sync),
+    ) -> Result<Maker<'m>, ControlError> {
         match self {
             Self::Tvlqr => {
-                let law = Arc::new(Tvlqr::plan(robot, model)?);
+                let law = Arc::new(Tvlqr::plan(robot, &believed.pendulum)?);
                 Ok(Box::new(move || Box::new(Tvlqr::policy(&law))))
             }
+            Self::Anywhere => anywhere::prepare(robot, believed, note),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The three tables, ours beside the published rows.
 
+use super::model::Model;
 use super::plant::DoublePendulum;
 use super::policy::{ControlError, Controller, Maker, Robot};
 use super::published;
@@ -31,22 +32,6 @@ impl Table {
     }
 }
 
-/// Pendulum in which a controller believes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Model {
-    /// Name in results.
-    pub name: &'static str,
-    /// Numbers of the pendulum.
-    pub pendulum: DoublePendulum,
-}
-
-impl Model {
-    /// The pendulum that is simulated.
-    pub const fn exact() -> Self {
-        Self { name: "exact", pendulum: DoublePendulum::competition() }
-    }
-}
-
 /// Rows of a table for a robot: the published ones, then those of our controllers with each of the models. The policy is run once for every
 /// seed; robustness takes the first, and a single swing-up none. `note` hears what has been done.
 ///
@@ -63,7 +48,8 @@ pub fn rows(
     for controller in controllers {
         for model in models {
             note(&format!("{}, {}, {}: preparing", robot.name(), controller.name(), model.name));
-            let maker = controller.prepare(robot, &model.pendulum)?;
+            let replica = model.replica()?;
+            let maker = controller.prepare(robot, &model.believed(&replica), note)?;
             let said = |what: &str| note(&format!("{}, {}: {what}", robot.name(), controller.name()));
             let (scores, columns) = match table {
                 Table::Policy => policy(robot, &maker, seeds, &said),

@@ -21,7 +21,7 @@ impl Recorded {
     }
 
     /// A maker of this law.
-    pub fn maker(law: fn(f64, [f64; 2], [f64; 2]) -> f64) -> Maker {
+    pub fn maker(law: fn(f64, [f64; 2], [f64; 2]) -> f64) -> Maker<'static> {
         Box::new(move || Box::new(Self::new(law)))
     }
 

@@ -1,5 +1,6 @@
 use crate::baselines::oracle::{Dual, equation};
 use crate::control::driven::Driven;
+use crate::control::model::Model;
 use crate::control::plant::{DoublePendulum, State};
 use crate::control::policy::{Robot, TICK};
 use leastaction_core::control::Plant;
@@ -122,6 +123,27 @@ fn derivatives_of_a_node_are_those_of_differences() {
                     assert!((got - wanted).abs() < 1e-6 * (1.0 + wanted.abs()), "{i} {j}: {got} {wanted}");
                 }
             }
+        }
+    }
+}
+
+/// The bodies that a policy believes in move as the pendulum does.
+#[test]
+fn bodies_accelerate_as_the_pendulum() {
+    let model = Model::exact().unwrap();
+    let replica = model.replica().unwrap();
+    let mut bodies = replica.evaluator().unwrap();
+    for x in STATES {
+        let tau = [0.4, -1.5];
+        let [q, v, u] = [[x[0], x[1]], [x[2], x[3]], tau].map(|pair| pair.map(|x| x as f32));
+        let mut found = [0.0_f32; 2];
+        bodies.acceleration(&q, &v, &u, &mut found).unwrap();
+        let expected = DoublePendulum::competition().acceleration(x, tau);
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(
+                (f64::from(*found) - expected).abs() <= 2e-5 * (1.0 + expected.abs()),
+                "{found} {expected}"
+            );
         }
     }
 }

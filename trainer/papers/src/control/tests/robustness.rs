@@ -1,4 +1,5 @@
 use super::Recorded;
+use crate::control::model::Model;
 use crate::control::plant::DoublePendulum;
 use crate::control::policy::{Controller, Robot, TICK};
 use crate::control::robustness::{Column, Imperfect, course, is_upright, machines, pushes, share};
@@ -130,7 +131,9 @@ fn the_end_is_upright_within_its_bounds() {
 #[test]
 fn a_swing_up_succeeds_and_is_the_same_on_any_number_of_threads() {
     let pendulum = DoublePendulum::competition();
-    let maker = Controller::Tvlqr.prepare(Robot::Acrobot, &pendulum).unwrap();
+    let model = Model::exact().unwrap();
+    let replica = model.replica().unwrap();
+    let maker = Controller::Tvlqr.prepare(Robot::Acrobot, &model.believed(&replica), &|_| ()).unwrap();
     let found = |threads: usize| {
         parallel::threads(threads).unwrap().install(|| {
             let nominal = course(&Imperfect::nominal(), Robot::Acrobot, &mut *maker(), random());
