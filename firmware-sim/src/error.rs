@@ -20,6 +20,8 @@ pub enum SetupError {
     NotStabilisable,
     /// The task needs a swing-up, which exists only for mechanisms of one and two coordinates.
     NoSwingUp,
+    /// The task decides at every tick, and the program does not, or the other way round.
+    NoMpc,
     /// The task needs a plan, and there is none.
     NoPlan,
     /// The plan is refused.
@@ -69,6 +71,12 @@ impl fmt::Display for SetupError {
             }
             Self::NoSwingUp => {
                 write!(f, "only a pendulum and a pole on a cart are brought upright: choose another task")
+            }
+            Self::NoMpc => {
+                write!(
+                    f,
+                    "only the task mpc decides at every tick, in a program made for it: choose another task"
+                )
             }
             Self::NoPlan => write!(f, "there is no plan to follow"),
             Self::Plan(error) => write!(f, "the plan: {error}"),

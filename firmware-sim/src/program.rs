@@ -1,6 +1,6 @@
 use crate::control::{
-    CartPump, Catch, Controller, Float, Follow, Gains, JointPump, Law, Listen, NoPump, PumpConfig, Regulator,
-    SwingUp, TaskController, Tolerance, Track,
+    CartPump, Catch, Controller, Float, Follow, Gains, JointPump, Law, Listen, Mpc, MpcSettings, NoPump,
+    PumpConfig, Regulator, SwingUp, TaskController, Tolerance, Track,
 };
 use crate::devices::{ActuatorConfig, Drive};
 use crate::error::{SetupError, require, require_finite};
@@ -65,6 +65,8 @@ pub enum Task<const N: usize> {
         /// Conversion between the plan's commands and forces.
         drive: Drive<N>,
     },
+    /// Deciding at every tick over a receding horizon.
+    Mpc(MpcSettings<N>),
 }
 
 impl<const N: usize> Task<N> {
@@ -72,6 +74,7 @@ impl<const N: usize> Task<N> {
     fn begin(&self) -> [f32; N] {
         match self {
             Self::Track { begin, .. } | Self::Float { begin, .. } => *begin,
+            Self::Mpc(settings) => settings.goal,
             Self::SwingUp { .. } | Self::Listen | Self::Follow { .. } => [0.0; N],
         }
     }
@@ -84,6 +87,7 @@ impl<const N: usize> Task<N> {
             Self::SwingUp { catch, .. } => catch.validate(),
             Self::Listen => Ok(()),
             Self::Follow { drive } => drive.validate(),
+            Self::Mpc(settings) => settings.validate(),
             Self::Float { begin, drag } => {
                 require_finite("begin of the motion", begin).and_then(|()| Float { drag: *drag }.validate())
             }
@@ -136,11 +140,11 @@ impl<const N: usize> Program<N> {
         Firmware::new(model, controller, self.tick, self.angle, &self.observer, self.actuator)
     }
 
-    /// Creates the firmware over a model of any coordinates, for every task except a swing-up and a plan.
+    /// Creates the firmware over a model of any coordinates, for every task except a swing-up, a plan and decisions.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
-    /// [`SetupError::NoSwingUp`] and [`SetupError::NoPlan`].
+    /// [`SetupError::NoSwingUp`], [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
     pub fn follow<'m, M: Mechanism<N>>(
         &self,
         model: &'m M,
@@ -148,7 +152,7 @@ impl<const N: usize> Program<N> {
         self.follow_with(model, || Err(SetupError::NoPlan))
     }
 
-    /// Creates the firmware over a model of any coordinates, for every task except a swing-up; `plan` gives the plan, which was made for this
+    /// Creates the firmware over a model of any coordinates, for every task except a swing-up and decisions; `plan` gives the plan, which was made for this
     /// model, if the task is to follow one.
     ///
     /// # Errors
@@ -160,6 +164,21 @@ impl<const N: usize> Program<N> {
     ) -> Result<Firmware<'m, M, TaskController<'p, NoPump, N>, N>, E> {
         let controller = self.controller(model, plan, |_, _, _, _| Err(SetupError::NoSwingUp))?;
         Ok(self.firmware(model, controller))
+    }
+
+    /// Creates the firmware over a model of any coordinates for the task [`Task::Mpc`], with the plan that it may take; D is 2N.
+    ///
+    /// # Errors
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
+    /// [`SetupError::NoMpc`] for another task; those of [`Mpc::new`].
+    pub fn mpc<'m, 'p, M: Mechanism<N>, const D: usize>(
+        &self,
+        model: &'m M,
+        plan: Option<&Plan<'p, N, N>>,
+    ) -> Result<Firmware<'m, M, Mpc<'p, N, D>, N>, SetupError> {
+        let Task::Mpc(settings) = self.task else { return Err(SetupError::NoMpc) };
+        self.check(model)?;
+        Ok(self.firmware(model, Mpc::new(model, settings, self, plan)?))
     }
 
     /// Creates the controller over a model; `swing_up` makes the controller that brings the mechanism upright.
@@ -182,6 +201,7 @@ impl<const N: usize> Program<N> {
                 Ok(TaskController::SwingUp(swing_up(model, pump, tolerance, catch)?))
             }
             Task::Listen => Ok(TaskController::Listen(Listen)),
+            Task::Mpc(_) => Err(SetupError::NoMpc.into()),
             Task::Follow { drive } => {
                 Ok(TaskController::Follow(Follow::new(plan.ok_or(SetupError::NoPlan)?, drive, self)?))
             }
@@ -224,12 +244,12 @@ pub(crate) fn diagonal<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N])
 }
 
 impl Program<1> {
-    /// Creates the firmware over a model of a pendulum, q = θ, for every task except a plan. For tasks other than a swing-up, the model may
+    /// Creates the firmware over a model of a pendulum, q = θ, for every task except a plan and decisions. For tasks other than a swing-up, the model may
     /// have any one coordinate.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
-    /// that no feedback holds upright; [`SetupError::NoPlan`].
+    /// that no feedback holds upright; [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
     pub fn start<'m, M: Mechanism<1>>(
         &self,
         model: &'m M,
@@ -252,12 +272,12 @@ impl Program<1> {
 }
 
 impl Program<2> {
-    /// Creates the firmware over a model of a cart and its pole, q = (x, θ), for every task except a plan. For tasks other than a swing-up,
+    /// Creates the firmware over a model of a cart and its pole, q = (x, θ), for every task except a plan and decisions. For tasks other than a swing-up,
     /// the model may have any two coordinates.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
-    /// that no feedback holds upright; [`SetupError::NoPlan`].
+    /// that no feedback holds upright; [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
     pub fn start<'m, M: Mechanism<2>>(
         &self,
         model: &'m M,

@@ -20,6 +20,8 @@ pub enum Mode {
     Safe,
     /// Holding against gravity alone.
     Float,
+    /// Deciding at every tick.
+    Mpc,
 }
 
 /// Record of one tick. Angles are not wrapped, except in `measured` and `error`.

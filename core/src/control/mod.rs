@@ -57,4 +57,5 @@ pub use plant::{Plant, Transition};
 pub use problem::{Diagonal, GoalMultipliers, Iteration, Options, Problem, Solution, Status};
 pub use receding::{Action, Horizon, RecedingHorizon, Terminal};
 pub use sample::sample;
+pub use shooting::Progress;
 pub use stepped::Stepped;

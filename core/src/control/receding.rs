@@ -1,8 +1,9 @@
 use super::node::feedback;
 use super::rollout::Rollout;
-use super::shooting::Shooting;
+use super::shooting::{Progress, Shooting};
 use super::{GoalMultipliers, Node, Plant, Problem};
 use crate::discrete::StepError;
+use crate::linear::add_scaled;
 use crate::scalar::Real;
 
 /// Law of the nodes that enter at the end, u = u* − K(x − x*): the regulator at the goal x*.
@@ -100,6 +101,36 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> RecedingHor
         let shooting =
             Shooting::new(problem, (x, nodes), GoalMultipliers::none(), (horizon.penalty, horizon.trials))?;
         Ok(Self { shooting, horizon })
+    }
+
+    /// Goes on after the decision whose progress and nodes these are, with a plant of the same mechanism: for a caller that holds both between
+    /// decisions, and the plant elsewhere.
+    pub fn resume(
+        problem: Problem<P, R, D, M>,
+        horizon: Horizon<R, D, M>,
+        progress: Progress<R, D>,
+        nodes: &'n mut [Node<R, D, M>],
+    ) -> Self {
+        let shooting = Shooting::resume(problem, nodes, progress, (horizon.penalty, horizon.trials));
+        Self { shooting, horizon }
+    }
+
+    /// Progress of the search, with which it can be [resumed](Self::resume).
+    pub fn progress(&self) -> Progress<R, D> {
+        self.shooting.progress()
+    }
+
+    /// Control of the present motion after some ticks, at a state from which no motion may be computed: by the gains about the states of the
+    /// nodes, and about those in between in proportion. `None` beyond the end, and for a state that is not finite.
+    pub fn held(&self, elapsed: u16, x: &[R; D]) -> Option<[R; M]> {
+        let Passed { nodes: passed, ticks } = self.passed(elapsed);
+        let Shooting { problem, nodes, end, .. } = &self.shooting;
+        let node = nodes.get(passed)?;
+        let next = nodes.get(passed + 1).map_or(&end.x, |node| &node.x);
+        let part = R::constant(f64::from(ticks)) / R::constant(f64::from(node.ticks));
+        let reference = add_scaled(&node.x, part, &add_scaled(next, -R::one(), &node.x));
+        let u = node.followed(&reference, x);
+        u.iter().all(|u| u.is_finite()).then(|| problem.controls.clamped(&u))
     }
 
     /// Nodes of the present motion.

@@ -33,6 +33,15 @@ pub struct Shooting<'n, P, R, const D: usize, const M: usize> {
     linearised: bool,
 }
 
+/// Progress of a search between two decisions, beside its nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<R, const D: usize> {
+    end: End<R, D>,
+    damping: R,
+    cost: R,
+    linearised: bool,
+}
+
 impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Shooting<'n, P, R, D, M> {
     /// Begins with the motion from x that follows the states of the nodes by their gains.
     ///
@@ -62,6 +71,22 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> Shooting<'n
         new.cost = new.rollout(zero)?;
         new.accept();
         Ok(new)
+    }
+
+    /// Progress so far.
+    pub fn progress(&self) -> Progress<R, D> {
+        let Self { end, damping, cost, linearised, .. } = *self;
+        Progress { end, damping, cost, linearised }
+    }
+
+    /// Goes on from a progress, which belongs to the nodes.
+    pub fn resume(
+        problem: Problem<P, R, D, M>,
+        nodes: &'n mut [Node<R, D, M>],
+        Progress { end, damping, cost, linearised }: Progress<R, D>,
+        (penalty, trials): (R, u16),
+    ) -> Self {
+        Self { problem, nodes, end, penalty, damping, cost, count: 0, trials, linearised }
     }
 
     /// Whether no step lowers the cost any more: the damping is the largest.

@@ -139,6 +139,44 @@ fn a_proposal_is_taken_if_it_costs_less() {
     assert!(control.improve().fall.abs() < 1e-12 * expected);
 }
 
+/// Decisions that are resumed from their progress are those of a search that stays.
+#[test]
+fn a_search_is_resumed() {
+    let (problem, terminal) = regulated(2);
+    let horizon = horizon(2, Some(terminal));
+    let (mut nodes, mut kept) = (vec![Node::new(2, [0.4; 2]); 5], vec![Node::new(2, [0.4; 2]); 5]);
+    let mut stays = RecedingHorizon::new(problem, horizon, START, &mut nodes).unwrap();
+    let begun = RecedingHorizon::new(problem, horizon, START, &mut kept).unwrap();
+    let (mut progress, mut x) = (begun.progress(), START);
+    for elapsed in [1, 2, 1, 3] {
+        let expected = stays.decide(elapsed, &x).unwrap();
+        let mut resumed = RecedingHorizon::resume(problem, horizon, progress, &mut kept);
+        assert_eq!(resumed.decide(elapsed, &x).unwrap(), expected);
+        progress = resumed.progress();
+        x = problem.plant.0.apply(&x, &expected.u).map(|x| 1.02 * x);
+    }
+}
+
+#[test]
+fn the_last_motion_is_held_without_a_plant() {
+    let (problem, terminal) = regulated(2);
+    let mut nodes = vec![Node::new(2, [0.0; 2]); 2];
+    let mut control = RecedingHorizon::new(problem, horizon(2, Some(terminal)), START, &mut nodes).unwrap();
+    control.improve();
+    let [first, last] = [0, 1].map(|k| control.nodes()[k]);
+    assert_eq!(control.held(0, &first.x), Some(first.u));
+    assert_eq!(control.held(2, &last.x), Some(last.u));
+    // Half way the reference is the mean of both ends.
+    let middle = from_fn(|i| 0.5 * (last.x[i] + control.end()[i]));
+    let u = control.held(3, &middle).unwrap();
+    assert!((0..2).all(|j| (u[j] - last.u[j]).abs() < 1e-12));
+    let off: [f64; 5] = from_fn(|i| first.x[i] + 0.01 * i as f64);
+    let expected = first.u[0] - dot(&first.gain[0], &from_fn(|i| off[i] - first.x[i]));
+    assert_near(control.held(0, &off).unwrap()[0], expected, 1e-12);
+    assert_eq!(control.held(4, &last.x), None);
+    assert_eq!(control.held(0, &[f64::NAN; 5]), None);
+}
+
 #[test]
 fn samples_repeat_within_their_limits() {
     let limits = Limits { least: [-2.0_f32, f32::NEG_INFINITY], most: [6.0, -1.0] };

@@ -40,15 +40,8 @@ impl<'p, const N: usize> Follow<'p, N> {
         drive: Drive<N>,
         program: &Program<N>,
     ) -> Result<Self, SetupError> {
-        let (header, tick, angle) = (plan.file().header(), program.tick, program.angle);
-        if !same_step(tick, header.h) {
-            return Err(SetupError::PlanTick { planned: header.h, tick });
-        }
-        let turns = header.angles.iter().map(|angle| *angle == 1);
-        match turns.zip(angle).position(|(turns, angle)| turns && !angle) {
-            Some(coordinate) => Err(SetupError::PlanAngle { coordinate: coordinate as u8 }),
-            None => Ok(Self { plan, drive, angle, begun: None }),
-        }
+        check_plan(&plan, program)?;
+        Ok(Self { plan, drive, angle: program.angle, begun: None })
     }
 
     /// Begins the plan, if it has not begun. Encoders of angles forget whole turns, of which the plan knows the right ones.
@@ -59,6 +52,22 @@ impl<'p, const N: usize> Follow<'p, N> {
             let turns = |i: usize| if angle[i] { apart(i) - wrap(apart(i)) } else { 0.0 };
             Begun { tick: 0, turns: core::array::from_fn(turns) }
         })
+    }
+}
+
+/// Checks that a plan has the tick and the angles of a program.
+pub(super) fn check_plan<const N: usize, const M: usize>(
+    plan: &Plan<N, M>,
+    program: &Program<N>,
+) -> Result<(), SetupError> {
+    let (header, tick, angle) = (plan.file().header(), program.tick, program.angle);
+    if !same_step(tick, header.h) {
+        return Err(SetupError::PlanTick { planned: header.h, tick });
+    }
+    let turns = header.angles.iter().map(|angle| *angle == 1);
+    match turns.zip(angle).position(|(turns, angle)| turns && !angle) {
+        Some(coordinate) => Err(SetupError::PlanAngle { coordinate: coordinate as u8 }),
+        None => Ok(()),
     }
 }
 

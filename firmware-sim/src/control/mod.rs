@@ -3,6 +3,8 @@
 mod by_encoders;
 mod float;
 mod follow;
+mod mpc;
+mod mpc_settings;
 mod pump;
 mod reference;
 mod regulator;
@@ -13,6 +15,8 @@ mod track;
 pub use by_encoders::ByEncoders;
 pub use float::Float;
 pub use follow::Follow;
+pub use mpc::{Mpc, NODES};
+pub use mpc_settings::MpcSettings;
 pub use pump::{CartPump, JointPump, NoPump, Pump, PumpConfig};
 pub use reference::{HARMONICS, Reference, Setpoint, Target, Trajectory, enter};
 pub use regulator::{Regulator, Tolerance};

@@ -113,7 +113,7 @@ fn linearise_by<M: Mechanism<N>, P: Path, const N: usize, const D: usize>(
 }
 
 /// Joins positions and velocities to a state.
-fn joined<const N: usize, const D: usize>(q: &[f32; N], v: &[f32; N]) -> [f32; D] {
+pub(super) fn joined<T: Copy, const N: usize, const D: usize>(q: &[T; N], v: &[T; N]) -> [T; D] {
     const { assert!(D == 2 * N, "the state has N positions and N velocities") };
     core::array::from_fn(|i| if i < N { q[i] } else { v[i - N] })
 }

@@ -7,7 +7,7 @@ use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 7;
+pub const VERSION: u8 = 8;
 
 /// Request from the world to a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -60,6 +60,8 @@ pub enum ProgramFault {
     NotStabilisable,
     /// The program needs a swing-up, which exists only for mechanisms of one and two coordinates.
     NoSwingUp,
+    /// The program decides at every tick, and the image does not.
+    NoMpc,
 }
 
 /// Kinds of reasons against a plan, without their details.
@@ -100,6 +102,7 @@ impl From<SetupError> for Refusal {
             SetupError::SingularInertia => Self::Program(ProgramFault::SingularInertia),
             SetupError::NotStabilisable => Self::Program(ProgramFault::NotStabilisable),
             SetupError::NoSwingUp => Self::Program(ProgramFault::NoSwingUp),
+            SetupError::NoMpc => Self::Program(ProgramFault::NoMpc),
             SetupError::NoPlan => Self::NoPlan,
             SetupError::Plan(error) => Self::Plan(error.into()),
             SetupError::PlanTick { .. } => Self::Plan(PlanFault::Tick),
@@ -143,6 +146,7 @@ impl fmt::Display for ProgramFault {
             Self::SingularInertia => "the model's inertia matrix at the upright position is singular",
             Self::NotStabilisable => "no feedback holds the model upright",
             Self::NoSwingUp => "only a pendulum and a pole on a cart are brought upright",
+            Self::NoMpc => "its image does not decide at every tick",
         })
     }
 }

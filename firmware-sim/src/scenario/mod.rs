@@ -1,4 +1,4 @@
-//! Runs of the loop: [`predict()`], [`track()`], [`follow()`], [`gravity()`], [`swing_up_pendulum`] and [`swing_up_cartpole`].
+//! Runs of the loop: [`predict()`], [`track()`], [`follow()`], [`gravity()`], [`mpc()`], [`swing_up_pendulum`] and [`swing_up_cartpole`].
 //!
 //! Each takes a plant, a model, a plain configuration and a sink that sees every tick, and returns a summary. Plant and model may be the
 //! same system. A configuration always gives the same trace, bit for bit, on every machine. [`replay()`] runs the firmware along a log
@@ -6,6 +6,7 @@
 
 mod follow;
 mod gravity;
+mod mpc;
 mod predict;
 mod replay;
 mod run;
@@ -15,6 +16,7 @@ mod track;
 
 pub use follow::{FollowConfig, Followed, follow};
 pub use gravity::{Floating, GravityConfig, gravity};
+pub use mpc::{Decided, MpcConfig, mpc};
 pub use predict::{Excitation, Predict, predict};
 pub use replay::{Logged, replay};
 pub use run::{RunError, run_on};

@@ -2,14 +2,14 @@
 
 use crate::common::plans::resting;
 use leastaction_core::model::{CATALOGUE, Entry, ModelError, fingerprint};
-use leastaction_firmware_sim::control::{Gains, Law, Target, Tolerance};
+use leastaction_firmware_sim::control::{Gains, Law, MpcSettings, Target, Tolerance};
 use leastaction_firmware_sim::devices::{ActuatorConfig, Drive};
 use leastaction_firmware_sim::link::{
     Answer, Broken, Done, Flash, Frame, LoggedSamples, ModelRefusal, PlanFault, Port, ProgramFault, Receiver,
     Refusal, Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve, serve_arm,
 };
 use leastaction_firmware_sim::observer::{LearnZeros, Order, OtherStep};
-use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
+use leastaction_firmware_sim::scenario::{MpcConfig, SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::trajectory::reference::{Arm, Cartpole, DryBodies};
 use leastaction_firmware_sim::{Mode, Outcome, Program, SetupError, Task};
 use proptest::prelude::*;
@@ -294,17 +294,45 @@ fn an_arm_runs_tick_by_tick_as_it_does_in_place() {
     assert_eq!(parse_answer::<7>(&said[21]), Ok(Answer::Refused(Refusal::Coordinates { supported: 7 })));
 }
 
-#[test]
-fn nothing_brings_an_arm_upright() {
-    let SwingUpConfig { pump, catch, .. } = SwingUpConfig::cartpole();
-    let tolerance = Tolerance { q: [0.1; 7], v: [1.0; 7], u: 1.0 };
-    let program = Program { task: Task::SwingUp { pump, tolerance, catch }, ..arm_program() };
+/// The refusal of a program of seven joints.
+fn arm_refusal(task: Task<7>) -> Refusal {
+    let program = Program { task, ..arm_program() };
     let sent = bytes(&request(&Request::Begin(program)).unwrap());
     let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
     assert_eq!(serve_arm::<_, 7>(&mut script, ARM, "tester"), Err(Silence));
     let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
-    let refusal = Refusal::Program(ProgramFault::NoSwingUp);
-    assert_eq!(parse_answer::<7>(&said[0]), Ok(Answer::Refused(refusal)));
+    match parse_answer::<7>(&said[0]) {
+        Ok(Answer::Refused(refusal)) => refusal,
+        answer => panic!("{answer:?}"),
+    }
+}
+
+#[test]
+fn nothing_brings_an_arm_upright() {
+    let SwingUpConfig { pump, catch, .. } = SwingUpConfig::cartpole();
+    let tolerance = Tolerance { q: [0.1; 7], v: [1.0; 7], u: 1.0 };
+    let refusal = arm_refusal(Task::SwingUp { pump, tolerance, catch });
+    assert_eq!(refusal, Refusal::Program(ProgramFault::NoSwingUp));
+}
+
+#[test]
+fn decisions_at_every_tick_are_refused() {
+    let MpcSettings { ticks, stride, iterations, trials, sample_every, piece, drag, .. } =
+        MpcConfig::<2>::cartpole().settings;
+    let (goal, tolerance) = ([0.0; 7], Tolerance { q: [0.1; 7], v: [1.0; 7], u: 1.0 });
+    let settings = MpcSettings {
+        goal,
+        tolerance,
+        ticks,
+        stride,
+        iterations,
+        trials,
+        sample_every,
+        piece,
+        drag,
+        plan: None,
+    };
+    assert_eq!(arm_refusal(Task::Mpc(settings)), Refusal::Program(ProgramFault::NoMpc));
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod faults;
 mod follow;
 mod gravity;
 mod link;
+mod mpc;
 mod observer;
 mod predict;
 mod regulator;

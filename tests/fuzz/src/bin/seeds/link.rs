@@ -4,7 +4,7 @@ use super::{Done, Seeds};
 use leastaction_firmware_sim::control::{Gains, Law as ControlLaw, Target};
 use leastaction_firmware_sim::devices::{ActuatorConfig, Drive};
 use leastaction_firmware_sim::link::{LoggedSamples, Request, Samples, VERSION};
-use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
+use leastaction_firmware_sim::scenario::{MpcConfig, SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::{Program, Task};
 
 /// Writes sessions of a processor: documents, each preceded by its length.
@@ -17,7 +17,8 @@ pub fn documents(seeds: &mut Seeds) -> Done {
     let float = Program { task: Task::Float { begin: [0.0, 0.1], drag: 1.0 }, ..swing_up };
     let follow = Program { task: Task::Follow { drive: Drive::ideal() }, ..swing_up };
     let track = TrackConfig::<2>::cartpole().program();
-    let begun = [swing_up, track, float, Program { task: Task::Listen, ..swing_up }, follow];
+    let mpc = MpcConfig::<2>::cartpole().program();
+    let begun = [swing_up, track, float, Program { task: Task::Listen, ..swing_up }, follow, mpc];
     for program in begun {
         for model in 0..4_u8 {
             let mut session = vec![model];
