@@ -68,6 +68,16 @@ impl MpcConfig<2> {
 }
 
 impl<const N: usize> MpcConfig<N> {
+    /// The configuration with another tick, s: nodes last about as long, in one step each.
+    #[must_use]
+    pub fn with_tick(mut self, tick: f32) -> Self {
+        let ticks = libm::roundf(f32::from(self.settings.ticks) * self.setup.tick / tick);
+        // A cast saturates; a tick out of range is refused with the setup.
+        self.settings.ticks = (ticks as u16).max(1);
+        (self.setup.tick, self.settings.stride) = (tick, self.settings.ticks);
+        self
+    }
+
     /// Program of the firmware.
     pub fn program(&self) -> Program<N> {
         self.setup.program(Task::Mpc(self.settings))

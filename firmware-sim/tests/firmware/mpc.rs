@@ -249,3 +249,13 @@ fn a_model_keeps_the_step_that_it_learned() {
     (config.setup.observer.other_step, config.settings.stride) = (OtherStep::Refused, 1);
     assert!(config.program().mpc::<_, 4>(&model, None).is_ok());
 }
+
+#[test]
+fn a_faster_tick_keeps_the_horizon() {
+    let config = MpcConfig::<1>::pendulum().with_tick(0.01);
+    let MpcSettings { ticks, stride, .. } = config.settings;
+    assert_eq!((ticks, stride, config.setup.tick), (6, 6, 0.01));
+    assert_eq!(config.with_tick(1.0).settings.ticks, 1);
+    assert_eq!(named(refused(|config| *config = config.with_tick(f32::NAN))), "tick");
+    succeeds::<1, 2>(PENDULUM, &config);
+}

@@ -3,6 +3,7 @@
 mod course;
 mod follow;
 mod gravity;
+mod mpc;
 mod picture;
 mod plant;
 mod reference;
@@ -67,6 +68,11 @@ use std::time::Duration;
 /// far the mechanism was from the plan's start, how far it left the plan, and how much of the plan's limits that took.
 ///
 /// Example: leastaction simulate model.postcard --scenario follow --plan plan.postcard
+///
+/// With --scenario mpc, the firmware decides by itself: at every tick it improves a motion that brings the pendulum, or the pole of the
+/// cart, upright. The report says how many commands were decisions, and how many came without one.
+///
+/// Example: leastaction simulate model.postcard --scenario mpc --seed 3
 ///
 /// With --replay, the observer runs along a log, and the report says how far the readings were from the model's prediction one tick before;
 /// the exit code is 1 if the model cannot be stepped.

@@ -2,6 +2,7 @@
 
 use super::follow::PlanReport;
 use super::gravity::FloatingReport;
+use super::mpc::DecidedReport;
 use super::{Plant, Request, Scenario};
 use leastaction::cli::{Done, Failure};
 use leastaction_core::energy::inertia_network::Coordinate;
@@ -64,6 +65,9 @@ pub struct Report {
     /// Result of following a plan, in the scenario follow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planned: Option<PlanReport>,
+    /// Origin of the commands, in the scenario mpc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decided: Option<DecidedReport>,
     /// Fingerprint of the trace.
     pub trace_hash: String,
     /// File of the trace.
@@ -101,6 +105,7 @@ impl Report {
             model_errors: model,
             floating: None,
             planned: None,
+            decided: None,
             trace_hash: format!("{:016x}", summary.hash),
             trace: PathBuf::new(),
             picture: PathBuf::new(),
@@ -179,6 +184,10 @@ impl fmt::Display for Report {
             let rest = rest_after
                 .map_or("not at the end".to_owned(), |after| format!("{after:.2} s after the push"));
             line(f, "at rest", &rest)?;
+        }
+        if let Some(DecidedReport { decided, followed, floated }) = &self.decided {
+            line(f, "decisions", &decided.to_string())?;
+            line(f, "without: last motion, gravity", &format!("{followed}, {floated}"))?;
         }
         for (name, value) in self.planned.iter().flat_map(|planned| planned.lines(q, list)) {
             line(f, &name, &value)?;

@@ -2,6 +2,7 @@
 
 use super::follow::{PlanArgs, Planned, planned};
 use super::gravity::{Floats, OnAnother, floating};
+use super::mpc::deciding;
 use super::plant::{Plant, Predicting, no_graphs, on_plant};
 use super::remote::Target;
 use super::track::Following;
@@ -16,7 +17,7 @@ use leastaction_core::plan::PlanFile;
 use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{
-    GravityConfig, Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on,
+    GravityConfig, MpcConfig, Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on,
 };
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary, Tick};
 use leastaction_ground_truth::Mechanism;
@@ -41,6 +42,8 @@ pub enum Scenario {
     SwingUp,
     /// Follow a plan, and hold its end.
     Follow,
+    /// Decide at every tick how to bring the pole up and hold it (pendulum, cartpole).
+    Mpc,
 }
 
 impl fmt::Display for Scenario {
@@ -51,6 +54,7 @@ impl fmt::Display for Scenario {
             Self::Gravity => "gravity",
             Self::SwingUp => "swing-up",
             Self::Follow => "follow",
+            Self::Mpc => "mpc",
         })
     }
 }
@@ -178,6 +182,7 @@ fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result
         }
         Scenario::Gravity => floating(request, (&plant, model), GravityConfig::<1>::pendulum(), trace),
         Scenario::Follow => planned(request, (&plant, model), trace),
+        Scenario::Mpc => deciding::<_, _, 1, 2>(request, (&plant, model), MpcConfig::<1>::pendulum(), trace),
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
@@ -226,7 +231,10 @@ fn two_coordinates(
                 |tick| trace.push(tick),
             )
         }
-        (Scenario::SwingUp, true) => {
+        (Scenario::Mpc, false) => {
+            deciding::<_, _, 2, 4>(request, (&plant, model), MpcConfig::<2>::cartpole(), trace)
+        }
+        (Scenario::SwingUp | Scenario::Mpc, true) => {
             Err(Failure::Input("there is no swing-up of the acrobot; take predict or track".to_owned()))
         }
     }
