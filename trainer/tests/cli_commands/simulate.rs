@@ -21,7 +21,7 @@ fn simulate(bench: &Bench, options: &str) -> Value {
 #[test]
 fn a_learned_model_predicts_tracks_and_swings_up() {
     let bench = learned();
-    for scenario in ["predict --seconds 2", "track", "swing-up"] {
+    for scenario in ["predict --seconds 2", "track", "swing-up", "mpc"] {
         let report = simulate(&bench, &format!("--scenario {scenario} -o out"));
         assert_eq!((report["success"].as_bool(), report["system"].as_str()), (Some(true), Some("pendulum")));
         assert_eq!(report["model_errors"].as_u64(), Some(0));
@@ -31,6 +31,15 @@ fn a_learned_model_predicts_tracks_and_swings_up() {
         assert!(trace.lines().all(|line| line.split(',').count() == columns));
         assert!(bench.text("out/run.svg").contains("</svg>"));
     }
+}
+
+#[test]
+fn decisions_are_counted_and_made_here() {
+    let bench = learned();
+    let report = simulate(&bench, "--scenario mpc --seconds 1 --seed 2");
+    let count = |name: &str| report["decided"][name].as_u64().unwrap();
+    assert!(count("decided") > 90 && count("followed") + count("floated") == 0, "{report}");
+    bench.run("simulate run.postcard --scenario mpc --on cortex-m4").bad(2, &["decide at every tick", "--on"]);
 }
 
 #[test]
