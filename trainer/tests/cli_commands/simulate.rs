@@ -36,10 +36,12 @@ fn a_learned_model_predicts_tracks_and_swings_up() {
 #[test]
 fn decisions_are_counted_and_made_here() {
     let bench = learned();
-    let report = simulate(&bench, "--scenario mpc --seconds 1 --seed 2");
+    let report = simulate(&bench, "--scenario mpc --seed 2");
     let count = |name: &str| report["decided"][name].as_u64().unwrap();
     assert!(count("decided") > 90 && count("followed") + count("floated") == 0, "{report}");
-    bench.run("simulate run.postcard --scenario mpc --on cortex-m4").bad(2, &["decide at every tick", "--on"]);
+    bench
+        .run("simulate run.postcard --scenario mpc --on cortex-m4")
+        .bad(2, &["decide at every tick", "--on"]);
 }
 
 #[test]
