@@ -244,8 +244,8 @@ pub(crate) fn diagonal<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N])
 }
 
 impl Program<1> {
-    /// Creates the firmware over a model of a pendulum, q = θ, for every task except a plan and decisions. For tasks other than a swing-up, the model may
-    /// have any one coordinate.
+    /// Creates the firmware over a model of a pendulum, q = θ, for every task except a plan and decisions. For tasks other than a swing-up,
+    /// the model may have any one coordinate.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
@@ -272,8 +272,8 @@ impl Program<1> {
 }
 
 impl Program<2> {
-    /// Creates the firmware over a model of a cart and its pole, q = (x, θ), for every task except a plan and decisions. For tasks other than a swing-up,
-    /// the model may have any two coordinates.
+    /// Creates the firmware over a model of a cart and its pole, q = (x, θ), for every task except a plan and decisions. For tasks other than
+    /// a swing-up, the model may have any two coordinates.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models

@@ -4,7 +4,7 @@ use crate::scalar::Real;
 /// Fills controls with a random command for every `piece` of them, uniform within limits: a guess that
 /// [`RecedingHorizon::propose`](super::RecedingHorizon::propose) may take.
 ///
-/// The same seed gives the same numbers on every machine. A control that is not limited at both sides is 0, or the limit next to it.
+/// Numbers of a seed are the same on every machine. A control that is not limited at both sides is 0, or the limit next to it.
 pub fn sample<R: Real, const M: usize>(
     seed: u64,
     piece: usize,

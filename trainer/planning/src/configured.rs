@@ -313,7 +313,7 @@ fn check(config: &CheckConfig, n: usize) -> Result<Check, PlanError> {
 }
 
 /// Numbers of a list, which must be n finite ones.
-fn exactly(key: &str, n: usize, list: &[f64]) -> Result<Vec<f64>, PlanError> {
+pub(crate) fn exactly(key: &str, n: usize, list: &[f64]) -> Result<Vec<f64>, PlanError> {
     check_length(key, n, list.len())?;
     match list.iter().find(|x| !x.is_finite()) {
         Some(x) => Err(PlanError::value(key, format!("has {x}, which is not a number"))),

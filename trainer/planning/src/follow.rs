@@ -26,7 +26,7 @@ pub struct Gains<const N: usize, const D: usize> {
 }
 
 impl Task {
-    fn weights<const N: usize, const D: usize>(&self) -> Weights<f64, D, N> {
+    pub(crate) fn weights<const N: usize, const D: usize>(&self) -> Weights<f64, D, N> {
         let inverse = |x: Option<&f64>| x.map_or(1.0, |x| 1.0 / (x * x));
         Weights {
             x: from_fn(|i| inverse(self.follow.x.get(i))),

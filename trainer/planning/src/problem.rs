@@ -2,6 +2,7 @@
 
 use crate::Task;
 use crate::plant::{PlantStep, Widened};
+use crate::task::LimitsOf;
 use leastaction_core::control::{Cost, Limits, Options, Penalty, Plant, Problem};
 use leastaction_core::discrete::Newton;
 use leastaction_core::forces::Actuator;
@@ -15,9 +16,17 @@ pub fn array<const K: usize>(list: &[f64]) -> [f64; K] {
 }
 
 /// Ends of a list of intervals.
-fn ends<const K: usize>(list: &[[f64; 2]]) -> Limits<f64, K> {
+pub fn ends<const K: usize>(list: &[[f64; 2]]) -> Limits<f64, K> {
     let end = |side: usize| from_fn(|i| list.get(i).map_or(0.0, |range| range[side]));
     Limits { least: end(0), most: end(1) }
+}
+
+impl LimitsOf {
+    /// A range of every command; 0 alone for one that is not driven.
+    pub(crate) fn commands<const N: usize>(&self, range: impl Fn(usize) -> [f64; 2]) -> Limits<f64, N> {
+        let ranges: [[f64; 2]; N] = from_fn(|i| if self.is_driven(i) { range(i) } else { [0.0; 2] });
+        ends(&ranges)
+    }
 }
 
 impl Task {
@@ -52,9 +61,6 @@ impl Task {
     ) -> Problem<P, f64, D, N> {
         let dt = self.tick;
         let weights = |list: &[f64]| list.iter().map(|weight| weight * dt).collect::<Vec<_>>();
-        let controls: Vec<[f64; 2]> = (0..N)
-            .map(|i| if self.limits.is_driven(i) { self.limits.planned(i) } else { [0.0; 2] })
-            .collect();
         let unit = [1.0; D];
         let energy = self.energy_goal(&plant);
         Problem {
@@ -66,7 +72,7 @@ impl Task {
                 u: array(&weights(&self.cost.u)),
                 end: [[0.0; D]; D],
             },
-            controls: ends(&controls),
+            controls: self.limits.commands(|i| self.limits.planned(i)),
             hard: Penalty { limits: ends(&self.limits.x), weights: unit },
             soft: Penalty { limits: ends(&self.soft.0), weights: [self.soft.1 * dt; D] },
             goal: Penalty { limits: ends(&self.goal.state), weights: unit },

@@ -54,7 +54,7 @@ fn a_weak_drive_swings_up_from_anywhere() {
     with_policy(SWING_UP, |replica, policy| {
         let policy = policy.unwrap();
         for start in [[0.0, 0.0], [2.0, -3.0], [-1.0, 5.0], [3.0, 8.0], [PI + TAU, 0.5]] {
-            let mut law = policy.begin(1);
+            let mut law = policy.begin();
             let (end, state) = run(replica, &mut law, start, 8.0);
             let off = end[0] - PI - TAU * ((end[0] - PI) / TAU).round();
             assert!(off.abs() < 0.01 && end[1].abs() < 0.05, "from {start:?} to {end:?}");
@@ -92,7 +92,7 @@ fn goals_that_are_no_posture_are_refused() {
 #[test]
 fn states_that_are_none_of_the_model_are_refused() {
     with_policy(SWING_UP, |_, policy| {
-        let mut law = policy.unwrap().begin(1);
+        let mut law = policy.unwrap().begin();
         assert!(law.decide([&[0.0, 1.0], &[0.0]], 1).unwrap_err().to_string().contains("has 2 values"));
         assert!(law.decide([&[f64::NAN], &[0.0]], 1).unwrap_err().to_string().contains("NaN"));
     });

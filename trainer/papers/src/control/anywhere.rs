@@ -42,7 +42,7 @@ pub fn prepare<'m>(
     let policy = Arc::new(policy);
     Ok(Box::new(move || {
         let policy = Arc::clone(&policy);
-        Box::new(Anywhere { law: policy.begin(2), policy, driven: robot.driven(), last: None })
+        Box::new(Anywhere { law: policy.begin(), policy, driven: robot.driven(), last: None })
     }))
 }
 
@@ -58,7 +58,7 @@ struct Anywhere<'m> {
 
 impl Policy for Anywhere<'_> {
     fn reset(&mut self) {
-        (self.law, self.last) = (self.policy.begin(2), None);
+        (self.law, self.last) = (self.policy.begin(), None);
     }
 
     fn torque(&mut self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {

@@ -5,13 +5,13 @@ use super::plant::{DoublePendulum, UPRIGHT};
 use super::policy::{Maker, Policy, Robot, TICK};
 use super::scores::SINGLE_SECONDS;
 use super::simulation::{Course, simulate};
+use leastaction_core::scalar::Real;
 use leastaction_models::parallel;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use std::array::from_fn;
-use std::f64::consts::TAU;
 
 /// Columns of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,10 +173,9 @@ pub fn share(column: Column, robot: Robot, maker: &Maker, seed: u64) -> f64 {
 /// Whether the last state counts as upright at rest. A state that is not finite does not.
 pub fn is_upright(course: &Course) -> bool {
     let Some(x) = course.states.last() else { return false };
-    let short = |d: f64| d - TAU * (d / TAU).round();
     (0..4).all(|i| {
         let d = x[i] - UPRIGHT[i];
-        if i < 2 { short(d).abs() < CLOSE[0] } else { d.abs() < CLOSE[1] }
+        if i < 2 { d.short_way().abs() < CLOSE[0] } else { d.abs() < CLOSE[1] }
     })
 }
 

@@ -6,6 +6,7 @@ use super::policy::{ControlError, Policy, Robot, TICK, TORQUE_LIMIT};
 use leastaction_core::control::riccati::{Regulator, Weights, back, stationary};
 use leastaction_core::control::{Cost, Ilqr, Limits, Node, Options, Penalty, Plant, Problem};
 use leastaction_core::linear::{dot, identity, multiply, solve_columns};
+use leastaction_core::scalar::Real;
 use leastaction_models::parallel;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -43,7 +44,7 @@ struct Planned {
 
 /// A plan with its gains, tick by tick, and the regulator at its end.
 ///
-/// Where upright is out of reach, the plan begins again from its start, wherever the pendulum is: a baseline, as the competition's own.
+/// The plan begins again from its start where upright is out of reach, wherever the pendulum is: a baseline, as the competition's own.
 #[derive(Clone, Debug)]
 pub struct Tvlqr {
     ticks: Vec<Planned>,
@@ -62,8 +63,7 @@ impl Planned {
 
     /// Deviation of a state, angles the short way round.
     fn deviation(&self, x: &State) -> State {
-        let short = |d: f64| d - TAU * (d / TAU).round();
-        from_fn(|i| if i < 2 { short(x[i] - self.x[i]) } else { x[i] - self.x[i] })
+        from_fn(|i| if i < 2 { (x[i] - self.x[i]).short_way() } else { x[i] - self.x[i] })
     }
 
     /// Torque u − K δx, N m.

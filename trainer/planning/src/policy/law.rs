@@ -44,7 +44,14 @@ pub struct Known<P, const D: usize, const M: usize> {
     pub library: Library<D, M>,
 }
 
-/// Present doing, and since which tick.
+/// Commands of a tick, without limits: the planned one, and the one with feedback.
+struct Present<const M: usize> {
+    planned: [f64; M],
+    u: [f64; M],
+    state: State,
+}
+
+/// Doing of a law.
 enum Doing<const D: usize, const M: usize> {
     Following(Vec<Followed<D, M>>, [f64; D]),
     Holding,
@@ -76,23 +83,21 @@ impl<P: Plant<f64, D, M>, const D: usize, const M: usize> Law<P, D, M> {
     /// Command at a state, `elapsed` ticks after the last one.
     pub fn command(&mut self, x: &[f64; D], elapsed: usize) -> Command<M> {
         self.ticks += elapsed;
-        let searched = self.is_lost(x);
+        let mut present = self.present(x);
+        let searched = self.is_lost(&present);
         if searched {
             self.search(x);
+            present = self.present(x);
         }
-        let (u, state) = self.present(x);
-        Command { u: self.known.setting.aim.controls.clamped(&u), state, searched }
+        let u = self.known.setting.aim.controls.clamped(&present.u);
+        Command { u, state: present.state, searched }
     }
 
     /// Whether the present doing no longer leads to the goal.
-    fn is_lost(&self, x: &[f64; D]) -> bool {
-        match &self.doing {
-            Doing::Braking => self.ticks as f64 * self.known.setting.h >= BRAKED,
-            Doing::Following(motion, end) => {
-                let (planned, u) = self.followed(motion, end, x);
-                self.asks_too_much(&planned, &u)
-            }
-            Doing::Holding => self.asks_too_much(&self.known.setting.held, &self.known.setting.holding(x)),
+    fn is_lost(&self, Present { planned, u, state }: &Present<M>) -> bool {
+        match state {
+            State::Brake => self.ticks as f64 * self.known.setting.h >= BRAKED,
+            State::Follow | State::Hold => self.asks_too_much(planned, u),
         }
     }
 
@@ -140,13 +145,21 @@ impl<P: Plant<f64, D, M>, const D: usize, const M: usize> Law<P, D, M> {
         Doing::Following(motion, *end)
     }
 
-    /// Command of the present doing, without limits.
-    fn present(&self, x: &[f64; D]) -> ([f64; M], State) {
-        match &self.doing {
-            Doing::Holding => (self.known.setting.holding(x), State::Hold),
-            Doing::Braking => (braking(&self.known.setting, x, BRAKES), State::Brake),
-            Doing::Following(motion, end) => (self.followed(motion, end, x).1, State::Follow),
-        }
+    /// Commands of the present doing.
+    fn present(&self, x: &[f64; D]) -> Present<M> {
+        let Known { setting, .. } = &*self.known;
+        let (planned, u, state) = match &self.doing {
+            Doing::Holding => (setting.held, setting.holding(x), State::Hold),
+            Doing::Braking => {
+                let u = braking(setting, x, BRAKES);
+                (u, u, State::Brake)
+            }
+            Doing::Following(motion, end) => {
+                let (planned, u) = self.followed(motion, end, x);
+                (planned, u, State::Follow)
+            }
+        };
+        Present { planned, u, state }
     }
 
     /// Planned command and command with feedback of a motion; after its end those of the regulator about the goal.

@@ -1,9 +1,9 @@
 use super::{Aim, Command, Known, Law, Library, Setting, Starts, State};
+use crate::configured::exactly;
 use crate::plant::Widened;
-use crate::problem::array;
+use crate::problem::{array, ends};
 use crate::{PlanError, Task};
-use leastaction_core::control::Limits;
-use leastaction_core::control::riccati::{RegulatorError, Weights};
+use leastaction_core::control::riccati::RegulatorError;
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_models::Model;
 use leastaction_replica::{Replica, StateVisitor, SystemOf};
@@ -13,6 +13,7 @@ use std::sync::Arc;
 /// A policy for a model: motions from many starts to the goal, and the laws that use them.
 pub struct Policy<'c> {
     prepared: Box<dyn Prepared<'c> + 'c>,
+    n: usize,
 }
 
 /// The law of one mechanism.
@@ -56,12 +57,12 @@ impl<'c> Policy<'c> {
         watch: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<Self, PlanError> {
         let prepared = replica.visit_states(Preparing { model, task, watch })?;
-        Ok(Self { prepared })
+        Ok(Self { prepared, n: replica.n() })
     }
 
     /// A law that begins anywhere; laws of one policy know nothing of each other.
-    pub fn begin(&self, n: usize) -> Decider<'c> {
-        Decider { law: self.prepared.begin(), n }
+    pub fn begin(&self) -> Decider<'c> {
+        Decider { law: self.prepared.begin(), n: self.n }
     }
 
     /// Durations of the motions that were found, s.
@@ -76,19 +77,8 @@ impl Decider<'_> {
     /// # Errors
     /// [`PlanError::Value`] for numbers that are no state of the model.
     pub fn decide(&mut self, [q, v]: [&[f64]; 2], elapsed: usize) -> Result<Decision, PlanError> {
-        for (key, list) in [("q", q), ("v", v)] {
-            if list.len() != self.n {
-                let (found, n) = (list.len(), self.n);
-                return Err(PlanError::value(
-                    key,
-                    format!("has {found} values, but the model has {n} coordinates"),
-                ));
-            }
-            if let Some(x) = list.iter().find(|x| !x.is_finite()) {
-                return Err(PlanError::value(key, format!("has {x}, which is not a number")));
-            }
-        }
-        Ok(self.law.decide(&[q, v].concat(), elapsed))
+        let x = [exactly("q", self.n, q)?, exactly("v", self.n, v)?].concat();
+        Ok(self.law.decide(&x, elapsed))
     }
 }
 
@@ -152,28 +142,22 @@ impl Preparing<'_> {
     }
 
     fn aim<const N: usize, const D: usize>(&self) -> Result<Aim<D, N>, PlanError> {
-        let Task { goal, limits, follow, cost, policy, .. } = self.task;
+        let Task { goal, limits, cost, policy, .. } = self.task;
         let posture = goal.energy.is_none() && goal.state.iter().all(|[least, most]| least == most);
         if !posture || goal.state.iter().skip(N).any(|[v, _]| *v != 0.0) {
             return Err(PlanError::value("goal", "is no posture at rest; a policy needs one: give q alone"));
         }
-        let inverse = |x: &f64| 1.0 / (x * x);
         let catch = array(&policy.catch);
-        let end = |side: usize| from_fn(|i| limits.x[i][side]);
-        let driven = |of: &dyn Fn(usize) -> [f64; 2]| {
-            let ranges: [[f64; 2]; N] = from_fn(|i| if limits.is_driven(i) { of(i) } else { [0.0; 2] });
-            Limits { least: ranges.map(|[least, _]| least), most: ranges.map(|[_, most]| most) }
-        };
         Ok(Aim {
             goal: array(&goal.middle()),
             turns: from_fn(|i| goal.turns[i]),
             unit: catch.map(|x: f64| UNIT * x),
             catch,
-            weights: Weights { x: from_fn(|i| inverse(&follow.x[i])), u: from_fn(|i| inverse(&follow.u[i])) },
+            weights: self.task.weights(),
             effort: array(&cost.u),
-            controls: driven(&|i| limits.u[i]),
-            planned: driven(&|i| limits.planned(i)),
-            states: Limits { least: end(0), most: end(1) },
+            controls: limits.commands(|i| limits.u[i]),
+            planned: limits.commands(|i| limits.planned(i)),
+            states: ends(&limits.x),
             longest: *self.task.nodes.end(),
         })
     }

@@ -1,8 +1,8 @@
 use leastaction_core::control::riccati::{Regulator, RegulatorError, Weights, stationary};
 use leastaction_core::control::{Limits, Plant};
 use leastaction_core::linear::multiply;
+use leastaction_core::scalar::Real;
 use std::array::from_fn;
-use std::f64::consts::TAU;
 
 /// Numbers of a policy; a state is (q, v).
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl<const D: usize, const M: usize> Aim<D, M> {
     pub fn deviation(&self, x: &[f64; D], y: &[f64; D]) -> [f64; D] {
         from_fn(|i| {
             let d = x[i] - y[i];
-            if self.turns[i] { d - TAU * (d / TAU).round() } else { d }
+            if self.turns[i] { d.short_way() } else { d }
         })
     }
 
