@@ -4,7 +4,7 @@ use super::selection::cases;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_models::parallel;
-use leastaction_papers::control::{CONTROLLERS, Model, Report, Robot, Table, rows};
+use leastaction_papers::control::{Controller, Model, Report, Robot, Table, rows};
 use std::ops::Range;
 
 /// RealAIGym (DFKI, ICRA 2025): a double pendulum with one drive comes upright, from anywhere, fast, or with faults.
@@ -23,6 +23,9 @@ pub struct Control {
     /// Only this robot.
     #[arg(long)]
     robot: Option<Robot>,
+    /// Only this controller of ours.
+    #[arg(long)]
+    controller: Option<Controller>,
     /// Seeds of the disturbances, the end excluded; robustness takes the first for its random numbers, a single swing-up needs none.
     #[arg(long, value_name = "FROM..TO", default_value = "0..20", value_parser = seeds)]
     seeds: Range<u64>,
@@ -80,10 +83,11 @@ impl Control {
 
     fn report(&self, output: Output) -> Result<Report, Failure> {
         let mut report = Report { rows: Vec::new() };
+        let controllers = cases(self.controller);
         let exact = Model::exact().map_err(|error| Failure::Work(error.to_string()))?;
         for table in self.table.tables() {
             for robot in cases(self.robot) {
-                let ours = (&CONTROLLERS[..], std::slice::from_ref(&exact));
+                let ours = (&controllers[..], std::slice::from_ref(&exact));
                 let found = rows(*table, robot, ours, &self.seeds, &|line| output.note(line))
                     .map_err(|error| Failure::Work(format!("{}: {error}", robot.name())))?;
                 report.rows.extend(found);

@@ -21,6 +21,6 @@ mod tvlqr;
 
 pub use model::{Believed, Model};
 pub use plant::{DoublePendulum, State, UPRIGHT};
-pub use policy::{CONTROLLERS, ControlError, Controller, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
+pub use policy::{ControlError, Controller, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
 pub use rows::{Report, Row};
 pub use tables::{Table, rows};

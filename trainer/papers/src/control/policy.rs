@@ -62,16 +62,13 @@ pub trait Policy {
 pub type Maker<'m> = Box<dyn Fn() -> Box<dyn Policy + 'm> + Send + Sync + 'm>;
 
 /// Controller of ours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Controller {
-    /// A swing-up with time-varying LQR, held by LQR.
-    Tvlqr,
     /// The shortest motion that is found from wherever the pendulum is, with the help of a library.
     Anywhere,
+    /// A swing-up with time-varying LQR, held by LQR.
+    Tvlqr,
 }
-
-/// All controllers of ours.
-pub const CONTROLLERS: [Controller; 2] = [Controller::Anywhere, Controller::Tvlqr];
 
 /// Reason why a controller cannot be prepared.
 #[derive(Clone, Debug, PartialEq, Error)]
