@@ -44,6 +44,8 @@ pub struct Drives {
     pub gain: Vec<f64>,
     /// Delay d, s.
     pub delay: f64,
+    /// Standard deviation of the torque of a driven coordinate about the commanded one, drawn anew for every command, N m or N.
+    pub noise: f64,
     /// Whether each coordinate has a drive.
     pub driven: Vec<bool>,
 }
@@ -208,6 +210,7 @@ impl RobotSettings {
         not_below("jitter", sensors.jitter)?;
         require("jitter", sensors.jitter, sensors.jitter < 0.5 * h, "less than half the step, s")?;
         not_below("delay of the drives", drives.delay)?;
+        not_below("noise of the drives", drives.noise)?;
         drives.gain.iter().try_for_each(|gain| require("gain", *gain, gain.is_finite(), "finite"))?;
         rising("frequency", excitation.frequency)?;
         rising("amplitude", excitation.amplitude)?;

@@ -24,6 +24,7 @@ enum Purpose {
     Zeros,
     Noise,
     Jitter,
+    Drive,
 }
 
 /// Random streams of one log.
@@ -82,7 +83,8 @@ impl<'a, const N: usize> Robot<'a, N> {
         let streams = Streams { seed: self.settings.seed, log: id };
         let times = self.times(&mut streams.of(Purpose::Jitter));
         let commands = self.commands(&times, &mut streams.of(Purpose::Control));
-        let mut motion = Motion { robot: self, times: &times, commands: &commands, ..self.rest(streams) };
+        let driven = self.driven(&commands, &mut streams.of(Purpose::Drive));
+        let mut motion = Motion { robot: self, times: &times, driven: &driven, ..self.rest(streams) };
         let (mut q, mut v, mut a, mut torques) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for t in &times {
             let diverged = RobotError::Diverged { log: id, t: *t };
@@ -113,6 +115,13 @@ impl<'a, const N: usize> Robot<'a, N> {
         times.iter().map(at).collect()
     }
 
+    /// Torques of the drives under the commands.
+    fn driven(&self, commands: &[[f64; N]], stream: &mut Pcg64) -> Vec<[f64; N]> {
+        let drives = &self.settings.drives;
+        let mut noise = |i: usize| if drives.driven[i] { drives.noise * normal(stream) } else { 0.0 };
+        commands.iter().map(|u| std::array::from_fn(|i| self.gain[i] * u[i] + noise(i))).collect()
+    }
+
     /// The start of a motion, near rest in the hanging position.
     fn rest(&self, streams: Streams) -> Motion<'_, N> {
         let (spread, hanging) = (self.settings.start, self.settings.machine.hanging());
@@ -120,7 +129,7 @@ impl<'a, const N: usize> Robot<'a, N> {
         let mut within = |limit: f64| limit * (2.0 * stream.random::<f64>() - 1.0);
         let q = std::array::from_fn(|i| hanging[i] + within(spread.q));
         let state = ContinuousState { q, v: std::array::from_fn(|_| within(spread.v)) };
-        Motion { robot: self, times: &[], commands: &[], state, torque: [0.0; N], t: 0.0, arrived: 0 }
+        Motion { robot: self, times: &[], driven: &[], state, torque: [0.0; N], t: 0.0, arrived: 0 }
     }
 
     fn zeros(&self, stream: &mut Pcg64) -> [f64; N] {
@@ -139,12 +148,13 @@ fn normal(stream: &mut Pcg64) -> f64 {
     StandardNormal.sample(stream)
 }
 
-/// A robot under the commands of one log.
+/// A robot under the torques of one log.
 struct Motion<'r, const N: usize> {
     robot: &'r Robot<'r, N>,
     /// Times of the commands, s.
     times: &'r [f64],
-    commands: &'r [[f64; N]],
+    /// Torques of the drives, of which each acts from its command's arrival on.
+    driven: &'r [[f64; N]],
     state: ContinuousState<f64, N>,
     /// Current torque τ.
     torque: [f64; N],
@@ -158,13 +168,14 @@ impl<const N: usize> Motion<'_, N> {
     /// Advances to a time, from the arrival of one command to that of the next; returns v̇ at this time.
     fn advance(&mut self, t: f64) -> Option<[f64; N]> {
         let delay = self.robot.settings.drives.delay;
-        while let (Some(given), Some(u)) = (self.times.get(self.arrived), self.commands.get(self.arrived)) {
+        while let (Some(given), Some(torque)) = (self.times.get(self.arrived), self.driven.get(self.arrived))
+        {
             let arrival = given + delay;
             if arrival > t {
                 break;
             }
             self.coast(arrival)?;
-            self.torque = std::array::from_fn(|i| self.robot.gain[i] * u[i]);
+            self.torque = *torque;
             self.arrived += 1;
         }
         self.coast(t)?;

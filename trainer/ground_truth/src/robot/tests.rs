@@ -14,7 +14,7 @@ fn settings() -> RobotSettings {
         machine: Machine::Named(Mechanism::Acrobot),
         friction: FRICTION.to_vec(),
         sensors: Sensors::default(),
-        drives: Drives { gain: vec![1.0; 2], delay: 0.0, driven: vec![true; 2] },
+        drives: Drives { gain: vec![1.0; 2], delay: 0.0, noise: 0.0, driven: vec![true; 2] },
         excitation: Excitation { sines: 3, frequency: [0.3, 2.5], amplitude: [0.5, 2.0] },
         start: StartSpread { q: 0.5, v: 0.2 },
         logs: 2,
@@ -79,7 +79,7 @@ fn readings_lie_on_the_grid_about_the_zero() {
 
 #[test]
 fn torques_are_late_and_weak_as_asked_for() {
-    let drives = Drives { gain: vec![0.8, -1.5], delay: 0.03, driven: vec![true, false] };
+    let drives = Drives { gain: vec![0.8, -1.5], delay: 0.03, noise: 0.0, driven: vec![true, false] };
     let logs = robot_logs(&RobotSettings { drives, ..settings() }).unwrap();
     for log in &logs.logs {
         assert!(log.commands.column(1).all(|u| u == 0.0) && log.commands.column(0).all(|u| u != 0.0));
@@ -95,11 +95,27 @@ fn torques_are_late_and_weak_as_asked_for() {
 }
 
 #[test]
+fn torques_are_as_noisy_as_asked_for() {
+    let drives = Drives { gain: vec![0.8, -1.5], delay: 0.0, noise: 0.3, driven: vec![true, false] };
+    let logs = robot_logs(&RobotSettings { drives, samples: 2000, logs: 1, ..settings() }).unwrap();
+    let log = &logs.logs[0];
+    assert!(log.torques.column(1).all(|torque| torque == 0.0));
+    let off: Vec<f64> = log.torques.column(0).zip(log.commands.column(0)).map(|(g, u)| g - 0.8 * u).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    let deviation = (off.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / off.len() as f64).sqrt();
+    assert!(mean.abs() < 0.03 && (deviation / 0.3 - 1.0).abs() < 0.1, "{mean} {deviation}");
+    // Each is drawn for itself.
+    let squares: f64 = off.iter().map(|x| x * x).sum();
+    let next: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    assert!((next / squares).abs() < 0.1, "{next}");
+}
+
+#[test]
 fn half_a_step_of_delay_is_half_a_step_of_the_torque() {
     let excitation = Excitation { sines: 1, frequency: [0.0, 0.0], amplitude: [1.0, 1.0] };
     let quiet = RobotSettings {
         machine: Machine::Named(Mechanism::Cartpole),
-        drives: Drives { gain: vec![1.0; 2], delay: 0.005, driven: vec![true, false] },
+        drives: Drives { gain: vec![1.0; 2], delay: 0.005, noise: 0.0, driven: vec![true, false] },
         friction: vec![JointFriction { viscous: 0.0, coulomb: 0.0, width: 1.0 }; 2],
         start: StartSpread::default(),
         excitation,
@@ -150,7 +166,7 @@ fn settings_out_of_range_are_named() {
     let machine = Machine::Linkage(Linkage::points(5));
     let five = RobotSettings {
         friction: vec![FRICTION[0]; 5],
-        drives: Drives { gain: vec![1.0; 5], delay: 0.0, driven: vec![true; 5] },
+        drives: Drives { gain: vec![1.0; 5], delay: 0.0, noise: 0.0, driven: vec![true; 5] },
         machine,
         ..settings()
     };

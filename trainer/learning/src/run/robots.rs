@@ -13,7 +13,7 @@ pub fn pendulums(logs: usize) -> Dataset {
         machine: Machine::Linkage(Linkage { gravity: 9.81, joints: vec![joint] }),
         friction: vec![JointFriction { viscous: 0.005, coulomb: 0.1, width: 0.2 }],
         sensors: Sensors { noise: 1e-3, ..Sensors::default() },
-        drives: Drives { gain: vec![1.0], delay: 0.0, driven: vec![true] },
+        drives: Drives { gain: vec![1.0], delay: 0.0, noise: 0.0, driven: vec![true] },
         excitation: Excitation { sines: 3, frequency: [0.3, 2.5], amplitude: [0.1, 0.5] },
         start: StartSpread::default(),
         logs,

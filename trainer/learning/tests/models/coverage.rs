@@ -47,7 +47,7 @@ fn robot(seed: u64) -> RobotSettings {
         machine: Machine::Linkage(Linkage { gravity: 9.81, joints }),
         friction: FRICTION.to_vec(),
         sensors: Sensors { noise: 1e-3, zeros: 0.02, ..Sensors::default() },
-        drives: Drives { gain: vec![1.0; 2], delay: DELAY, driven: vec![true; 2] },
+        drives: Drives { gain: vec![1.0; 2], delay: DELAY, noise: 0.0, driven: vec![true; 2] },
         excitation: Excitation { sines: 3, frequency: [0.3, 2.5], amplitude: [0.1, 0.35] },
         start: StartSpread::default(),
         logs: LOGS,

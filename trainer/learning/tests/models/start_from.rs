@@ -30,7 +30,7 @@ fn logs(noise: f64, seed: u64) -> Dataset {
         machine: Machine::Linkage(Linkage { gravity: 9.81, joints }),
         friction: vec![friction(0.005, 0.1), friction(0.002, 0.07)],
         sensors: Sensors { noise, ..Sensors::default() },
-        drives: Drives { gain: vec![GAIN; 2], delay: 0.0, driven: vec![true; 2] },
+        drives: Drives { gain: vec![GAIN; 2], delay: 0.0, noise: 0.0, driven: vec![true; 2] },
         excitation: Excitation { sines: 3, frequency: [0.3, 2.5], amplitude: [0.1, 0.35] },
         start: StartSpread::default(),
         logs: 3,

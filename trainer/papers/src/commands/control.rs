@@ -4,7 +4,7 @@ use super::selection::cases;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_models::parallel;
-use leastaction_papers::control::{Controller, Model, Report, Robot, Table, rows};
+use leastaction_papers::control::{ControlError, Controller, Known, Report, Robot, Table, rows};
 use std::ops::Range;
 
 /// RealAIGym (DFKI, ICRA 2025): a double pendulum with one drive comes upright, from anywhere, fast, or with faults.
@@ -26,6 +26,9 @@ pub struct Control {
     /// Only this controller of ours.
     #[arg(long)]
     controller: Option<Controller>,
+    /// Only with this model.
+    #[arg(long)]
+    model: Option<Known>,
     /// Seeds of the disturbances, the end excluded; robustness takes the first for its random numbers, a single swing-up needs none.
     #[arg(long, value_name = "FROM..TO", default_value = "0..20", value_parser = seeds)]
     seeds: Range<u64>,
@@ -84,13 +87,18 @@ impl Control {
     fn report(&self, output: Output) -> Result<Report, Failure> {
         let mut report = Report { rows: Vec::new() };
         let controllers = cases(self.controller);
-        let exact = Model::exact().map_err(|error| Failure::Work(error.to_string()))?;
+        let note = |line: &str| output.note(line);
+        let refused =
+            |robot: Robot| move |error: ControlError| Failure::Work(format!("{}: {error}", robot.name()));
+        let known = |robot: Robot| {
+            let models = cases(self.model).into_iter().map(|known| known.model(robot, &note));
+            Ok((robot, models.collect::<Result<Vec<_>, _>>().map_err(refused(robot))?))
+        };
+        let robots = cases(self.robot).into_iter().map(known).collect::<Result<Vec<_>, Failure>>()?;
         for table in self.table.tables() {
-            for robot in cases(self.robot) {
-                let ours = (&controllers[..], std::slice::from_ref(&exact));
-                let found = rows(*table, robot, ours, &self.seeds, &|line| output.note(line))
-                    .map_err(|error| Failure::Work(format!("{}: {error}", robot.name())))?;
-                report.rows.extend(found);
+            for (robot, models) in &robots {
+                let found = rows(*table, *robot, (&controllers[..], models), &self.seeds, &note);
+                report.rows.extend(found.map_err(refused(*robot))?);
             }
         }
         Ok(report)

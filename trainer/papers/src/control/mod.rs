@@ -6,6 +6,7 @@
 mod anywhere;
 mod disturbance;
 mod driven;
+mod learned;
 mod model;
 mod plant;
 mod policy;
@@ -19,7 +20,7 @@ mod tables;
 mod tests;
 mod tvlqr;
 
-pub use model::{Believed, Model};
+pub use model::{Believed, Known, Model};
 pub use plant::{DoublePendulum, State, UPRIGHT};
 pub use policy::{ControlError, Controller, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
 pub use rows::{Report, Row};

@@ -89,7 +89,7 @@ fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskE
 }
 
 /// End of a training.
-pub(super) struct End {
+pub struct End {
     /// The configuration with all choices.
     pub config: Config,
     /// The model.
@@ -103,11 +103,7 @@ pub(super) struct End {
 }
 
 /// Trains as `leastaction train` does, with choices of its own, in a folder.
-pub(super) fn trained(
-    mut config: Config,
-    (folder, quick): (&Path, bool),
-    tell: &Tell,
-) -> Result<End, TaskError> {
+pub fn trained(mut config: Config, (folder, quick): (&Path, bool), tell: &Tell) -> Result<End, TaskError> {
     if quick {
         config.training.iterations = config.training.iterations.min(QUICK);
     }

@@ -17,7 +17,7 @@
 
 mod arm;
 mod calibration;
-mod configured;
+pub(crate) mod configured;
 mod currents;
 mod data;
 mod entries;

@@ -4,7 +4,9 @@ use super::support::Bench;
 
 #[test]
 fn policies_and_swing_ups_are_scored_beside_the_published_ones() {
-    let outcome = Bench::new().run("control --robot acrobot --controller tvlqr --seeds 4..5 --threads 2 --json").good();
+    let outcome = Bench::new()
+        .run("control --robot acrobot --controller tvlqr --model exact --seeds 4..5 --threads 2 --json")
+        .good();
     assert!(outcome.stderr.contains("seed 4"), "{}", outcome.stderr);
     let found = outcome.json();
     let rows = found["rows"].as_array().unwrap();
@@ -19,7 +21,8 @@ fn policies_and_swing_ups_are_scored_beside_the_published_ones() {
 
 #[test]
 fn a_single_swing_up_is_printed_with_its_terms() {
-    let outcome = Bench::new().run("control --table single --robot pendubot --controller tvlqr").good();
+    let outcome =
+        Bench::new().run("control --table single --robot pendubot --controller tvlqr --model exact").good();
     for word in ["single, pendubot", "History SAC", "leastaction tvlqr", "swing_up_s", "velocity_cost"] {
         assert!(outcome.stdout.contains(word), "{word}: {}", outcome.stdout);
     }
@@ -33,6 +36,7 @@ fn what_cannot_be_run_is_said() {
     }
     run("--robot hexapod").bad(2, &["acrobot", "pendubot"]);
     run("--controller pid").bad(2, &["anywhere", "tvlqr"]);
+    run("--model guessed").bad(2, &["exact", "learned"]);
     run("--table speed").bad(2, &["policy", "single", "robustness", "all"]);
     run("--threads 0").bad(2, &["--threads"]);
 }

@@ -90,7 +90,7 @@ fn settings(seed: u64) -> RobotSettings {
         machine: Machine::Named(Mechanism::Acrobot),
         friction: friction.to_vec(),
         sensors: Sensors { noise: NOISE, grid: COUNT, zeros: 0.0, jitter: 0.0 },
-        drives: Drives { gain: vec![1.0; 2], delay: DELAY, driven: vec![false, true] },
+        drives: Drives { gain: vec![1.0; 2], delay: DELAY, noise: 0.0, driven: vec![false, true] },
         excitation: Excitation { sines: 3, frequency: [0.2, 1.5], amplitude: [1.0, 5.0] },
         start: StartSpread { q: 1.5, v: 0.0 },
         logs: LOGS,

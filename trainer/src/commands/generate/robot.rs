@@ -50,6 +50,9 @@ pub struct RobotOptions {
     /// Delay from a command to its effect, ms.
     #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     delay: f64,
+    /// Standard deviation of the torque about the commanded one, drawn anew for every sample, N m or N.
+    #[arg(long, requires = "robot_output", value_name = "SD", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    torque_noise: f64,
     /// Gain: ratio of actual to commanded torque.
     #[arg(long, requires = "robot_output", value_name = "G,…", value_delimiter = ',', default_values_t = [1.0], allow_negative_numbers = true, value_parser = finite)]
     gain: Vec<f64>,
@@ -168,7 +171,12 @@ impl RobotOptions {
                 zeros: self.zeros,
                 jitter: self.jitter * 1e-3,
             },
-            drives: Drives { gain: for_all("--gain", &self.gain, n)?, delay: self.delay * 1e-3, driven },
+            drives: Drives {
+                gain: for_all("--gain", &self.gain, n)?,
+                delay: self.delay * 1e-3,
+                noise: self.torque_noise,
+                driven,
+            },
             excitation: Excitation {
                 sines: self.sines.into(),
                 frequency: both("--frequency", &self.frequency)?,

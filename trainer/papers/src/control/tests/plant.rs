@@ -1,5 +1,6 @@
 use crate::baselines::oracle::{Dual, equation};
 use crate::control::driven::Driven;
+use crate::control::learned::from_logs;
 use crate::control::model::Model;
 use crate::control::plant::{DoublePendulum, State};
 use crate::control::policy::{Robot, TICK};
@@ -123,6 +124,37 @@ fn derivatives_of_a_node_are_those_of_differences() {
                     assert!((got - wanted).abs() < 1e-6 * (1.0 + wanted.abs()), "{i} {j}: {got} {wanted}");
                 }
             }
+        }
+    }
+}
+
+/// Numbers that are read off the bodies of a model are those of a pendulum that moves as they do.
+#[test]
+fn a_pendulum_is_read_off_its_bodies() {
+    let exact = Model::exact().unwrap();
+    let bodies = exact.believed(&exact.replica().unwrap()).bodies.clone();
+    let read = Model::of_bodies("read", bodies).unwrap();
+    let pendulum = read.believed(&read.replica().unwrap()).pendulum;
+    assert_ne!(pendulum.mass, DoublePendulum::competition().mass);
+    for x in STATES {
+        let [found, expected] =
+            [pendulum, DoublePendulum::competition()].map(|p| p.acceleration(x, [0.4, -1.5]));
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() <= 1e-5 * (1.0 + expected.abs()), "{found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_pendulum_is_learned_from_noisy_logs() {
+    let robot = Robot::Acrobot;
+    let learned = Model::of_bodies("learned", from_logs(robot, (3, 301), &|_| ()).unwrap()).unwrap();
+    let pendulum = learned.believed(&learned.replica().unwrap()).pendulum;
+    for x in STATES {
+        let [found, expected] =
+            [pendulum, DoublePendulum::competition()].map(|p| p.acceleration(x, robot.torques(3.0)));
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() <= 0.03 * (1.0 + expected.abs()), "{found} {expected}");
         }
     }
 }
