@@ -37,7 +37,7 @@ fn run(replica: &Replica, law: &mut Decider, [q, v]: [f64; 2], seconds: f64) -> 
     let mut motion = replica.motion_at(step, &[q as f32], &[v as f32]).unwrap();
     let (mut x, mut state) = ([q, v], State::Hold);
     for _ in 0..(seconds / H) as usize {
-        let decision = law.decide([&x[..1], &x[1..]], 1).unwrap();
+        let decision = law.decide([&x[..1], &x[1..]], None).unwrap();
         assert!(decision.u[0].abs() <= 3.5);
         state = decision.state;
         let u = [decision.u[0] as f32];
@@ -93,7 +93,7 @@ fn goals_that_are_no_posture_are_refused() {
 fn states_that_are_none_of_the_model_are_refused() {
     with_policy(SWING_UP, |_, policy| {
         let mut law = policy.unwrap().begin();
-        assert!(law.decide([&[0.0, 1.0], &[0.0]], 1).unwrap_err().to_string().contains("has 2 values"));
-        assert!(law.decide([&[f64::NAN], &[0.0]], 1).unwrap_err().to_string().contains("NaN"));
+        assert!(law.decide([&[0.0, 1.0], &[0.0]], None).unwrap_err().to_string().contains("has 2 values"));
+        assert!(law.decide([&[f64::NAN], &[0.0]], None).unwrap_err().to_string().contains("NaN"));
     });
 }

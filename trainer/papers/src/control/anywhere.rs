@@ -42,7 +42,7 @@ pub fn prepare<'m>(
     let policy = Arc::new(policy);
     Ok(Box::new(move || {
         let policy = Arc::clone(&policy);
-        Box::new(Anywhere { law: policy.begin(), policy, driven: robot.driven(), last: None })
+        Box::new(Anywhere { law: policy.begin(), policy, driven: robot.driven() })
     }))
 }
 
@@ -52,20 +52,16 @@ struct Anywhere<'m> {
     law: Decider<'m>,
     /// Driven joint.
     driven: usize,
-    /// Time of the last call, s.
-    last: Option<f64>,
 }
 
 impl Policy for Anywhere<'_> {
     fn reset(&mut self) {
-        (self.law, self.last) = (self.policy.begin(), None);
+        self.law = self.policy.begin();
     }
 
     fn torque(&mut self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
-        let elapsed = self.last.map_or(0, |last| ((t - last) / TICK).round().max(0.0) as usize);
-        self.last = Some(t);
         // A state that is not finite has no torque.
-        let decision = self.law.decide([&q, &v], elapsed).ok();
+        let decision = self.law.decide([&q, &v], Some(t)).ok();
         decision.and_then(|decision| decision.u.get(self.driven).copied()).unwrap_or(0.0)
     }
 }

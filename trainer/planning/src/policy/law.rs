@@ -82,7 +82,7 @@ impl<P: Plant<f64, D, M>, const D: usize, const M: usize> Law<P, D, M> {
 
     /// Command at a state, `elapsed` ticks after the last one.
     pub fn command(&mut self, x: &[f64; D], elapsed: usize) -> Command<M> {
-        self.ticks += elapsed;
+        self.ticks = self.ticks.saturating_add(elapsed);
         let mut present = self.present(x);
         let searched = self.is_lost(&present);
         if searched {

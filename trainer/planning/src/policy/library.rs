@@ -3,6 +3,8 @@ use crate::interior::FreeMotion;
 use leastaction_core::control::Plant;
 use rayon::prelude::*;
 use std::array::from_fn;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Motions to the goal, each the shortest that was found from its start.
 #[derive(Default)]
@@ -16,9 +18,32 @@ const BATCH: usize = 16;
 /// Time that a deviation of one unit of equal weight is worth, s.
 const WORTH: f64 = 0.05;
 
+/// Searches that somebody watches.
+struct Watched<'w> {
+    watch: &'w (dyn Fn(usize) -> bool + Sync),
+    done: Mutex<usize>,
+    stopped: AtomicBool,
+}
+
+impl Watched<'_> {
+    /// Tells that some more starts were searched.
+    fn tell(&self, more: usize) {
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += more;
+        if !(self.watch)(*done) {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed)
+    }
+}
+
 impl<const D: usize, const M: usize> Library<D, M> {
     /// Searches from given and from random starts, outwards from the goal, each with the help of the motions found before. The result is the
-    /// same on any number of threads. `watch` sees the number of starts that were searched, and ends the search by returning `false`.
+    /// same on any number of threads. `watch` sees the number of starts that were searched after every search, also when one is tried again,
+    /// and ends the searches by returning `false`.
     pub fn build<P: Plant<f64, D, M> + Sync>(
         setting: &Setting<P, D, M>,
         starts: &Starts<D>,
@@ -29,34 +54,39 @@ impl<const D: usize, const M: usize> Library<D, M> {
         let drawn = (0..).map(|k| starts.draw(setting, k));
         let mut starts: Vec<[f64; D]> = first.iter().copied().chain(drawn).take(count).collect();
         starts.sort_by(|a, b| setting.distance(a).total_cmp(&setting.distance(b)));
+        let watched = Watched { watch, done: Mutex::new(0), stopped: AtomicBool::new(false) };
         let mut missed = Vec::new();
-        let mut done = 0;
-        for batch in starts.chunks(BATCH) {
-            let found = library.extended(setting, batch, &|reaching, library| {
+        for batch in starts.chunks(BATCH).take_while(|_| !watched.is_stopped()) {
+            let found = library.extended(setting, batch, (&watched, 1), &|reaching, library| {
                 reaching.from_neighbours(library).or_else(|| reaching.from_afar())
             });
             missed.extend(found);
-            done += batch.len();
-            if !watch(done) {
-                return library;
-            }
         }
         // More neighbours than at the first time.
-        for batch in missed.chunks(BATCH) {
-            library.extended(setting, batch, &|reaching, library| reaching.from_neighbours(library));
+        for batch in missed.chunks(BATCH).take_while(|_| !watched.is_stopped()) {
+            let again = |reaching: &Reaching<P, D, M>, library: &Self| reaching.from_neighbours(library);
+            library.extended(setting, batch, (&watched, 0), &again);
         }
         library
     }
 
     /// Adds the motions from some starts, and returns the starts from which there is none. Starts from which the goal is caught need none.
+    /// A start counts as `counted` searches.
     fn extended<P: Plant<f64, D, M> + Sync>(
         &mut self,
         setting: &Setting<P, D, M>,
         starts: &[[f64; D]],
+        (watched, counted): (&Watched, usize),
         search: &(dyn Fn(&Reaching<P, D, M>, &Self) -> Option<FreeMotion<D, M>> + Sync),
     ) -> Vec<[f64; D]> {
         let needy: Vec<_> = starts.iter().filter(|start| !setting.catches(start)).copied().collect();
-        let one = |start: &[f64; D]| search(&Reaching::new(setting, *start), self);
+        watched.tell(counted * (starts.len() - needy.len()));
+        let one = |start: &[f64; D]| {
+            let sought = !watched.is_stopped();
+            let found = sought.then(|| search(&Reaching::new(setting, *start), self)).flatten();
+            watched.tell(counted);
+            found
+        };
         let found: Vec<_> = needy.par_iter().map(one).collect();
         let missed = needy.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(start, _)| *start);
         let missed = missed.collect();

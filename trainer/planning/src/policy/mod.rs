@@ -14,6 +14,7 @@
 //! Sources: Atkeson and Stephens, "Random sampling of states in dynamic programming", 2008 (motions that are improved from those of their
 //! neighbours); Tedrake, "LQR-trees: feedback motion planning on sparse randomized trees", 2009.
 
+mod clock;
 mod guesses;
 mod law;
 mod library;

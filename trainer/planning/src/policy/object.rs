@@ -1,3 +1,4 @@
+use super::clock::Clock;
 use super::{Aim, Command, Known, Law, Library, Setting, Starts, State};
 use crate::configured::exactly;
 use crate::plant::Widened;
@@ -14,12 +15,14 @@ use std::sync::Arc;
 pub struct Policy<'c> {
     prepared: Box<dyn Prepared<'c> + 'c>,
     n: usize,
+    tick: f64,
 }
 
 /// The law of one mechanism.
 pub struct Decider<'c> {
     law: Box<dyn Deciding + 'c>,
     n: usize,
+    clock: Clock,
 }
 
 /// Decision at a tick.
@@ -46,7 +49,8 @@ trait Deciding: Send {
 
 impl<'c> Policy<'c> {
     /// Searches motions to the goal of a task from `policy.starts` states, the task's start among them. The longest motion has the task's
-    /// longest time. `watch` sees the number of starts that were searched, and ends the search by returning `false`.
+    /// longest time. `watch` sees the number of starts that were searched after every search, and ends them by returning `false`; a start from
+    /// which nothing was found is tried again at the end.
     ///
     /// # Errors
     /// [`PlanError::Value`] if the goal is no posture at rest that the drives can hold, [`PlanError::Motion`] for a model without states of a
@@ -57,12 +61,12 @@ impl<'c> Policy<'c> {
         watch: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<Self, PlanError> {
         let prepared = replica.visit_states(Preparing { model, task, watch })?;
-        Ok(Self { prepared, n: replica.n() })
+        Ok(Self { prepared, n: replica.n(), tick: task.tick })
     }
 
     /// A law that begins anywhere; laws of one policy know nothing of each other.
     pub fn begin(&self) -> Decider<'c> {
-        Decider { law: self.prepared.begin(), n: self.n }
+        Decider { law: self.prepared.begin(), n: self.n, clock: Clock::new(self.tick) }
     }
 
     /// Durations of the motions that were found, s.
@@ -72,12 +76,15 @@ impl<'c> Policy<'c> {
 }
 
 impl Decider<'_> {
-    /// Decides at a state (q, v), `elapsed` ticks after the last decision.
+    /// Decides at a state (q, v) and a time, s, which is rounded to ticks since the first decision; without times, decisions are a tick apart.
     ///
     /// # Errors
-    /// [`PlanError::Value`] for numbers that are no state of the model.
-    pub fn decide(&mut self, [q, v]: [&[f64]; 2], elapsed: usize) -> Result<Decision, PlanError> {
+    /// [`PlanError::Value`] for numbers that are no state of the model, for a time that is not finite or goes back by a tick, and for times
+    /// in only some calls. The law is then unchanged.
+    pub fn decide(&mut self, [q, v]: [&[f64]; 2], t: Option<f64>) -> Result<Decision, PlanError> {
         let x = [exactly("q", self.n, q)?, exactly("v", self.n, v)?].concat();
+        let (clock, elapsed) = self.clock.at(t)?;
+        self.clock = clock;
         Ok(self.law.decide(&x, elapsed))
     }
 }
