@@ -22,6 +22,11 @@ FAMILIES = {
 }
 
 
+def interruptible(program):
+    """A program that Ctrl-C interrupts also where pytest itself ignores it, as in the background of a shell."""
+    return f"import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n{program}"
+
+
 @pytest.fixture(params=FAMILIES)
 def model(request):
     return la.load(MODELS / f"{FAMILIES[request.param]}.postcard")

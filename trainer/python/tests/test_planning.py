@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, interruptible
 
 import leastaction as la
 
@@ -130,7 +130,7 @@ def test_ctrl_c():
         "print(plan.interrupted, len(plan.u) == len(plan.t))\n"
     )
     text = (FOLDER / "arm.toml").read_text().replace("arm.urdf", str(FOLDER / "arm.urdf")).replace("seconds = 1.42", "seconds = 1.39")
-    process = subprocess.Popen([sys.executable, "-c", program, text + "\n[search]\nstarts = 16\n"], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, "-c", interruptible(program), text + "\n[search]\nstarts = 16\n"], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline() == "begun\n"
         time.sleep(0.5)

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from conftest import interruptible
 
 import leastaction as la
 
@@ -67,7 +68,7 @@ def test_ctrl_c(log, tmp_path):
         "la.train({'data': {'file': sys.argv[1]}, 'model': {'coordinates': 'ta', 'hidden': [8]},"
         " 'training': {'iterations': 100000, 'warm_up': 2}}, sys.argv[2], progress=True)\n"
     )
-    words = [sys.executable, "-c", program, str(log), str(tmp_path / "run")]
+    words = [sys.executable, "-c", interruptible(program), str(log), str(tmp_path / "run")]
     process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
     while not (tmp_path / "run" / "history.csv").exists() and process.poll() is None:
         time.sleep(0.05)
