@@ -5,7 +5,7 @@
 //!                             ├► motion  (the same, step by step), observer
 //!                             └► double  (programs of any size, in f64)
 //! files ─► training, tools (what the command does, by its library)
-//! files, models ─► planning, regulators (plans and linear regulators, of leastaction-planning)
+//! files, models ─► planning, controller, regulators (plans, policies and linear regulators, of leastaction-planning)
 //! ```
 //!
 //! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size, so
@@ -14,7 +14,10 @@
 
 mod arguments;
 mod arrays;
+mod attend;
+
 mod blocks;
+mod controller;
 mod double;
 mod errors;
 mod facts;
@@ -62,6 +65,7 @@ fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<motion::Motions>()?;
     module.add_class::<observer::Observer>()?;
+    module.add_class::<controller::Controller>()?;
     module.add_class::<planning::Plan>()?;
     module.add_function(wrap_pyfunction!(planning::plan_motion, module)?)?;
     module.add_function(wrap_pyfunction!(regulators::linearize, module)?)?;

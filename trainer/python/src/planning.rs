@@ -1,36 +1,27 @@
 //! Plans with the command's behaviour, and a callback for every iteration.
 
 use crate::arrays::{rows, tables};
+use crate::attend::attended;
 use crate::errors::{Kind, failure, input};
 use crate::model::Model;
 use leastaction::models::{self, Loaded};
 use leastaction_core::control::Iteration;
 use leastaction_planning::{self as planning, Machine, PlanConfig, PlanError, PlanNode, Progress, Task};
 use numpy::PyReadonlyArray2;
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
-
-/// Time between checks for Ctrl-C.
-const PAUSE: Duration = Duration::from_millis(50);
 
 /// Start guess, number of nodes, iteration, cost, violation.
 type Row = (String, usize, u16, f64, f64);
 
 /// Sends iterations from the threads of a search to that of Python.
-struct Sent(Option<Sender<Row>>);
+struct Sent<'s>(&'s (dyn Fn(Row) + Sync));
 
-impl Progress for Sent {
+impl Progress for Sent<'_> {
     fn iteration(&self, guess: &str, nodes: usize, iteration: &Iteration<f64>) {
-        if let Some(sender) = &self.0 {
-            let Iteration { count, cost, violation, .. } = *iteration;
-            // Nobody listens any more after an exception, which also stops the search.
-            let _ = sender.send((guess.to_owned(), nodes, count, cost, violation));
-        }
+        let Iteration { count, cost, violation, .. } = *iteration;
+        (self.0)((guess.to_owned(), nodes, count, cost, violation));
     }
 }
 
@@ -41,11 +32,32 @@ pub struct Plan {
     found: planning::Plan,
 }
 
-fn refused(error: PlanError) -> PyErr {
+/// The exception for an error of a plan or of a policy.
+pub fn refused(error: PlanError) -> PyErr {
     match error {
         PlanError::Motion(message) => Kind::Work.says(message),
         error => input(error),
     }
+}
+
+/// A configuration, the TOML file or the text under its name, and its machine.
+pub fn configured(
+    (file, text): (PathBuf, Option<String>),
+    model: Option<&Model>,
+) -> PyResult<(PlanConfig, Machine)> {
+    let config = match text {
+        Some(text) => PlanConfig::parse(&text, &file),
+        None => PlanConfig::read(&file),
+    };
+    let config = config.map_err(refused)?;
+    let machine = machine(&config, model)?;
+    Ok((config, machine))
+}
+
+/// The model of a machine, as a model file.
+pub fn model_of(machine: &Machine) -> PyResult<Model> {
+    let bytes = machine.shipped().map_err(refused)?;
+    Ok(Model::new(Loaded { model: machine.model.clone(), bytes }))
 }
 
 /// The machine of a configuration; a model of Python stands for its file.
@@ -77,67 +89,13 @@ pub fn plan_motion(
     guess: Option<PyReadonlyArray2<'_, f64>>,
     callback: Option<Py<PyAny>>,
 ) -> PyResult<Plan> {
-    let config = match config {
-        (file, Some(text)) => PlanConfig::parse(&text, &file),
-        (file, None) => PlanConfig::read(&file),
-    };
-    let config = config.map_err(refused)?;
-    let machine = machine(&config, model)?;
+    let (config, machine) = configured(config, model)?;
     let task = Task::new(&config, &machine).map_err(refused)?;
     let given = guess.map(|guess| given(&guess, machine.n())).transpose()?;
-    let (found, raised) = py.detach(|| searched((&machine, &task), given, callback));
-    match raised.filter(|error| !Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))) {
-        Some(error) => Err(error),
-        None => Ok(Plan { found: found.map_err(refused)?, machine }),
-    }
-}
-
-/// Searches on another thread, while this one calls back and watches for Ctrl-C. Returns the plan, and the exception that stopped it.
-fn searched(
-    (machine, task): (&Machine, &Task),
-    given: Option<Vec<Vec<f64>>>,
-    callback: Option<Py<PyAny>>,
-) -> (Result<planning::Plan, PlanError>, Option<PyErr>) {
-    let stop = AtomicBool::new(false);
-    let (sender, receiver) = channel();
-    let (done, ended) = channel::<()>();
-    let sent = Sent(callback.is_some().then_some(sender));
-    std::thread::scope(|scope| {
-        let search = scope.spawn(|| {
-            let _done = done;
-            let sent = sent;
-            planning::plan(machine, task, given, (&stop, &sent))
-        });
-        let raised = match callback {
-            Some(callback) => attended(&receiver, &stop, |py, row| callback.call1(py, row).map(|_| ())),
-            None => attended(&ended, &stop, |_, ()| Ok(())),
-        };
-        let found = search.join();
-        (found.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), raised)
-    })
-}
-
-/// Passes on messages until their sender is gone. The first exception stops the search, and no message is passed on after it.
-fn attended<T>(
-    receiver: &Receiver<T>,
-    stop: &AtomicBool,
-    tell: impl Fn(Python<'_>, T) -> PyResult<()>,
-) -> Option<PyErr> {
-    loop {
-        let message = match receiver.recv_timeout(PAUSE) {
-            Ok(message) => Some(message),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => return None,
-        };
-        let heard = Python::attach(|py| {
-            py.check_signals()?;
-            message.map_or(Ok(()), |message| tell(py, message))
-        });
-        if let Err(error) = heard {
-            stop.store(true, Ordering::Relaxed);
-            return Some(error);
-        }
-    }
+    let (found, _) = attended(py, callback.as_ref(), |stop, send| {
+        planning::plan(&machine, &task, given, (stop, &Sent(send)))
+    })?;
+    Ok(Plan { found, machine })
 }
 
 #[pymethods]
@@ -191,8 +149,7 @@ impl Plan {
 
     /// Returns the model of the machine.
     fn model(&self) -> PyResult<Model> {
-        let bytes = self.machine.shipped().map_err(refused)?;
-        Ok(Model::new(Loaded { model: self.machine.model.clone(), bytes }))
+        model_of(&self.machine)
     }
 
     /// Returns the bytes of the plan's file.

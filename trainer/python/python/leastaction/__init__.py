@@ -15,6 +15,7 @@ from ._levels import choose as _choose
 _choose()
 
 # ruff: noqa: E402, I001
+from ._controller import Controller, LibraryProgress
 from ._environment import Environment
 from ._errors import Error, InputError, SolveError, WorkError
 from ._interop import from_lgnn, from_modlanet, from_symo
@@ -27,10 +28,12 @@ from ._regulators import Linearization, LinearStep, Regulator, RestRegulator, lq
 from ._training import Progress, Run, open_run, train
 
 __all__ = [
+    "Controller",
     "Environment",
     "Error",
     "Evaluation",
     "InputError",
+    "LibraryProgress",
     "LinearStep",
     "Linearization",
     "Log",

@@ -182,5 +182,5 @@ def _configuration(
     if model is not None:
         tables["model"] = "the model" if isinstance(model, Model) else os.fspath(model)
     if "model" not in tables:
-        raise InputError("no model to plan with: give model=, or the key model of the configuration")
+        raise InputError("no model: give model=, or the key model of the configuration")
     return "the configuration", to_toml(tables)
