@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs the controller on emulated boards against the plant on this machine; every trace must equal, bit for bit, that of a run on this
 # machine alone. Scenarios: swing-up and tracking of the learned cart-pole; the swing-up of a cart-pole with friction, a weak and late drive
-# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md), and a plan of one; and seven joints that follow a motion at 1 kHz. Prints one
-# JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
+# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md), and a plan of one; decisions at every tick for both; and seven
+# joints that follow a motion at 1 kHz. Prints one JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
 # cart-pole with friction from 20 starts instead of 1 on the first board.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -55,6 +55,9 @@ devices=(--coulomb 0.5,0 --width 0.05 --gain 0.9,1 --delay 8 --zeros 0.02 --nois
 dry=(--scenario swing-up "${devices[@]}")
 on_boards "${boards[*]}" cartpole-dry "${dry[@]}"
 on_boards "${boards[*]}" cartpole-dry --scenario follow --plan firmware-sim/chip/models/swing-up.postcard "${devices[@]}"
+# Decisions at every tick; those over the network would take minutes without a floating-point unit.
+on_boards "${boards[*]}" cartpole-dry --scenario mpc "${devices[@]}"
+on_boards "${boards[*]:0:2}" cartpole --scenario mpc
 for ((seed = 1; seed < ${STARTS:-1}; seed++)); do
     on_boards "${boards[0]}" cartpole-dry "${dry[@]}" --seed $seed
 done

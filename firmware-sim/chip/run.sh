@@ -2,7 +2,7 @@
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's. The boards: a Cortex-M4F
 # (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). Prints one JSON line per board, model and order,
 # one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction, of laws
-# with networks, and of decisions over a receding horizon. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
+# with networks, of decisions over a receding horizon, of ticks that follow a plan, and of ticks that decide. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets if available, else Debian's compiler with the standard library's source; installs what is missing.
@@ -25,9 +25,9 @@ done
 images=(inertia-network_2 inertia-network_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
     inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
 bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step bare_stepper)
-case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding elementary " in
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding following deciding elementary " in
     *" ${only:-bare} "*) ;;
-    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding elementary" >&2; exit 2 ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding following deciding elementary" >&2; exit 2 ;;
 esac
 
 if [ -n "$build_only" ]; then
@@ -103,6 +103,32 @@ receding() {
     fi
 }
 
+# Measures ticks that follow a plan, and ticks that only estimate the state along the same readings, which the former may take 1.3 times.
+following() {
+    local board=$1 model follow observe
+    output=$(emulate "$board" "$(program "$board" following)" 0 2>&1) || { printf 'following on %s: %s\n' "$board" "$output" >&2; return 1; }
+    for model in cartpole double; do
+        follow=$(value ${model}_follow_instructions) observe=$(value ${model}_observe_instructions)
+        printf '{"board": "%s", "family": "%s", "only": "following", "follow_tick_instructions": %s, "observe_tick_instructions": %s' \
+            "$board" $model "$follow" "$observe"
+        printf ', "follow_to_observe": %s}\n' "$(awk "BEGIN { printf \"%.3f\", $follow / $observe }")"
+        if [ $((10 * follow)) -gt $((13 * observe)) ]; then
+            echo "following by the $model on $board: more than 1.3 times the instructions of a tick that only observes" >&2
+            return 1
+        fi
+    done
+}
+
+# Measures ticks of the learned cart-pole that decide: instructions, stack, and memory.
+deciding() {
+    local board=$1
+    output=$(emulate "$board" "$(program "$board" deciding)" 0 2>&1) || { printf 'deciding on %s: %s\n' "$board" "$output" >&2; return 1; }
+    printf '{"board": "%s", "only": "deciding", "nodes_bytes": %s, "firmware_bytes": %s, "stack_bytes": %s' \
+        "$board" "$(value nodes_bytes)" "$(value firmware_bytes)" "$(value tick_stack)"
+    printf ', "decide_tick_instructions": %s, "decide_tick_instructions_worst": %s}\n' \
+        "$(value tick_instructions)" "$(value tick_instructions_worst)"
+}
+
 # Checks every elementary function at thousands of inputs.
 elementary() {
     local board=$1
@@ -126,6 +152,8 @@ run() {
         done
         case "$only" in "" | "$board" | friction) friction "$board" ;; esac
         case "$only" in "" | "$board" | receding) receding "$board" ;; esac
+        case "$only" in "" | "$board" | following) following "$board" ;; esac
+        case "$only" in "" | "$board" | deciding) deciding "$board" ;; esac
         case "$only" in "" | "$board" | elementary) elementary "$board" ;; esac
     done
 }

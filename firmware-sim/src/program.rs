@@ -1,6 +1,6 @@
 use crate::control::{
-    CartPump, Catch, Controller, Float, Follow, Gains, JointPump, Law, Listen, Mpc, MpcSettings, NoPump,
-    PumpConfig, Regulator, SwingUp, TaskController, Tolerance, Track,
+    Catch, Controller, Coordinates, Float, Follow, Gains, Law, Listen, Mpc, MpcSettings, NoMpc, NoPump,
+    Nodes, PumpConfig, Regulator, States, SwingUp, SwungUp, TaskController, Tolerance, Track,
 };
 use crate::devices::{ActuatorConfig, Drive};
 use crate::error::{SetupError, require, require_finite};
@@ -95,6 +95,11 @@ impl<const N: usize> Task<N> {
     }
 }
 
+/// Firmware that is begun by a program, with the pump P and the decisions R.
+type Begun<'m, 'p, M, P, R, const N: usize> = Firmware<'m, M, TaskController<'p, P, R, N>, N>;
+/// Pump for a model of N coordinates.
+type PumpOf<M, const N: usize> = <Coordinates<N> as SwungUp<M, N>>::Pump;
+
 impl<const N: usize> Program<N> {
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
@@ -148,7 +153,7 @@ impl<const N: usize> Program<N> {
     pub fn follow<'m, M: Mechanism<N>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, TaskController<'static, NoPump, N>, N>, SetupError> {
+    ) -> Result<Begun<'m, 'static, M, NoPump, NoMpc, N>, SetupError> {
         self.follow_with(model, || Err(SetupError::NoPlan))
     }
 
@@ -161,12 +166,55 @@ impl<const N: usize> Program<N> {
         &self,
         model: &'m M,
         plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
-    ) -> Result<Firmware<'m, M, TaskController<'p, NoPump, N>, N>, E> {
-        let controller = self.controller(model, plan, |_, _, _, _| Err(SetupError::NoSwingUp))?;
+    ) -> Result<Begun<'m, 'p, M, NoPump, NoMpc, N>, E> {
+        let no_swing_up = |_, _, _| Err(SetupError::NoSwingUp);
+        let controller = self.controller(model, plan, no_swing_up, |_, _| Err(SetupError::NoMpc.into()))?;
         Ok(self.firmware(model, controller))
     }
 
-    /// Creates the firmware over a model of any coordinates for the task [`Task::Mpc`], with the plan that it may take; D is 2N.
+    /// Creates the firmware over a model of a pendulum, q = θ, or of a cart and its pole, q = (x, θ), for every task except a plan and
+    /// decisions. For tasks other than a swing-up, the model may have any one or two coordinates.
+    ///
+    /// # Errors
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
+    /// that no feedback holds upright; [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
+    pub fn start<'m, M: Mechanism<N>, const D: usize>(
+        &self,
+        model: &'m M,
+    ) -> Result<Begun<'m, 'static, M, PumpOf<M, N>, NoMpc, N>, SetupError>
+    where
+        Coordinates<N>: SwungUp<M, N> + States<D>,
+    {
+        let swing_up = |pump, tolerance, catch| self.swing_up(model, pump, &tolerance, catch);
+        let no_plan = || Err(SetupError::NoPlan);
+        let controller = self.controller(model, no_plan, swing_up, |_, _| Err(SetupError::NoMpc))?;
+        Ok(self.firmware(model, controller))
+    }
+
+    /// Creates the firmware as [`Program::start`] does, but for every task; `plan` gives the plan, which was made for this model, if the task
+    /// is to follow one, or to decide with one; decisions work in `nodes`.
+    ///
+    /// # Errors
+    /// See [`Program::start`]; also those of `plan` and of [`Mpc::new`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    pub fn start_with<'m, 'p, M: Mechanism<N>, E: From<SetupError>, const D: usize>(
+        &self,
+        model: &'m M,
+        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
+        nodes: &'p mut Nodes<N, D>,
+    ) -> Result<Begun<'m, 'p, M, PumpOf<M, N>, Mpc<'p, N, D>, N>, E>
+    where
+        Coordinates<N>: SwungUp<M, N> + States<D>,
+    {
+        let swing_up = |pump, tolerance, catch| self.swing_up(model, pump, &tolerance, catch);
+        let controller = self.controller(model, plan, swing_up, |settings, plan| {
+            let plan = settings.plan.map(|_| plan()).transpose()?;
+            Ok(Mpc::new(model, settings, self, plan.as_ref(), nodes)?)
+        })?;
+        Ok(self.firmware(model, controller))
+    }
+
+    /// Creates the firmware over a model of any coordinates for the task [`Task::Mpc`], which works in `nodes`, with the plan that it may
+    /// take.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
@@ -175,22 +223,32 @@ impl<const N: usize> Program<N> {
         &self,
         model: &'m M,
         plan: Option<&Plan<'p, N, N>>,
-    ) -> Result<Firmware<'m, M, Mpc<'p, N, D>, N>, SetupError> {
+        nodes: &'p mut Nodes<N, D>,
+    ) -> Result<Firmware<'m, M, Mpc<'p, N, D>, N>, SetupError>
+    where
+        Coordinates<N>: States<D>,
+    {
         let Task::Mpc(settings) = self.task else { return Err(SetupError::NoMpc) };
         self.check(model)?;
-        Ok(self.firmware(model, Mpc::new(model, settings, self, plan)?))
+        Ok(self.firmware(model, Mpc::new(model, settings, self, plan, nodes)?))
     }
 
-    /// Creates the controller over a model; `swing_up` makes the controller that brings the mechanism upright.
-    fn controller<'p, M: Mechanism<N>, P, E: From<SetupError>>(
+    /// Creates the controller over a model; `swing_up` makes the one that brings the mechanism upright, `mpc` the one that decides, which may
+    /// ask for the plan.
+    fn controller<'p, M: Mechanism<N>, P, R, F, E: From<SetupError>>(
         &self,
         model: &M,
-        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
-        swing_up: impl FnOnce(&M, PumpConfig, Tolerance<N>, Catch) -> Result<SwingUp<P, N>, SetupError>,
-    ) -> Result<TaskController<'p, P, N>, E> {
-        let plan = if let Task::Follow { .. } = self.task { Some(plan()?) } else { None };
-        let begin = plan.map_or_else(|| self.task.begin(), |plan| plan.reference(0).q);
-        self.check_at(model, &begin)?;
+        plan: F,
+        swing_up: impl FnOnce(PumpConfig, Tolerance<N>, Catch) -> Result<SwingUp<P, N>, SetupError>,
+        mpc: impl FnOnce(MpcSettings<N>, F) -> Result<R, E>,
+    ) -> Result<TaskController<'p, P, R, N>, E>
+    where
+        F: FnOnce() -> Result<Plan<'p, N, N>, E>,
+    {
+        // A plan says where the motion starts.
+        if !matches!(self.task, Task::Follow { .. }) {
+            self.check(model)?;
+        }
         match self.task {
             Task::Track { begin, gains, law } => {
                 let inertia = diagonal(model, &begin);
@@ -198,42 +256,41 @@ impl<const N: usize> Program<N> {
             }
             Task::Float { drag, .. } => Ok(TaskController::Float(Float { drag })),
             Task::SwingUp { pump, tolerance, catch } => {
-                Ok(TaskController::SwingUp(swing_up(model, pump, tolerance, catch)?))
+                Ok(TaskController::SwingUp(swing_up(pump, tolerance, catch)?))
             }
             Task::Listen => Ok(TaskController::Listen(Listen)),
-            Task::Mpc(_) => Err(SetupError::NoMpc.into()),
+            Task::Mpc(settings) => Ok(TaskController::Mpc(mpc(settings, plan)?)),
             Task::Follow { drive } => {
-                Ok(TaskController::Follow(Follow::new(plan.ok_or(SetupError::NoPlan)?, drive, self)?))
+                let plan = plan()?;
+                self.check_at(model, &plan.reference(0).q)?;
+                Ok(TaskController::Follow(Follow::new(plan, drive, self)?))
             }
         }
     }
 
-    /// Creates the controller with the pump that `pump` makes and a regulator; D is 2N.
-    fn upright_controller<'p, M: Mechanism<N>, P, E: From<SetupError>, const D: usize>(
+    /// Creates the controller of a swing-up: a pump and a regulator.
+    fn swing_up<M: Mechanism<N>, const D: usize>(
         &self,
         model: &M,
-        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
-        pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
-    ) -> Result<TaskController<'p, P, N>, E> {
-        self.controller(model, plan, |model, config, tolerance, catch| {
-            let pump = pump(model, 0.0, config)?;
-            let step = self.observer.integrator(self.tick);
-            let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, &step)?;
-            Ok(self.swing_up(pump, regulator, catch))
-        })
-    }
-
-    fn swing_up<P>(&self, pump: P, regulator: Regulator<N>, catch: Catch) -> SwingUp<P, N> {
+        pump: PumpConfig,
+        tolerance: &Tolerance<N>,
+        catch: Catch,
+    ) -> Result<SwingUp<PumpOf<M, N>, N>, SetupError>
+    where
+        Coordinates<N>: SwungUp<M, N> + States<D>,
+    {
         const { assert!(N > 0, "the first coordinate is actuated, the last swings") };
-        SwingUp {
+        let pump = Coordinates::<N>::pump(model, pump)?;
+        let step = self.observer.integrator(self.tick);
+        Ok(SwingUp {
             pump,
-            regulator,
+            regulator: Regulator::design::<M, D>(model, [0.0; N], 0, tolerance, &step)?,
             catch,
             swinging: N - 1,
             angle: self.angle,
             limit: self.actuator.drive.gain[0].abs() * self.actuator.limit[0],
             holding: false,
-        }
+        })
     }
 }
 
@@ -241,60 +298,4 @@ impl<const N: usize> Program<N> {
 pub(crate) fn diagonal<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N]) -> [f32; N] {
     let mass = model.system().lagrangian.linearization(q, &[0.0; N]).l_vv;
     core::array::from_fn(|i| mass[i][i])
-}
-
-impl Program<1> {
-    /// Creates the firmware over a model of a pendulum, q = θ, for every task except a plan and decisions. For tasks other than a swing-up,
-    /// the model may have any one coordinate.
-    ///
-    /// # Errors
-    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
-    /// that no feedback holds upright; [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
-    pub fn start<'m, M: Mechanism<1>>(
-        &self,
-        model: &'m M,
-    ) -> Result<Firmware<'m, M, TaskController<'static, JointPump, 1>, 1>, SetupError> {
-        self.start_with(model, || Err(SetupError::NoPlan))
-    }
-
-    /// Creates the firmware as [`Program::start`] does; `plan` gives the plan, which was made for this model, if the task is to follow one.
-    ///
-    /// # Errors
-    /// See [`Program::start`]; also those of `plan`, [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
-    pub fn start_with<'m, 'p, M: Mechanism<1>, E: From<SetupError>>(
-        &self,
-        model: &'m M,
-        plan: impl FnOnce() -> Result<Plan<'p, 1, 1>, E>,
-    ) -> Result<Firmware<'m, M, TaskController<'p, JointPump, 1>, 1>, E> {
-        let controller = self.upright_controller::<M, _, _, 2>(model, plan, JointPump::new)?;
-        Ok(self.firmware(model, controller))
-    }
-}
-
-impl Program<2> {
-    /// Creates the firmware over a model of a cart and its pole, q = (x, θ), for every task except a plan and decisions. For tasks other than
-    /// a swing-up, the model may have any two coordinates.
-    ///
-    /// # Errors
-    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
-    /// that no feedback holds upright; [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
-    pub fn start<'m, M: Mechanism<2>>(
-        &self,
-        model: &'m M,
-    ) -> Result<Firmware<'m, M, TaskController<'static, CartPump, 2>, 2>, SetupError> {
-        self.start_with(model, || Err(SetupError::NoPlan))
-    }
-
-    /// Creates the firmware as [`Program::start`] does; `plan` gives the plan, which was made for this model, if the task is to follow one.
-    ///
-    /// # Errors
-    /// See [`Program::start`]; also those of `plan`, [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
-    pub fn start_with<'m, 'p, M: Mechanism<2>, E: From<SetupError>>(
-        &self,
-        model: &'m M,
-        plan: impl FnOnce() -> Result<Plan<'p, 2, 2>, E>,
-    ) -> Result<Firmware<'m, M, TaskController<'p, CartPump, 2>, 2>, E> {
-        let controller = self.upright_controller::<M, _, _, 4>(model, plan, CartPump::new)?;
-        Ok(self.firmware(model, controller))
-    }
 }

@@ -4,7 +4,7 @@
 use leastaction::processor::{Line, LinkError, Remote};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
-use leastaction_firmware_sim::link::{Flash, Port, Refusal, serve};
+use leastaction_firmware_sim::link::{Flash, Port, Refusal, Workspace, serve};
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{RunError, SwingUpConfig, TrackConfig, run_on};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
@@ -105,7 +105,9 @@ impl Port for Socket {
 fn processor(model: Option<&'static [u8]>, fault: Fault) -> (Wire, JoinHandle<Result<(), ()>>) {
     let ((to, heard), (said, from)) = (channel(), channel());
     let mut socket = Socket { to: said, from: heard };
-    let thread = thread::spawn(move || serve::<_, 32, 2>(&mut socket, Flash { model, plan: None }, "thread"));
+    let thread = thread::spawn(move || {
+        serve::<_, 32, 2>(&mut socket, Flash { model, plan: None }, &mut Workspace::new(), "thread")
+    });
     (Wire { to, from, fault, count: 0, again: VecDeque::new(), seen: Vec::new() }, thread)
 }
 

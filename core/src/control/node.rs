@@ -38,21 +38,30 @@ pub struct Trial<R, const D: usize, const M: usize> {
     pub course: [R; D],
 }
 
+impl<R: Copy, const D: usize, const M: usize> Node<R, D, M> {
+    /// Memory of a node: all its numbers are the given zero, as a constant expression has it. In static memory it takes no flash.
+    pub const fn blank(zero: R) -> Self {
+        let (x, u) = ([zero; D], [zero; M]);
+        Self {
+            x,
+            u,
+            ticks: 0,
+            transition: Transition { a: [x; D], b: [u; D] },
+            change: u,
+            gain: [x; M],
+            multiplier: x,
+            course: x,
+            trial: Trial { ticks: 0, x, u, course: x },
+        }
+    }
+}
+
 impl<R: Real, const D: usize, const M: usize> Node<R, D, M> {
     /// A node of some ticks with the given control, its state unknown.
     pub fn new(ticks: u16, u: [R; M]) -> Self {
-        let zero = [R::zero(); D];
-        Self {
-            x: zero,
-            u,
-            ticks,
-            transition: Transition::identity(),
-            change: [R::zero(); M],
-            gain: [zero; M],
-            multiplier: zero,
-            course: zero,
-            trial: Trial { ticks, x: zero, u, course: zero },
-        }
+        let blank = Self::blank(R::zero());
+        let trial = Trial { ticks, u, ..blank.trial };
+        Self { u, ticks, transition: Transition::identity(), trial, ..blank }
     }
 
     /// Control at x for a part of the change, without limits.

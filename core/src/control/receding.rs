@@ -65,6 +65,18 @@ pub struct RecedingHorizon<'n, P, R, const D: usize, const M: usize> {
     horizon: Horizon<R, D, M>,
 }
 
+/// Moves the first nodes to the end, as [`slice::rotate_left`] does, but without its check: a program in which that call is not inlined could
+/// panic.
+fn rotate<T>(nodes: &mut [T], first: usize) {
+    if let Some((first, rest)) = nodes.split_at_mut_checked(first)
+        && !first.is_empty()
+    {
+        first.reverse();
+        rest.reverse();
+        nodes.reverse();
+    }
+}
+
 /// Ticks that have passed: nodes that are over, and ticks of the next one.
 #[derive(Clone, Copy, Debug)]
 struct Passed {
@@ -170,7 +182,7 @@ impl<'n, P: Plant<R, D, M>, R: Real, const D: usize, const M: usize> RecedingHor
         let gain = self.horizon.entering_gain();
         let Shooting { nodes, .. } = &mut self.shooting;
         let remaining = nodes.len().saturating_sub(passed.nodes);
-        nodes.rotate_left(passed.nodes.min(nodes.len()));
+        rotate(nodes, passed.nodes);
         for node in nodes.iter_mut().skip(remaining) {
             (node.change, node.gain) = ([R::zero(); M], gain);
         }

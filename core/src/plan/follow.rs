@@ -118,13 +118,22 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
     /// # Errors
     /// See [`Plan::command`].
     pub fn force(&self, tick: u32, q: &[f32; N], v: &[f32; N]) -> Result<[f32; N], CommandError> {
+        Ok(self.spread(&self.command(tick, q, v)?))
+    }
+
+    /// Planned command at a tick, spread over all coordinates, N or N m: that of a state on the plan.
+    pub fn planned_force(&self, tick: u32) -> [f32; N] {
+        self.spread(&self.reference(tick).u)
+    }
+
+    fn spread(&self, command: &[f32; M]) -> [f32; N] {
         let mut force = [0.0; N];
-        for (coordinate, u) in self.file.header().driven.iter().zip(self.command(tick, q, v)?) {
+        for (coordinate, u) in self.file.header().driven.iter().zip(command) {
             if let Some(force) = force.get_mut(usize::from(*coordinate)) {
-                *force = u;
+                *force = *u;
             }
         }
-        Ok(force)
+        force
     }
 
     /// q − q̄, for angles the short way.

@@ -52,6 +52,7 @@ fn a_state_on_the_plan_has_the_planned_command() {
     for tick in 0..25 {
         let reference = plan.reference(tick);
         assert_eq!(plan.command(tick, &reference.q, &reference.v), Ok(reference.u));
+        assert_eq!(plan.planned_force(tick), [reference.u[0], 0.0, reference.u[1]]);
     }
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Learns the models that the images carry: each from exact motion of seed 0, but cartpole-dry from the logs of a simulated robot
-# (docs/book/src/swing-up.md); and plans the swing-up of the latter.
+# (docs/book/src/swing-up.md); and plans the swing-up of the latter, and a motion of the double pendulum.
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$(cd ../../.. && pwd)
@@ -19,8 +19,10 @@ for model in cartpole double pendulums acrobot cartpole-dry; do
     leastaction train "$folder/$model.toml" -o "$folder/$model" --quiet
     leastaction export "$folder/$model" -o "$model.postcard"
 done
-leastaction plan swing-up.toml -o "$folder/plan" --quiet
-cp "$folder/plan/plan.postcard" swing-up.postcard
+for plan in swing-up reach; do
+    leastaction plan $plan.toml -o "$folder/plan-$plan" --quiet
+    cp "$folder/plan-$plan/plan.postcard" $plan.postcard
+done
 cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --bin arm_model arm.postcard
 leastaction export "$folder/cartpole" -o cartpole-f16.postcard --weights f16
 cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --example constants cartpole.postcard >cartpole_constants.rs

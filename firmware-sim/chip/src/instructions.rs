@@ -20,8 +20,8 @@ pub fn mean(calls: u32, mut call: impl FnMut()) -> u32 {
 
 /// Bits of a class within an octave of counts: 64 classes, each 1.6% to 0.8% wide.
 const CLASS_BITS: u32 = 6;
-/// Number of classes, from 2⁸ to 2²⁴ instructions.
-const CLASSES: usize = 16 << CLASS_BITS;
+/// Number of classes, from 2⁸ to 2³⁰ instructions.
+const CLASSES: usize = 22 << CLASS_BITS;
 
 /// Counts of many calls: their median and the largest.
 pub struct Counts {

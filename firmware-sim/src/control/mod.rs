@@ -1,6 +1,7 @@
 //! Controllers that know a mechanism only through its model.
 
 mod by_encoders;
+mod coordinates;
 mod float;
 mod follow;
 mod mpc;
@@ -13,9 +14,10 @@ mod task;
 mod track;
 
 pub use by_encoders::ByEncoders;
+pub use coordinates::{Coordinates, States, SwungUp};
 pub use float::Float;
 pub use follow::Follow;
-pub use mpc::{Mpc, NODES};
+pub use mpc::{Mpc, NODES, NoMpc, Nodes, blank_nodes};
 pub use mpc_settings::MpcSettings;
 pub use pump::{CartPump, JointPump, NoPump, Pump, PumpConfig};
 pub use reference::{HARMONICS, Reference, Setpoint, Target, Trajectory, enter};

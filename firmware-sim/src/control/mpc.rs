@@ -17,15 +17,23 @@ use leastaction_core::control::{
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
 use leastaction_core::forces::Actuator;
 use leastaction_core::linear::add_scaled;
-use leastaction_core::plan::{Plan, Reference};
+use leastaction_core::plan::Plan;
 
 /// Number of nodes of a decision's motion.
 pub const NODES: usize = 25;
 /// Largest acceleration of a held goal, as a part of the tolerance of velocities, 1/s.
 const HELD: f32 = 0.25;
 
+/// Memory of a decision's motion.
+pub type Nodes<const N: usize, const D: usize> = [Node<f32, D, N>; NODES];
+
+/// Memory for decisions, which in a static takes no flash.
+pub const fn blank_nodes<const N: usize, const D: usize>() -> Nodes<N, D> {
+    [Node::blank(0.0); NODES]
+}
+
 /// Control over a receding horizon: at every tick, a motion from the estimated state to a goal posture, improved by a fixed number of iterations
-/// of iterative LQR within the limits of the actuators; its first command is given. D is 2N.
+/// of iterative LQR within the limits of the actuators; its first command is given. D is 2N. The motion is in the caller's memory.
 ///
 /// A control is a command minus the one that holds the mechanism at the goal, so that holding costs nothing. A coordinate whose limit is 0
 /// has no control. Every decision begins with the last motion and takes another one that costs less: the regulator at the goal, the rest of
@@ -34,7 +42,7 @@ const HELD: f32 = 0.25;
 /// From a state from which no motion can be computed, the last one is followed by its gains to its end ([`Mode::Track`]); after it, or
 /// without one, the mechanism is held against gravity with damping ([`Mode::Float`]); if the model cannot do that either, the firmware
 /// commands no force ([`Mode::Safe`]).
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Mpc<'p, const N: usize, const D: usize> {
     settings: MpcSettings<N>,
     tick: f32,
@@ -45,7 +53,7 @@ pub struct Mpc<'p, const N: usize, const D: usize> {
     cost: Cost<f32, D, N>,
     horizon: Horizon<f32, D, N>,
     plan: Option<(Plan<'p, N, N>, Drive<N>)>,
-    nodes: [Node<f32, D, N>; NODES],
+    nodes: &'p mut Nodes<N, D>,
     progress: Option<Progress<f32, D>>,
     /// Number of ticks since the last decision.
     elapsed: u32,
@@ -58,7 +66,8 @@ type Of<'m, M, P, const N: usize> =
     Stepped<'m, <M as Mechanism<N>>::Lagrangian, <M as Mechanism<N>>::Forces, f32, P, N, N>;
 
 impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
-    /// Creates the controller of a program; `plan`, which was made for this model, is proposed if the settings say so.
+    /// Creates the controller of a program over `nodes`, whatever they hold; `plan`, which was made for this model, is proposed if the
+    /// settings say so.
     ///
     /// # Errors
     /// Settings out of range ([`SetupError::OutOfRange`]), also a goal that takes more than the actuators' limits, or at which the held model
@@ -70,6 +79,7 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
         settings: MpcSettings<N>,
         program: &Program<N>,
         plan: Option<&Plan<'p, N, N>>,
+        nodes: &'p mut Nodes<N, D>,
     ) -> Result<Self, SetupError> {
         settings.validate()?;
         settings.check_stride(model.trained_step(), program.observer.other_step)?;
@@ -78,6 +88,7 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
         let Program { tick, observer, actuator, .. } = *program;
         let hold = holding(model, &settings, &actuator)?;
         let MpcSettings { ticks, iterations, trials, .. } = settings;
+        nodes.fill(Node::new(ticks, [0.0; N]));
         let mut new = Self {
             settings,
             tick,
@@ -87,7 +98,7 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
             cost: settings.cost(tick, program.angle, &actuator.drive),
             horizon: Horizon { ticks, iterations, trials, penalty: 1.0, terminal: None },
             plan,
-            nodes: [Node::new(ticks, [0.0; N]); NODES],
+            nodes,
             progress: None,
             elapsed: 0,
             decisions: 0,
@@ -158,9 +169,9 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
         let problem = self.problem(self.plant::<M, P>(model), controls);
         let (rest, random) = (self.rest_of_plan(x), self.random(&controls));
         let mut search = match self.progress {
-            None => RecedingHorizon::new(problem, self.horizon, *x, &mut self.nodes)?,
+            None => RecedingHorizon::new(problem, self.horizon, *x, self.nodes)?,
             Some(progress) => {
-                let mut search = RecedingHorizon::resume(problem, self.horizon, progress, &mut self.nodes);
+                let mut search = RecedingHorizon::resume(problem, self.horizon, progress, self.nodes);
                 let elapsed = u16::try_from(self.elapsed).unwrap_or(u16::MAX);
                 if let Err(error) = search.follow(elapsed, x) {
                     return search.held(elapsed, x).map(|u| (u, Mode::Track)).ok_or(error);
@@ -204,10 +215,8 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
         let at = |k: usize| nearest.saturating_add(k as u32 * u32::from(self.settings.ticks));
         let known = &self.actuator.drive;
         let control = |k: usize| {
-            let Reference { q, v, .. } = plan.reference(at(k));
-            // A planned state takes the planned command.
-            let command = plan.force(at(k), &q, &v).unwrap_or([0.0; N]);
-            add_scaled(&known.command(&drive.force(&command)), -1.0, &self.hold)
+            let force = drive.force(&plan.planned_force(at(k)));
+            add_scaled(&known.command(&force), -1.0, &self.hold)
         };
         let left = (0..NODES).take_while(|k| at(*k) < plan.ticks()).count();
         Some((from_fn(control), left))
@@ -234,6 +243,21 @@ impl<M: Mechanism<N>, const N: usize, const D: usize> Controller<M, N> for Mpc<'
             Ok((u, mode)) => Ok(Command { u: self.force(&u), mode }),
             Err(_) => Float { drag: self.settings.drag }.command(model, target, state),
         }
+    }
+}
+
+/// No decisions; it has no values.
+#[derive(Clone, Copy, Debug)]
+pub enum NoMpc {}
+
+impl<M, const N: usize> Controller<M, N> for NoMpc {
+    fn command(
+        &mut self,
+        _: &M,
+        _: &Target<N>,
+        _: &ContinuousState<f32, N>,
+    ) -> Result<Command<N>, StepError<f32>> {
+        match *self {}
     }
 }
 

@@ -3,9 +3,10 @@ use crate::tick::Mode;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
 
-/// A controller whose task is chosen at run time.
-#[derive(Clone, Copy, Debug)]
-pub enum TaskController<'p, P, const N: usize> {
+/// A controller whose task is chosen at run time; P is the pump of a swing-up, or [`NoPump`](super::NoPump), and R is [`Mpc`](super::Mpc) or
+/// [`NoMpc`](super::NoMpc).
+#[derive(Debug)]
+pub enum TaskController<'p, P, R, const N: usize> {
     /// Follows a motion.
     Track(Track<N>),
     /// Holds the mechanism against gravity.
@@ -16,18 +17,23 @@ pub enum TaskController<'p, P, const N: usize> {
     Listen(Listen),
     /// Follows a plan.
     Follow(Follow<'p, N>),
+    /// Decides at every tick.
+    Mpc(R),
 }
 
-impl<M, P, const N: usize> Controller<M, N> for TaskController<'_, P, N>
+impl<M, P, R, const N: usize> Controller<M, N> for TaskController<'_, P, R, N>
 where
     Track<N>: Controller<M, N>,
     Float: Controller<M, N>,
     P: Pump<M, N>,
+    R: Controller<M, N>,
 {
     fn read(&mut self, elapsed: u32, measured: &[Option<f32>; N]) {
-        // The other tasks use only the estimate.
-        if let Self::Follow(follow) = self {
-            Controller::<M, N>::read(follow, elapsed, measured);
+        match self {
+            Self::Follow(follow) => Controller::<M, N>::read(follow, elapsed, measured),
+            Self::Mpc(mpc) => mpc.read(elapsed, measured),
+            // The other tasks use only the estimate.
+            _ => {}
         }
     }
 
@@ -43,6 +49,7 @@ where
             Self::SwingUp(swing_up) => swing_up.command(model, target, state),
             Self::Listen(listen) => listen.command(model, target, state),
             Self::Follow(follow) => follow.command(model, target, state),
+            Self::Mpc(mpc) => mpc.command(model, target, state),
         }
     }
 }

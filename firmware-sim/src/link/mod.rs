@@ -14,4 +14,4 @@ pub use message::{
     Answer, Done, LoggedSamples, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
 };
 pub use refusal::{ModelRefusal, PlanFault, ProgramFault, Refusal};
-pub use serve::{Flash, Port, serve, serve_arm};
+pub use serve::{Flash, Port, Workspace, serve, serve_arm};

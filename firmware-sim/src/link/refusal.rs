@@ -146,7 +146,7 @@ impl fmt::Display for ProgramFault {
             Self::SingularInertia => "the model's inertia matrix at the upright position is singular",
             Self::NotStabilisable => "no feedback holds the model upright",
             Self::NoSwingUp => "only a pendulum and a pole on a cart are brought upright",
-            Self::NoMpc => "its image does not decide at every tick",
+            Self::NoMpc => "its image has no memory for decisions at every tick",
         })
     }
 }

@@ -1,7 +1,7 @@
 use super::frame::{Frame, Receiver};
 use super::message::{Answer, Done, LoggedSamples, Request, Samples, answer, parse_request};
 use super::refusal::Refusal;
-use crate::control::Controller;
+use crate::control::{Controller, Nodes, blank_nodes};
 use crate::error::SetupError;
 use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
@@ -36,7 +36,7 @@ pub trait Port {
 pub struct Flash<'a> {
     /// The model; `None` if there is none.
     pub model: Option<&'a [u8]>,
-    /// The plan that the task [`Follow`](crate::Task::Follow) follows; `None` if there is none.
+    /// The plan that the task [`Follow`](crate::Task::Follow) follows, and [`Mpc`](crate::Task::Mpc) may take; `None` if there is none.
     pub plan: Option<&'a [u8]>,
 }
 
@@ -60,55 +60,72 @@ fn read_plan<const N: usize>(file: &[u8], model: u32) -> Result<Plan<'_, N, N>, 
 type AllForces<'a, const H: usize, const D: usize, const N: usize> =
     (Friction<N>, (Dissipation<'a, f32, N, H, D>, PotentialCorrection<'a, f32, N, H, D>));
 
-/// Runs a program of `$n` coordinates over the model in a file, an inertia network or rigid bodies.
+/// Memory of decisions at every tick, for programs of 1 and of 2 coordinates.
+#[derive(Debug)]
+pub struct Workspace {
+    one: Nodes<1, 2>,
+    two: Nodes<2, 4>,
+}
+
+impl Workspace {
+    /// Creates the memory, in a static without flash.
+    pub const fn new() -> Self {
+        Self { one: blank_nodes(), two: blank_nodes() }
+    }
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Runs a program of `$n` coordinates over the model in a file, an inertia network or rigid bodies; decisions work in `$nodes`.
 macro_rules! run {
-    ($link:ident, $flash:ident, $program:ident, $n:literal) => {
+    ($link:ident, $flash:ident, $program:ident, $n:literal, $nodes:expr) => {
         match $flash.model.map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
             Some(Err(ModelError::OtherFamily { .. })) => {
                 match $flash.model.map(BodiesModel::<$n, f32, Friction<$n>>::load) {
                     Some(Err(ModelError::Law { .. })) => {
-                        over!(
-                            $link,
-                            $flash,
-                            $flash.model.map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load),
-                            $program
-                        )
+                        let loaded = $flash.model.map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load);
+                        over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes))
                     }
-                    loaded => over!($link, $flash, loaded, $program),
+                    loaded => {
+                        over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes))
+                    }
                 }
             }
             Some(Err(ModelError::Law { .. })) => {
                 let loaded =
                     $flash.model.map(InertiaNetworkModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
-                over!($link, $flash, loaded, $program)
+                over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes))
             }
-            loaded => over!($link, $flash, loaded, $program),
+            loaded => over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes)),
         }
     };
 }
 
-/// Runs a program over a loaded model, begun by `$start`, or answers with the reason for refusing it.
+/// Runs the program that `$start` begins over a loaded model, or answers with the reason for refusing it.
 macro_rules! over {
-    ($link:ident, $flash:ident, $loaded:expr, $program:ident) => {
-        over!($link, $flash, $loaded, $program, start_with)
-    };
-    ($link:ident, $flash:ident, $loaded:expr, $program:ident, $start:ident) => {{
+    ($link:ident, $loaded:expr, $start:expr) => {{
         let loaded = $loaded.ok_or(Refusal::NoModel).and_then(|model| Ok(model?));
         let model = loaded.as_ref().map_err(|refusal| *refusal);
         let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
-        $link.program(model.as_ref(), |model| $program.$start(model, || $flash.plan()))?
+        $link.program(model.as_ref(), $start)?
     }};
 }
 
 /// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an inertia
 /// network of 1 or 2 coordinates with at most `D` hidden layers of at most `H` units, or over 1 or 2 rigid bodies,
-/// optionally with laws of force whose networks have these sizes. Model and plan are borrowed in place.
+/// optionally with laws of force whose networks have these sizes. Model and plan are borrowed in place; decisions at every tick work in
+/// `workspace`.
 ///
 /// # Errors
 /// Errors of the port.
 pub fn serve<P: Port, const H: usize, const D: usize>(
     port: &mut P,
     flash: Flash,
+    workspace: &mut Workspace,
     processor: &str,
 ) -> Result<(), P::Error> {
     let mut link = Link { port, receiver: Receiver::default(), processor };
@@ -116,8 +133,8 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     loop {
         next = match (parse_request::<1>(&next), parse_request::<2>(&next)) {
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
-            (Ok(Request::Begin(program)), _) => run!(link, flash, program, 1),
-            (_, Ok(Request::Begin(program))) => run!(link, flash, program, 2),
+            (Ok(Request::Begin(program)), _) => run!(link, flash, program, 1, &mut workspace.one),
+            (_, Ok(Request::Begin(program))) => run!(link, flash, program, 2, &mut workspace.two),
             (Ok(Request::Tick(_) | Request::Log(_)), _) | (_, Ok(Request::Tick(_) | Request::Log(_))) => {
                 link.refuse(Refusal::NotBegun)?
             }
@@ -130,7 +147,7 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
 
 /// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an arm of N
 /// joints, optionally with damping and dry friction; model and plan are borrowed in place. Programs follow
-/// targets and plans, and bring nothing upright.
+/// targets and plans; they bring nothing upright, and decide nothing.
 ///
 /// # Errors
 /// Errors of the port.
@@ -146,7 +163,7 @@ pub fn serve_arm<P: Port, const N: usize>(
             Ok(Request::End) => return Ok(()),
             Ok(Request::Begin(program)) => {
                 let loaded = flash.model.map(ArmModel::<N, f32, Friction<N>>::load);
-                over!(link, flash, loaded, program, follow_with)
+                over!(link, loaded, |model| program.follow_with(model, || flash.plan()))
             }
             Ok(Request::Tick(_) | Request::Log(_)) => link.refuse(Refusal::NotBegun)?,
             Err(refusal) => link.refuse(refusal)?,

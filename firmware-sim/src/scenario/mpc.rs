@@ -1,7 +1,7 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::control::{MpcSettings, Tolerance};
+use crate::control::{Coordinates, MpcSettings, States, Tolerance, blank_nodes};
 use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
 use crate::summary::{Goal, Summary};
@@ -120,9 +120,13 @@ pub fn mpc<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D: usize>(
     plan: Option<&Plan<N, N>>,
     config: &MpcConfig<N>,
     mut sink: impl FnMut(&Tick<N>),
-) -> Result<(Summary<N>, Decided), SetupError> {
+) -> Result<(Summary<N>, Decided), SetupError>
+where
+    Coordinates<N>: States<D>,
+{
     config.setup.validate()?;
-    let firmware = config.program().mpc::<M, D>(model, plan)?;
+    let mut nodes = blank_nodes();
+    let firmware = config.program().mpc(model, plan, &mut nodes)?;
     let mut decided = Decided::default();
     let summary = run_in_place(plant, firmware, &config.setup, config.settings.goal, |tick| {
         decided.update(tick);

@@ -2,11 +2,12 @@
 
 use crate::common::plans::resting;
 use leastaction_core::model::{CATALOGUE, Entry, ModelError, fingerprint};
-use leastaction_firmware_sim::control::{Gains, Law, MpcSettings, Target, Tolerance};
+use leastaction_firmware_sim::control::{Gains, Law, MpcSettings, Target, Tolerance, blank_nodes};
 use leastaction_firmware_sim::devices::{ActuatorConfig, Drive};
 use leastaction_firmware_sim::link::{
     Answer, Broken, Done, Flash, Frame, LoggedSamples, ModelRefusal, PlanFault, Port, ProgramFault, Receiver,
-    Refusal, Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve, serve_arm,
+    Refusal, Request, Samples, VERSION, Workspace, answer, parse_answer, parse_request, request, serve,
+    serve_arm,
 };
 use leastaction_firmware_sim::observer::{LearnZeros, Order, OtherStep};
 use leastaction_firmware_sim::scenario::{MpcConfig, SwingUpConfig, TrackConfig};
@@ -206,7 +207,7 @@ impl Port for Script {
 /// Answers of a processor with a model to some bytes, and its end.
 fn answers(model: Option<&[u8]>, heard: Vec<u8>) -> (Vec<Frame>, Result<(), Silence>) {
     let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
-    let end = serve::<_, 32, 2>(&mut script, Flash { model, plan: None }, "tester");
+    let end = serve::<_, 32, 2>(&mut script, Flash { model, plan: None }, &mut Workspace::new(), "tester");
     (frames(&script.said).into_iter().map(Result::unwrap).collect(), end)
 }
 
@@ -315,8 +316,40 @@ fn nothing_brings_an_arm_upright() {
     assert_eq!(refusal, Refusal::Program(ProgramFault::NoSwingUp));
 }
 
+/// The cart-pole near upright, then far from it: what the processor answers is what a program in place decides.
 #[test]
-fn decisions_at_every_tick_are_refused() {
+fn decisions_at_every_tick_are_those_in_place() {
+    let mut config = MpcConfig::<2>::cartpole().with_tick(program().tick);
+    (config.settings.stride, config.setup.observer.other_step) = (1, OtherStep::Accepted);
+    let program = config.program();
+    let model = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
+    let mut nodes = blank_nodes();
+    let mut firmware = program.mpc(&model.system, None, &mut nodes).unwrap();
+    let target = target(0.0);
+    let tick = |i: u32| {
+        let measured = [Some(0.0), (!i.is_multiple_of(5)).then_some(0.2 * i as f32)];
+        Samples { sequence: i, elapsed: 1 + u32::from(i == 7), measured, target }
+    };
+    let mut heard = bytes(&request(&Request::Begin(program)).unwrap());
+    (0..16).for_each(|i| heard.extend(bytes(&request(&Request::Tick(tick(i))).unwrap())));
+    let (said, _) = answers(Some(&CARTPOLE_FILE.0), heard);
+    assert_eq!(said.len(), 17);
+    let mut decided = 0;
+    for (i, frame) in (0..).zip(&said[1..]) {
+        let Samples { elapsed, measured, target, .. } = tick(i);
+        let outcome = firmware.run(elapsed, &measured, &target);
+        decided += u32::from(outcome.command.mode == Mode::Mpc && outcome.command.u[0] != 0.0);
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
+    }
+    assert!(decided > 8, "{decided}");
+    // A plan that decisions may take is looked for.
+    config.settings.plan = Some(Drive::ideal());
+    let sent = request(&Request::Begin(config.program())).unwrap();
+    assert_eq!(refusal(Some(&CARTPOLE_FILE.0), &sent), Refusal::NoPlan);
+}
+
+#[test]
+fn decisions_of_an_arm_at_every_tick_are_refused() {
     let MpcSettings { ticks, stride, iterations, trials, sample_every, piece, drag, .. } =
         MpcConfig::<2>::cartpole().settings;
     let (goal, tolerance) = ([0.0; 7], Tolerance { q: [0.1; 7], v: [1.0; 7], u: 1.0 });
@@ -393,8 +426,11 @@ fn a_plan_is_followed_as_it_is_in_place() {
     let flash = Flash { model: Some(&CARTPOLE_FILE.0), plan: Some(written.bytes()) };
     let loaded = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
     let plan = || Ok::<_, SetupError>(written.plan());
-    let mut firmware = program.start_with(&loaded.system, plan).unwrap();
-    let serve = |script: &mut Script| assert_eq!(serve::<_, 32, 2>(script, flash, "tester"), Err(Silence));
+    let mut nodes = blank_nodes();
+    let mut firmware = program.start_with(&loaded.system, plan, &mut nodes).unwrap();
+    let serve = |script: &mut Script| {
+        assert_eq!(serve::<_, 32, 2>(script, flash, &mut Workspace::new(), "tester"), Err(Silence))
+    };
     check_followed(program, serve, |measured, target| firmware.run(1, measured, target));
     assert!(firmware.last().command.u[0] != 0.0);
 
@@ -419,7 +455,7 @@ fn plans_that_cannot_be_followed_are_refused_with_their_reason() {
         let sent = bytes(&request(&Request::Begin(program)).unwrap());
         let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
         let flash = Flash { model: Some(&CARTPOLE_FILE.0), plan };
-        assert_eq!(serve::<_, 32, 2>(&mut script, flash, "tester"), Err(Silence));
+        assert_eq!(serve::<_, 32, 2>(&mut script, flash, &mut Workspace::new(), "tester"), Err(Silence));
         match parse_answer::<2>(frames(&script.said)[0].as_ref().unwrap()) {
             Ok(Answer::Refused(refusal)) => Some(refusal),
             _ => None,

@@ -8,7 +8,9 @@ use leastaction_core::discrete::Order;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{ControlKind, System, Viscous};
 use leastaction_core::model::TrainedStep;
-use leastaction_firmware_sim::control::{Command, Controller, Mpc, MpcSettings, Target};
+use leastaction_firmware_sim::control::{
+    Command, Controller, Coordinates, Mpc, MpcSettings, States, Target, blank_nodes,
+};
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{Decided, MpcConfig, Push, SwingUpConfig, mpc};
@@ -21,7 +23,10 @@ fn run<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D: usize>(
     (plant, model): (&P, &M),
     config: &MpcConfig<N>,
     seed: u64,
-) -> (Summary<N>, Decided) {
+) -> (Summary<N>, Decided)
+where
+    Coordinates<N>: States<D>,
+{
     let mut config = *config;
     config.setup.seed = seed;
     let limit = config.setup.devices.actuator.limit;
@@ -31,7 +36,10 @@ fn run<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D: usize>(
 
 /// Runs all seeds over an exact model.
 #[track_caller]
-fn succeeds<const N: usize, const D: usize>(exact: Trigonometric<'static, N>, config: &MpcConfig<N>) {
+fn succeeds<const N: usize, const D: usize>(exact: Trigonometric<'static, N>, config: &MpcConfig<N>)
+where
+    Coordinates<N>: States<D>,
+{
     let system = System::conservative(exact);
     for seed in 0..STARTS {
         let (summary, decided) = run::<_, _, N, D>((&system, &system), config, seed);
@@ -136,17 +144,12 @@ fn a_plan_is_taken() {
 
 type CartPole = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
 
-/// The controller of the cart-pole, outside its loop.
-fn controller(model: &CartPole) -> Mpc<'static, 2, 4> {
-    let config = MpcConfig::<2>::cartpole();
-    Mpc::new(model, config.settings, &config.program(), None).unwrap()
-}
-
 /// Without a motion: the last one, then gravity alone, then no command.
 #[test]
 fn where_no_motion_can_be_computed_the_last_one_is_followed_then_gravity() {
     let model = System::conservative(CARTPOLE);
-    let mut mpc = controller(&model);
+    let (config, mut nodes) = (MpcConfig::<2>::cartpole(), blank_nodes());
+    let mut mpc = Mpc::<2, 4>::new(&model, config.settings, &config.program(), None, &mut nodes).unwrap();
     let target = Target::of(&[0.0; 2], 0.0, 0.02);
     let mut command = |elapsed: u32, v: f32| {
         Controller::<CartPole, 2>::read(&mut mpc, elapsed, &[None; 2]);
@@ -173,7 +176,7 @@ fn refused(change: impl FnOnce(&mut MpcConfig<2>)) -> SetupError {
     let mut config = MpcConfig::<2>::cartpole();
     change(&mut config);
     let system = System::conservative(CARTPOLE);
-    config.program().mpc::<_, 4>(&system, None).err().unwrap()
+    config.program().mpc(&system, None, &mut blank_nodes()).err().unwrap()
 }
 
 /// The name of the number that a refusal is about.
@@ -211,13 +214,13 @@ fn goals_that_cannot_be_held_are_refused() {
     let mut config = MpcConfig::<1>::pendulum();
     config.settings.goal = [0.5 * PI];
     let pendulum = System::conservative(PENDULUM);
-    let heavy = config.program().mpc::<_, 2>(&pendulum, None).err().unwrap();
+    let heavy = config.program().mpc(&pendulum, None, &mut blank_nodes()).err().unwrap();
     assert_eq!(named(heavy), "command that holds the goal");
     let undriven = refused(|config| config.setup.devices.actuator.limit = [0.0; 2]);
     assert_eq!(undriven, SetupError::NotStabilisable);
     let massless = System::conservative(Trigonometric { inertia: &[], ..PENDULUM });
     let program = MpcConfig::<1>::pendulum().program();
-    assert_eq!(program.mpc::<_, 2>(&massless, None).err(), Some(SetupError::SingularInertia));
+    assert_eq!(program.mpc(&massless, None, &mut blank_nodes()).err(), Some(SetupError::SingularInertia));
 }
 
 #[test]
@@ -229,10 +232,13 @@ fn what_does_not_fit_the_program_is_refused() {
     let mut config = MpcConfig::<2>::cartpole();
     config.settings.plan = Some(Drive::ideal());
     let written = CARTPOLE_UP.plan::<4>();
-    let other = config.program().mpc::<_, 4>(&system, Some(&written.plan())).err();
+    let other = config.program().mpc(&system, Some(&written.plan()), &mut blank_nodes()).err();
     assert_eq!(other, Some(SetupError::PlanTick { planned: 0.01, tick: 0.02 }));
     assert_eq!(config.program().start(&system).err(), Some(SetupError::NoMpc));
-    assert_eq!(SwingUpConfig::cartpole().program().mpc::<_, 4>(&system, None).err(), Some(SetupError::NoMpc));
+    assert_eq!(
+        SwingUpConfig::cartpole().program().mpc(&system, None, &mut blank_nodes()).err(),
+        Some(SetupError::NoMpc)
+    );
 }
 
 /// A model that learned its own step is not stepped by another one, unless that is accepted.
@@ -242,12 +248,12 @@ fn a_model_keeps_the_step_that_it_learned() {
     let step = TrainedStep { order: Order::Two, h: 0.02, control: ControlKind::Held };
     let model = Trained { system: &system, step: Some(step) };
     let mut config = MpcConfig::<2>::cartpole();
-    let error = config.program().mpc::<_, 4>(&model, None).err().unwrap();
+    let error = config.program().mpc(&model, None, &mut blank_nodes()).err().unwrap();
     assert_eq!(error.to_string(), "stride is 2, but must be 1, the step that the model was trained for");
     config.setup.observer.other_step = OtherStep::Accepted;
-    assert!(config.program().mpc::<_, 4>(&model, None).is_ok());
+    assert!(config.program().mpc(&model, None, &mut blank_nodes()).is_ok());
     (config.setup.observer.other_step, config.settings.stride) = (OtherStep::Refused, 1);
-    assert!(config.program().mpc::<_, 4>(&model, None).is_ok());
+    assert!(config.program().mpc(&model, None, &mut blank_nodes()).is_ok());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use leastaction_core::forces::{ControlKind, Forces, System, Viscous};
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::TrainedStep;
-use leastaction_firmware_sim::control::{CartPump, Regulator, TaskController, Tolerance};
+use leastaction_firmware_sim::control::{CartPump, Mpc, Regulator, TaskController, Tolerance};
 use leastaction_firmware_sim::link::{Answer, Broken, Frame, Receiver, Refusal, Request};
 use leastaction_firmware_sim::observer::{ObserverConfig, ObserverOf, OtherStep};
 use leastaction_firmware_sim::scenario::{
@@ -170,7 +170,7 @@ fn the_constant_configuration_has_newtons_default_residuals() {
 fn what_moves_between_tasks_can_be_sent() {
     fn send<T: Send>() {}
     type Model = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
-    send::<Firmware<'static, Model, TaskController<'static, CartPump, 2>, 2>>();
+    send::<Firmware<'static, Model, TaskController<'static, CartPump, Mpc<'static, 2, 4>, 2>, 2>>();
     send::<ObserverOf<'static, Model, 2>>();
     send::<(Program<2>, Outcome<2>, Tick<2>, Summary<2>, SwingUpConfig<2>)>();
     send::<(Request<2>, Answer<'static, 2>, Frame, Receiver)>();

@@ -1,7 +1,9 @@
 //! Processor's end of the link.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
-use leastaction_firmware_sim::link::{Answer, Flash, Port, Receiver, parse_answer, serve, serve_arm};
+use leastaction_firmware_sim::link::{
+    Answer, Flash, Port, Receiver, Workspace, parse_answer, serve, serve_arm,
+};
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
@@ -48,11 +50,12 @@ pub fn link(input: &[u8]) {
     let heard = if mode & 4 == 0 { framed(rest) } else { rest.to_vec() };
     let mut line = Line { heard: heard.iter(), said: Vec::new() };
     let flash = |model, plan| Flash { model, plan };
+    let workspace = &mut Workspace::new();
     let end = match mode & 3 {
-        0 => serve::<_, 32, 2>(&mut line, flash(Some(&CARTPOLE.0), None), "fuzz"),
-        1 => serve::<_, 32, 2>(&mut line, flash(Some(&DRY.0), Some(&PLAN.0)), "fuzz"),
+        0 => serve::<_, 32, 2>(&mut line, flash(Some(&CARTPOLE.0), None), workspace, "fuzz"),
+        1 => serve::<_, 32, 2>(&mut line, flash(Some(&DRY.0), Some(&PLAN.0)), workspace, "fuzz"),
         2 => serve_arm::<_, 7>(&mut line, flash(Some(&ARM.0), None), "fuzz"),
-        _ => serve::<_, 32, 2>(&mut line, Flash::default(), "fuzz"),
+        _ => serve::<_, 32, 2>(&mut line, Flash::default(), workspace, "fuzz"),
     };
     assert!(end.is_ok() || line.heard.len() == 0);
     if mode & 3 == 2 { answers::<7>(&line.said) } else { answers::<2>(&line.said) }

@@ -34,14 +34,11 @@ fn a_learned_model_predicts_tracks_and_swings_up() {
 }
 
 #[test]
-fn decisions_are_counted_and_made_here() {
+fn decisions_are_counted() {
     let bench = learned();
     let report = simulate(&bench, "--scenario mpc --seed 2");
     let count = |name: &str| report["decided"][name].as_u64().unwrap();
     assert!(count("decided") > 90 && count("followed") + count("floated") == 0, "{report}");
-    bench
-        .run("simulate run.postcard --scenario mpc --on cortex-m4")
-        .bad(2, &["decide at every tick", "--on"]);
 }
 
 #[test]

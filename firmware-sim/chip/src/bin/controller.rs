@@ -7,16 +7,21 @@
 
 use leastaction_chip::serial::Serial;
 use leastaction_chip::{board, image};
-use leastaction_firmware_sim::link::serve;
+use leastaction_firmware_sim::link::{Workspace, serve};
 
 /// Maximum number of units of a hidden layer.
 const UNITS: usize = 32;
 /// Maximum number of hidden layers.
 const LAYERS: usize = 2;
 
+/// Memory of decisions at every tick.
+static mut WORKSPACE: Workspace = Workspace::new();
+
 fn run() -> Result<(), &'static [u8]> {
     let name = str::from_utf8(board::name()).unwrap_or("");
-    serve::<_, UNITS, LAYERS>(&mut Serial::new(), board::flash(), name)
+    // SAFETY: the image runs this function once, and nobody else has the workspace.
+    let workspace = unsafe { &mut *(&raw mut WORKSPACE) };
+    serve::<_, UNITS, LAYERS>(&mut Serial::new(), board::flash(), workspace, name)
         .map_err(|_| b"nobody speaks".as_slice())
 }
 

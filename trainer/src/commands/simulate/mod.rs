@@ -70,7 +70,7 @@ use std::time::Duration;
 /// Example: leastaction simulate model.postcard --scenario follow --plan plan.postcard
 ///
 /// With --scenario mpc, the firmware decides by itself: at every tick it improves a motion that brings the pendulum, or the pole of the
-/// cart, upright. The report says how many commands were decisions, and how many came without one.
+/// cart, upright. The report says how many commands were decisions, and how many came without one. With --on, a board decides.
 ///
 /// Example: leastaction simulate model.postcard --scenario mpc --seed 3
 ///

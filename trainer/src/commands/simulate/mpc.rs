@@ -4,6 +4,7 @@ use super::scenario::closed_loop;
 use super::{Report, Request, Trace};
 use leastaction::cli::Failure;
 use leastaction_firmware_sim::Mechanism;
+use leastaction_firmware_sim::control::{Coordinates, States, blank_nodes};
 use leastaction_firmware_sim::scenario::{Decided, MpcConfig};
 use serde::Serialize;
 
@@ -18,17 +19,16 @@ pub struct DecidedReport {
     pub floated: u32,
 }
 
-/// Runs the loop on this machine; D is 2N. A model that learned its own step is stepped by it alone.
+/// Runs the loop, here or on a board; D is 2N. A model that learned its own step is stepped by it alone.
 pub(super) fn deciding<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D: usize>(
     request: &Request,
     (plant, model): (&P, &M),
     config: MpcConfig<N>,
     trace: &mut Trace,
-) -> Result<Report, Failure> {
-    if request.on.is_some() {
-        let reason = "the images of boards do not decide at every tick: leave out --on, or take swing-up";
-        return Err(Failure::Input(reason.to_owned()));
-    }
+) -> Result<Report, Failure>
+where
+    Coordinates<N>: States<D>,
+{
     let trained = request.model.facts.trained_step.map(|step| step.h);
     let mut config = config.with_tick(request.tick.or(trained).unwrap_or(config.setup.tick));
     if trained.is_some() {
@@ -36,7 +36,8 @@ pub(super) fn deciding<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D
     }
     request.adapt(&mut config.setup)?;
     let (program, mut decided) = (config.program(), Decided::default());
-    let firmware = (&program, program.mpc::<M, D>(model, None));
+    let mut nodes = blank_nodes();
+    let firmware = (&program, program.mpc(model, None, &mut nodes));
     let goal = (&config.setup, config.settings.goal);
     let mut report = closed_loop(request, plant, goal, firmware, |tick| {
         decided.update(tick);
