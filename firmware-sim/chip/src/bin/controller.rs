@@ -19,8 +19,9 @@ static mut WORKSPACE: Workspace = Workspace::new();
 
 fn run() -> Result<(), &'static [u8]> {
     let name = str::from_utf8(board::name()).unwrap_or("");
+    let workspace = &raw mut WORKSPACE;
     // SAFETY: the image runs this function once, and nobody else has the workspace.
-    let workspace = unsafe { &mut *(&raw mut WORKSPACE) };
+    let workspace = unsafe { &mut *workspace };
     serve::<_, UNITS, LAYERS>(&mut Serial::new(), board::flash(), workspace, name)
         .map_err(|_| b"nobody speaks".as_slice())
 }
