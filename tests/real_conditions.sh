@@ -26,7 +26,7 @@ done
 starts=${STARTS:-20}
 
 # Images of boards are found from within the repository.
-leastaction=$(realpath "${LEASTACTION:-${CARGO_TARGET_DIR:-$root/target}/release/leastaction}")
+leastaction=$(realpath -m "${LEASTACTION:-${CARGO_TARGET_DIR:-$root/target}/release/leastaction}")
 cd "$root"
 [ -n "${LEASTACTION:-}" ] || cargo build --quiet --release --package leastaction
 folder=$(mktemp -d)
