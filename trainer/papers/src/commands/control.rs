@@ -6,6 +6,7 @@ use leastaction::cli::{Done, Failure, Output};
 use leastaction_models::parallel;
 use leastaction_papers::control::{ControlError, Controller, Known, Report, Robot, Table, rows};
 use std::ops::Range;
+use std::slice;
 
 /// RealAIGym (DFKI, ICRA 2025): a double pendulum with one drive comes upright, from anywhere, fast, or with faults.
 ///
@@ -23,7 +24,7 @@ pub struct Control {
     /// Only this robot.
     #[arg(long)]
     robot: Option<Robot>,
-    /// Only this controller of ours.
+    /// Only this controller of ours; by default those that are made for the table.
     #[arg(long)]
     controller: Option<Controller>,
     /// Only with this model.
@@ -86,7 +87,6 @@ impl Control {
 
     fn report(&self, output: Output) -> Result<Report, Failure> {
         let mut report = Report { rows: Vec::new() };
-        let controllers = cases(self.controller);
         let note = |line: &str| output.note(line);
         let refused =
             |robot: Robot| move |error: ControlError| Failure::Work(format!("{}: {error}", robot.name()));
@@ -96,8 +96,9 @@ impl Control {
         };
         let robots = cases(self.robot).into_iter().map(known).collect::<Result<Vec<_>, Failure>>()?;
         for table in self.table.tables() {
+            let controllers = self.controller.as_ref().map_or(Controller::of_table(*table), slice::from_ref);
             for (robot, models) in &robots {
-                let found = rows(*table, *robot, (&controllers[..], models), &self.seeds, &note);
+                let found = rows(*table, *robot, (controllers, models), &self.seeds, &note);
                 report.rows.extend(found.map_err(refused(*robot))?);
             }
         }

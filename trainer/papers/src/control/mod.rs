@@ -6,11 +6,14 @@
 mod anywhere;
 mod disturbance;
 mod driven;
+mod economical;
 mod learned;
 mod model;
+mod observed;
 mod plant;
 mod policy;
 mod published;
+mod ramped;
 mod robustness;
 mod rows;
 mod scores;

@@ -2,10 +2,11 @@
 
 use super::anywhere;
 use super::model::Believed;
+use super::observed::Observed;
+use super::tables::Table;
 use super::tvlqr::Tvlqr;
 use leastaction_core::control::riccati::RegulatorError;
 use leastaction_core::discrete::StepError;
-use std::sync::Arc;
 use thiserror::Error;
 
 /// Tick of the competition: time between two calls of a controller, and step of the integrator, s.
@@ -68,6 +69,9 @@ pub enum Controller {
     Anywhere,
     /// A swing-up with time-varying LQR, held by LQR.
     Tvlqr,
+    /// The law of [`Tvlqr`](Self::Tvlqr) along the swing-up of the best score in the table of single swing-ups, with velocities from positions, and
+    /// measurements that may be late.
+    Economical,
 }
 
 /// Reason why a controller cannot be prepared.
@@ -95,10 +99,20 @@ pub enum ControlError {
 }
 
 impl Controller {
+    /// Controllers that are made for a table: a plan from hanging is no policy, and a policy that searches takes hours on 722 faulty machines.
+    pub const fn of_table(table: Table) -> &'static [Self] {
+        match table {
+            Table::Policy => &[Self::Anywhere, Self::Tvlqr],
+            Table::Single => &[Self::Economical, Self::Anywhere, Self::Tvlqr],
+            Table::Robustness => &[Self::Economical, Self::Tvlqr],
+        }
+    }
+
     /// Name in results.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Tvlqr => "leastaction tvlqr",
+            Self::Economical => "leastaction economical",
             Self::Anywhere => "leastaction anywhere",
         }
     }
@@ -114,9 +128,10 @@ impl Controller {
         note: &(dyn Fn(&str) + Sync),
     ) -> Result<Maker<'m>, ControlError> {
         match self {
-            Self::Tvlqr => {
-                let law = Arc::new(Tvlqr::plan(robot, &believed.pendulum)?);
-                Ok(Box::new(move || Box::new(Tvlqr::policy(&law))))
+            Self::Tvlqr => Ok(Tvlqr::plan(robot, &believed.pendulum)?.maker()),
+            Self::Economical => {
+                let law = Tvlqr::economical(robot, &believed.pendulum)?.maker();
+                Ok(Observed::maker(law, believed.pendulum, robot))
             }
             Self::Anywhere => anywhere::prepare(robot, believed, note),
         }

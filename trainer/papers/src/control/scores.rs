@@ -70,15 +70,42 @@ impl SwingUp {
     /// Score success · (1 − ⅕ Σ tanh(π c/n)).
     pub fn score(&self) -> f64 {
         let Some(time) = self.time else { return 0.0 };
-        let terms = [
-            time / 20.0,
-            self.energy / 60.0,
-            self.torque_cost / 20.0,
-            self.smoothness / 0.1,
-            self.velocity_cost / 400.0,
-        ];
-        1.0 - terms.map(|term| (PI * term).tanh()).iter().sum::<f64>() / 5.0
+        let Self { energy, torque_cost, smoothness, velocity_cost, .. } = *self;
+        let terms = [time, energy, torque_cost, smoothness, velocity_cost];
+        let falls = terms.iter().zip(NORMS).map(|(term, norm)| (PI * term / norm).tanh());
+        1.0 - falls.sum::<f64>() / 5.0
     }
+
+    /// Slopes −∂score/∂c of all terms but time.
+    pub fn slopes(&self) -> Slopes {
+        let slope = |term: f64, norm: f64| {
+            let fall = (PI * term / norm).tanh();
+            PI / norm * (1.0 - fall * fall) / 5.0
+        };
+        let [_, energy, torque, smoothness, velocity] = NORMS;
+        Slopes {
+            energy: slope(self.energy, energy),
+            torque: slope(self.torque_cost, torque),
+            smoothness: slope(self.smoothness, smoothness),
+            velocity: slope(self.velocity_cost, velocity),
+        }
+    }
+}
+
+/// Norms n of time, energy, cost of torques, smoothness and cost of velocities.
+const NORMS: [f64; 5] = [20.0, 60.0, 20.0, 0.1, 400.0];
+
+/// Slopes of the score: its fall per unit of a term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slopes {
+    /// Per J.
+    pub energy: f64,
+    /// Per N² m² s.
+    pub torque: f64,
+    /// Per N m.
+    pub smoothness: f64,
+    /// Per rad²/s.
+    pub velocity: f64,
 }
 
 /// Standard deviation of the successive differences of a joint's torque.

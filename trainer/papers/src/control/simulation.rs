@@ -17,6 +17,11 @@ pub struct Course {
 /// Part of the greatest height above which the tip is up.
 const UP: f64 = 0.9;
 
+/// Whether the tip is up.
+pub fn is_up(pendulum: &DoublePendulum, x: State) -> bool {
+    pendulum.tip(x) > UP * pendulum.length.iter().sum::<f64>()
+}
+
 /// Runs the pendulum from hanging at rest. `torques` gives the torques of both joints, N m, from the time at the start of a tick, s, and all
 /// states so far. A run ends early when a state is not finite.
 ///
@@ -28,7 +33,6 @@ pub fn simulate(
     mut torques: impl FnMut(f64, &[State]) -> [f64; 2],
 ) -> Course {
     let ticks = (seconds / TICK).round() as usize;
-    let height = UP * pendulum.length.iter().sum::<f64>();
     let mut course = Course { states: vec![[0.0; 4]], torques: Vec::new(), up: vec![false] };
     let (mut t, mut x) = (0.0, [0.0; 4]);
     for _ in 0..ticks {
@@ -37,7 +41,7 @@ pub fn simulate(
         t += TICK;
         course.states.push(x);
         course.torques.push(tau);
-        course.up.push(pendulum.tip(x) > height);
+        course.up.push(is_up(pendulum, x));
         if x.iter().any(|x| !x.is_finite()) {
             break;
         }

@@ -1,8 +1,9 @@
 //! A swing-up that is planned once, followed by time-varying LQR, and held by LQR.
 
 use super::driven::Driven;
+use super::economical;
 use super::plant::{DoublePendulum, State, UPRIGHT};
-use super::policy::{ControlError, Policy, Robot, TICK, TORQUE_LIMIT};
+use super::policy::{ControlError, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
 use leastaction_core::control::riccati::{Regulator, Weights, back, stationary};
 use leastaction_core::control::{Cost, Ilqr, Limits, Node, Options, Penalty, Plant, Problem};
 use leastaction_core::linear::{dot, identity, multiply, solve_columns};
@@ -31,6 +32,8 @@ const DEVIATIONS: [f64; 3] = [0.1, 1.0, 3.0];
 /// Largest δxᵀPδx, in that within which the linear feedback stays inside the torque, at which upright is held from now on, and at which it is
 /// held on.
 const REACH: [f64; 2] = [4.0, 100.0];
+/// Largest δxᵀPδx in the same unit at which a plan has ended.
+const SETTLED: f64 = 0.01;
 
 /// A state of the plan with its torque and regulator.
 #[derive(Clone, Copy, Debug)]
@@ -96,31 +99,47 @@ impl Tvlqr {
             }
         }
         let found = best.ok_or(ControlError::NoSwingUp { starts: STARTS, violation })?;
-        Self::with_gains(plant, &found.torques)
+        let each = found.torques.into_iter().flat_map(|u| std::iter::repeat_n(u, usize::from(TICKS)));
+        let step = |x: &mut State, u: f64| {
+            let next = plant.pendulum.step(*x, plant.robot.torques(u), TICK);
+            Some((std::mem::replace(x, next), u))
+        };
+        Self::with_gains(plant, &each.scan([0.0; 4], step).collect::<Vec<_>>())
     }
 
-    /// Gains along the motion from hanging under the torques of the nodes.
-    fn with_gains(plant: Driven, torques: &[f64]) -> Result<Self, ControlError> {
+    /// Follows the swing-up of the best score.
+    ///
+    /// # Errors
+    /// [`ControlError`].
+    pub fn economical(robot: Robot, model: &DoublePendulum) -> Result<Self, ControlError> {
+        Self::with_gains(Driven { pendulum: *model, robot }, &economical::plan(robot, model)?)
+    }
+
+    /// Gains along a motion, from the state and the torque of every tick.
+    fn with_gains(plant: Driven, motion: &[(State, f64)]) -> Result<Self, ControlError> {
         let [q, v, u] = DEVIATIONS.map(|deviation| 1.0 / (deviation * deviation));
         let weights = Weights { x: [q, q, v, v], u: [u] };
         let about = plant.linearise_at(&UPRIGHT, (1, &[0.0])).map_err(ControlError::Motion)?;
         let end = stationary(&about, &weights).map_err(ControlError::Regulator)?;
-        let mut motion = Vec::new();
-        let mut x = [0.0; 4];
-        for u in torques.iter().flat_map(|u| std::iter::repeat_n(*u, usize::from(TICKS))) {
-            motion.push((x, u));
-            x = plant.pendulum.step(x, plant.robot.torques(u), TICK);
-        }
         let (mut ticks, mut cost) = (Vec::new(), end.cost);
-        for (x, u) in motion.into_iter().rev() {
-            let transition = plant.linearise_at(&x, (1, &[u])).map_err(ControlError::Motion)?;
+        for (x, u) in motion.iter().rev() {
+            let transition = plant.linearise_at(x, (1, &[*u])).map_err(ControlError::Motion)?;
             let regulator =
                 back(&transition, &weights, &cost).map_err(|error| ControlError::Regulator(error.into()))?;
             cost = regulator.cost;
-            ticks.push(Planned::new(x, u, regulator));
+            ticks.push(Planned::new(*x, *u, regulator));
         }
         ticks.reverse();
-        Ok(Self { ticks, end: Planned::new(UPRIGHT, 0.0, end) })
+        let end = Planned::new(UPRIGHT, 0.0, end);
+        let settled = ticks.iter().rev().take_while(|node| end.distance(&node.x) <= SETTLED).count();
+        ticks.truncate(ticks.len() - settled);
+        Ok(Self { ticks, end })
+    }
+
+    /// Maker of policies.
+    pub fn maker<'m>(self) -> Maker<'m> {
+        let law = Arc::new(self);
+        Box::new(move || Box::new(Self::policy(&law)))
     }
 
     /// Policy of one run.

@@ -45,6 +45,7 @@ pub enum Ended {
 }
 
 /// Motion from which a search begins: states and controls of the nodes, which need not make the states, and the last state.
+#[derive(Clone, Debug, PartialEq)]
 pub struct FreeMotion<const D: usize, const N: usize> {
     /// States; the first one is kept.
     pub x: Vec<[f64; D]>,

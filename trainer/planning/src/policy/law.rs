@@ -77,7 +77,8 @@ const BRAKES: f64 = -0.3;
 impl<P: Plant<f64, D, M>, const D: usize, const M: usize> Law<P, D, M> {
     /// A law that begins by looking where it is.
     pub fn new(known: Arc<Known<P, D, M>>) -> Self {
-        Self { known, doing: Doing::Holding, ticks: 0 }
+        // Brakes that have had their time are followed by a search.
+        Self { known, doing: Doing::Braking, ticks: usize::MAX }
     }
 
     /// Command at a state, `elapsed` ticks after the last one.

@@ -1,3 +1,4 @@
+mod economical;
 mod plant;
 mod robustness;
 mod rules;
