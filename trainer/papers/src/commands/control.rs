@@ -4,8 +4,11 @@ use super::selection::cases;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_models::parallel;
-use leastaction_papers::control::{ControlError, Controller, Known, Report, Robot, Table, rows};
+use leastaction_papers::control::{
+    ControlError, Controller, Known, Model, Report, Robot, Table, from_real, rows,
+};
 use std::ops::Range;
+use std::path::PathBuf;
 use std::slice;
 
 /// RealAIGym (DFKI, ICRA 2025): a double pendulum with one drive comes upright, from anywhere, fast, or with faults.
@@ -30,6 +33,10 @@ pub struct Control {
     /// Only with this model.
     #[arg(long)]
     model: Option<Known>,
+    /// Also with a model that is learned from all .csv logs of the real robot in DIR (time, pos_meas1 …, tau_meas1 …), without its friction, which
+    /// the simulated robot has not.
+    #[arg(long, value_name = "DIR")]
+    real_logs: Option<PathBuf>,
     /// Seeds of the disturbances, the end excluded; robustness takes the first for its random numbers, a single swing-up needs none.
     #[arg(long, value_name = "FROM..TO", default_value = "0..20", value_parser = seeds)]
     seeds: Range<u64>,
@@ -90,9 +97,12 @@ impl Control {
         let note = |line: &str| output.note(line);
         let refused =
             |robot: Robot| move |error: ControlError| Failure::Work(format!("{}: {error}", robot.name()));
+        let real = self.real_logs.as_ref().map(|folder| from_real(folder, &note)).transpose();
+        let real = real.map_err(|error| Failure::Work(error.to_string()))?;
         let known = |robot: Robot| {
-            let models = cases(self.model).into_iter().map(|known| known.model(robot, &note));
-            Ok((robot, models.collect::<Result<Vec<_>, _>>().map_err(refused(robot))?))
+            let known = cases(self.model).into_iter().map(|known| known.model(robot, &note));
+            let real = real.iter().map(|pendulum| Model::of("real logs", *pendulum));
+            Ok((robot, known.chain(real).collect::<Result<Vec<_>, _>>().map_err(refused(robot))?))
         };
         let robots = cases(self.robot).into_iter().map(known).collect::<Result<Vec<_>, Failure>>()?;
         for table in self.table.tables() {

@@ -1,10 +1,10 @@
 //! Logs of the competition's pendulum as a robot writes them, and the model that is learned from them.
 
-use super::model::{Model, failed};
+use super::model::{Model, failed, pendulum_of};
 use super::plant::DoublePendulum;
 use super::policy::{ControlError, Robot, TORQUE_LIMIT};
 use crate::hardware::configured::trained;
-use crate::task::TaskError;
+use crate::task::{TaskError, Tell};
 use leastaction_ground_truth::robot::{
     Drives, Excitation, Joint, JointFriction, Linkage, Machine, RobotSettings, Sensors, StartSpread,
     robot_logs, write_csv,
@@ -12,6 +12,7 @@ use leastaction_ground_truth::robot::{
 use leastaction_learning::config::Config;
 use leastaction_models::Model as Bodies;
 use std::f64::consts::TAU;
+use std::path::Path;
 
 /// Number of logs, samples in each, and time between them, s.
 const LOGS: usize = 10;
@@ -26,7 +27,8 @@ const SINES: usize = 3;
 /// Seed of the logs.
 const SEED: u64 = 100;
 
-/// Configuration of the training, without its files. Both links are weighed, and the first is measured.
+/// Configuration of the training, but for its files, torques and friction. The upper link is measured; masses are any, since motion shows
+/// only their sums with other numbers.
 const TRAINING: &str = r#"
 step = 0.01
 validation = 0.0
@@ -34,22 +36,27 @@ validation = 0.0
 [data.columns]
 t = "time"
 q = ["pos_meas1", "pos_meas2"]
-u = ["tau_con1", "tau_con2"]
+u = TORQUES
 
 [model]
 family = "bodies"
 
 [[model.bodies]]
-mass = 0.5234602302310271
+mass = 0.5
 
 [[model.bodies]]
 on = 0
 at = [0.2, 0.0]
-mass = 0.6255677234174437
-
+mass = 0.6
+FRICTION
 [training]
 loss = "windows"
 "#;
+/// Columns of commanded and of measured torques.
+const COMMANDED: &str = r#"["tau_con1", "tau_con2"]"#;
+const MEASURED: &str = r#"["tau_meas1", "tau_meas2"]"#;
+/// Friction of real joints.
+const FRICTION: &str = "\n[model.friction]\nviscous = \"learned\"\ncoulomb = \"learned\"\n";
 
 /// Learns the pendulum of a robot from ten logs of 10 s: encoders of 12 bits, sampling times that jitter, a noisy torque of the one drive within
 /// the limit.
@@ -57,12 +64,22 @@ loss = "windows"
 /// # Errors
 /// [`ControlError::Policy`] if a log cannot be written or nothing can be learned.
 pub fn learned(robot: Robot, note: &(dyn Fn(&str) + Sync)) -> Result<Model, ControlError> {
-    let bodies = from_logs(robot, (LOGS, SAMPLES), note).map_err(failed)?;
+    let bodies = from_simulated(robot, (LOGS, SAMPLES), note).map_err(failed)?;
     Model::of_bodies("learned", bodies)
 }
 
-/// Learns the pendulum of a robot from some logs with a number of samples.
-pub(super) fn from_logs(
+/// Learns the pendulum from the logs of the real robot in a folder, its friction too, which is then left out: the simulated one has none.
+///
+/// # Errors
+/// [`ControlError::Policy`] if a log cannot be read or nothing can be learned.
+pub fn from_real(folder: &Path, note: &(dyn Fn(&str) + Sync)) -> Result<DoublePendulum, ControlError> {
+    let work = tempfile::tempdir().map_err(failed)?;
+    let bodies = from_logs(folder, (MEASURED, FRICTION), (work.path(), note)).map_err(failed)?;
+    pendulum_of(&bodies)
+}
+
+/// Learns the pendulum of a robot from some simulated logs with a number of samples.
+pub(super) fn from_simulated(
     robot: Robot,
     size: (usize, usize),
     note: &(dyn Fn(&str) + Sync),
@@ -72,12 +89,20 @@ pub(super) fn from_logs(
     for (k, log) in logs.logs.iter().enumerate() {
         write_csv(&folder.path().join(format!("{k:02}.csv")), log)?;
     }
-    let config = Config::parse(
-        &format!("[data]\nfile = {:?}{TRAINING}", folder.path().join("*.csv").display().to_string()),
-        &folder.path().join("train.toml"),
-    )?;
-    let end = trained(config, (folder.path(), false), &|line| note(&format!("{}: {line}", robot.name())))?;
-    Ok(end.trained.model())
+    let tell = |line: &str| note(&format!("{}: {line}", robot.name()));
+    from_logs(folder.path(), (COMMANDED, ""), (folder.path(), &tell))
+}
+
+/// Learns a pendulum from all logs in a folder, in a folder for work.
+fn from_logs(
+    logs: &Path,
+    (torques, friction): (&str, &str),
+    (work, note): (&Path, &Tell),
+) -> Result<Bodies, TaskError> {
+    let files = std::path::absolute(logs)?.join("*.csv").display().to_string();
+    let training = TRAINING.replace("TORQUES", torques).replace("FRICTION", friction);
+    let config = Config::parse(&format!("[data]\nfile = {files:?}{training}"), &work.join("train.toml"))?;
+    Ok(trained(config, (work, false), note)?.trained.model())
 }
 
 /// The robot that is logged.

@@ -23,6 +23,7 @@ mod tables;
 mod tests;
 mod tvlqr;
 
+pub use learned::from_real;
 pub use model::{Believed, Known, Model};
 pub use plant::{DoublePendulum, State, UPRIGHT};
 pub use policy::{ControlError, Controller, Maker, Policy, Robot, TICK, TORQUE_LIMIT};

@@ -99,7 +99,7 @@ impl Model {
 }
 
 /// Pendulum that moves as two bodies without friction do, with masses of 1 kg: motion shows no more than five sums of its numbers.
-fn pendulum_of(bodies: &Bodies) -> Result<DoublePendulum, ControlError> {
+pub(super) fn pendulum_of(bodies: &Bodies) -> Result<DoublePendulum, ControlError> {
     let torques = |q: [f64; 2], a: [f64; 2]| {
         let torques = bodies.inverse_dynamics([&q, &[0.0; 2], &a]).map_err(failed)?;
         <[f64; 2]>::try_from(torques).map_err(|_| failed("a double pendulum has two coordinates"))

@@ -36,6 +36,7 @@ fn what_cannot_be_run_is_said() {
     }
     run("--robot hexapod").bad(2, &["acrobot", "pendubot"]);
     run("--controller pid").bad(2, &["anywhere", "tvlqr"]);
+    run("--real-logs nowhere").bad(1, &["nowhere", "no file"]);
     run("--model guessed").bad(2, &["exact", "learned"]);
     run("--table speed").bad(2, &["policy", "single", "robustness", "all"]);
     run("--threads 0").bad(2, &["--threads"]);

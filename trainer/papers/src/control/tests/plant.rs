@@ -1,6 +1,6 @@
 use crate::baselines::oracle::{Dual, equation};
 use crate::control::driven::Driven;
-use crate::control::learned::from_logs;
+use crate::control::learned::from_simulated;
 use crate::control::model::Model;
 use crate::control::plant::{DoublePendulum, State};
 use crate::control::policy::{Robot, TICK};
@@ -148,7 +148,7 @@ fn a_pendulum_is_read_off_its_bodies() {
 #[test]
 fn a_pendulum_is_learned_from_noisy_logs() {
     let robot = Robot::Acrobot;
-    let learned = Model::of_bodies("learned", from_logs(robot, (3, 301), &|_| ()).unwrap()).unwrap();
+    let learned = Model::of_bodies("learned", from_simulated(robot, (3, 301), &|_| ()).unwrap()).unwrap();
     let pendulum = learned.believed(&learned.replica().unwrap()).pendulum;
     for x in STATES {
         let [found, expected] =
