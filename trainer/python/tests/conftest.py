@@ -3,8 +3,11 @@
 import json
 import os
 import subprocess
+import threading
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import leastaction as la
@@ -25,6 +28,26 @@ FAMILIES = {
 def interruptible(program):
     """A program that Ctrl-C interrupts also where pytest itself ignores it, as in the background of a shell."""
     return f"import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n{program}"
+
+
+def check_threads_run(work):
+    """Checks that another thread is never kept waiting for half of the time that `work` takes."""
+    ticks = []
+    done = threading.Event()
+
+    def count():
+        while not done.wait(0.002):
+            ticks.append(time.monotonic())
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    begun = time.monotonic()
+    work()
+    ended = time.monotonic()
+    done.set()
+    thread.join()
+    inside = [begun, *(tick for tick in ticks if begun < tick < ended), ended]
+    assert len(inside) > 4 and np.diff(inside).max() < 0.5 * (ended - begun)
 
 
 @pytest.fixture(params=FAMILIES)

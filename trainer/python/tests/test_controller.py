@@ -4,12 +4,10 @@ import runpy
 import signal
 import subprocess
 import sys
-import threading
-import time
 
 import numpy as np
 import pytest
-from conftest import MODELS, REPOSITORY, interruptible
+from conftest import MODELS, REPOSITORY, check_threads_run, interruptible
 
 import leastaction as la
 
@@ -255,22 +253,7 @@ def test_ctrl_c(urdf):
 
 
 def test_other_threads_run_meanwhile(urdf):
-    ticks = []
-    done = threading.Event()
-
-    def count():
-        while not done.wait(0.002):
-            ticks.append(time.monotonic())
-
-    thread = threading.Thread(target=count)
-    thread.start()
-    begun = time.monotonic()
-    la.Controller(urdf, SWING_UP)
-    ended = time.monotonic()
-    done.set()
-    thread.join()
-    inside = [begun, *(tick for tick in ticks if begun < tick < ended), ended]
-    assert len(inside) > 4 and np.diff(inside).max() < 0.5 * (ended - begun)
+    check_threads_run(lambda: la.Controller(urdf, SWING_UP))
 
 
 @pytest.mark.parametrize("robot", ["acrobot", "pendubot"])

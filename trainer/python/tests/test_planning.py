@@ -3,12 +3,11 @@
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, interruptible
+from conftest import REPOSITORY, check_threads_run, interruptible
 
 import leastaction as la
 
@@ -142,22 +141,7 @@ def test_ctrl_c():
 
 
 def test_other_threads_run_meanwhile():
-    ticks = []
-    done = threading.Event()
-
-    def count():
-        while not done.wait(0.002):
-            ticks.append(time.monotonic())
-
-    thread = threading.Thread(target=count)
-    thread.start()
-    begun = time.monotonic()
-    la.plan(PENDULUM)
-    ended = time.monotonic()
-    done.set()
-    thread.join()
-    inside = [begun, *(tick for tick in ticks if begun < tick < ended), ended]
-    assert len(inside) > 4 and np.diff(inside).max() < 0.5 * (ended - begun)
+    check_threads_run(lambda: la.plan(PENDULUM))
 
 
 def test_what_cannot_be_planned_is_said(swing):

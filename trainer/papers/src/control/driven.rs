@@ -4,7 +4,12 @@ use super::plant::{DoublePendulum, State};
 use super::policy::{Robot, TICK};
 use leastaction_core::control::{Plant, Transition};
 use leastaction_core::discrete::StepError;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 use std::array::from_fn;
+use std::f64::consts::TAU;
+use std::mem::replace;
+use std::ops::Range;
 
 /// A double pendulum under a torque of one joint.
 #[derive(Clone, Copy, Debug)]
@@ -15,10 +20,30 @@ pub struct Driven {
     pub robot: Robot,
 }
 
+/// A state, if it is finite.
+pub fn checked<const D: usize>(x: [f64; D]) -> Result<[f64; D], StepError<f64>> {
+    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(StepError::NotFinite) }
+}
+
+/// A random wave of torque at the starts of nodes of `node` s, N m: amplitude and frequency (Hz) from their ranges, and any phase.
+pub fn wave(seed: u64, amplitude: Range<f64>, frequency: Range<f64>, node: f64) -> impl Fn(usize) -> f64 {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let [amplitude, frequency, phase] =
+        [amplitude, frequency, 0.0..TAU].map(|range| random.random_range(range));
+    move |k| amplitude * (TAU * frequency * k as f64 * node + phase).sin()
+}
+
 impl Driven {
-    /// The state, if it is finite.
-    fn checked(x: State) -> Result<State, StepError<f64>> {
-        if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(StepError::NotFinite) }
+    /// State and torque of every tick from a state on.
+    pub fn ticks(
+        self,
+        mut x: State,
+        torques: impl Iterator<Item = f64>,
+    ) -> impl Iterator<Item = (State, f64)> {
+        torques.map(move |tau| {
+            let next = self.pendulum.step(x, self.robot.torques(tau), TICK);
+            (replace(&mut x, next), tau)
+        })
     }
 }
 
@@ -27,7 +52,7 @@ impl Plant<f64, 4, 1> for Driven {
     type Frame = ();
 
     fn begin(&self, x: &State) -> Result<State, StepError<f64>> {
-        Self::checked(*x)
+        checked(*x)
     }
 
     fn advance(
@@ -40,7 +65,7 @@ impl Plant<f64, 4, 1> for Driven {
         for _ in 0..ticks {
             *x = self.pendulum.step(*x, tau, TICK);
         }
-        Self::checked(*x)
+        checked(*x)
     }
 
     fn frame(&self, _: &State) {}

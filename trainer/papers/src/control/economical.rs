@@ -4,7 +4,7 @@
 //! the velocities; after each plan their weights become the slopes of the score there, until plan and weights agree. Energy Σ|Δq τ| is at most
 //! Σ½(a Δq²/dt + τ² dt/a), least for a the ratio of torque to velocity. A weight of the distance from upright hurries.
 
-use super::driven::Driven;
+use super::driven::{Driven, wave};
 use super::plant::{DoublePendulum, State, UPRIGHT};
 use super::policy::{ControlError, Robot, TICK};
 use super::ramped::{Ramped, RampedState};
@@ -14,9 +14,7 @@ use leastaction_core::control::{Cost, Limits, Penalty, Plant, Problem};
 use leastaction_core::scalar::Real;
 use leastaction_models::parallel;
 use leastaction_planning::interior::{FreeMotion, Interior};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
-use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Number of ticks over which the plan holds the rate of the torque, and number of such nodes.
 const TICKS: u16 = 5;
@@ -30,9 +28,9 @@ const HURRY: [f64; 2] = [0.006, 0.002];
 /// Numbers of nodes of the waves from which searches begin, and number of waves of each length.
 const WAVES: [usize; 3] = [120, 160, 200];
 const STARTS: usize = 8;
-/// Largest amplitude of a wave, N m, and range of its frequency, Hz.
-const AMPLITUDE: f64 = 4.5;
-const FREQUENCY: [f64; 2] = [0.5, 2.3];
+/// Ranges of a wave's amplitude, N m, and of its frequency, Hz.
+const AMPLITUDE: Range<f64> = 0.5..4.5;
+const FREQUENCY: Range<f64> = 0.5..2.3;
 /// Number of plans after each of which the weights are set anew.
 const ROUNDS: usize = 6;
 /// Maximum number of iterations of a plan, its accuracy, and the largest gap that is accepted.
@@ -102,12 +100,8 @@ pub(super) struct Economy {
 impl Economy {
     /// A motion of hanging under a wave of torque, and then upright.
     pub fn wave(&self, nodes: usize, seed: u64) -> Option<Motion> {
-        let mut random = Pcg64::seed_from_u64(seed);
-        let [least, most] = FREQUENCY;
-        let [amplitude, frequency, phase] =
-            [0.5..AMPLITUDE, least..most, 0.0..TAU].map(|range| random.random_range(range));
         let node = f64::from(TICKS) * TICK;
-        let wave = |k: usize| amplitude * (TAU * frequency * k as f64 * node + phase).sin();
+        let wave = wave(seed, AMPLITUDE, FREQUENCY, node);
         let mut x = [0.0, 0.0, 0.0, 0.0, wave(0)];
         let mut motion = Motion { x: Vec::new(), u: Vec::new(), end: x };
         for k in 0..nodes {
@@ -170,25 +164,13 @@ impl Economy {
         let problem = self.problem(&motion.end, weights);
         let mut search = Interior::new(&problem, motion, TICKS, TOLERANCE).ok()?;
         search.solve(ITERATIONS, |_| true).ok()?;
-        let gap = search.gap();
-        if gap.is_nan() || gap > ACCEPTED {
-            return None;
-        }
-        let (nodes, _) = search.into_nodes();
-        let (x, u) = nodes.iter().map(|node| (node.x, node.u)).unzip();
-        Some(Motion { x, u, end: motion.end })
+        Some(Motion { end: motion.end, ..search.within(ACCEPTED)? })
     }
 
     /// State and torque of every tick. A node begins with its own state: what is left of the gap before it would grow.
     fn ticks(&self, motion: &Motion) -> Vec<(State, f64)> {
-        let Driven { pendulum, robot } = self.plant.0;
         let node = |([q1, q2, v1, v2, tau], [rate]): (&RampedState, &[f64; 1])| {
-            let mut x = [*q1, *q2, *v1, *v2];
-            let tick = move |tau: f64| {
-                let next = pendulum.step(x, robot.torques(tau), TICK);
-                (std::mem::replace(&mut x, next), tau)
-            };
-            Ramped::torques(*tau, *rate, TICKS).map(tick)
+            self.plant.0.ticks([*q1, *q2, *v1, *v2], Ramped::torques(*tau, *rate, TICKS))
         };
         motion.x.iter().zip(&motion.u).flat_map(node).collect()
     }

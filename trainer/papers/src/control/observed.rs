@@ -75,13 +75,9 @@ impl Run {
 }
 
 impl Observed<'_> {
-    fn torques(&self, u: f64) -> [f64; 2] {
-        self.robot.torques(u)
-    }
-
     /// The state now, from the positions of this call and of the last.
     fn estimate(&self, run: &Run, late: usize, q: [f64; 2]) -> State {
-        let command = |ago: usize| self.torques(run.commands.get(ago).copied().unwrap_or_default());
+        let command = |ago: usize| self.robot.torques(run.commands.get(ago).copied().unwrap_or_default());
         let slope = |i: usize| (q[i] - run.last.1[i]) / TICK;
         let mean = [q[0], q[1], slope(0), slope(1)];
         let a = self.pendulum.acceleration(mean, command(late));
@@ -99,9 +95,12 @@ impl Policy for Observed<'_> {
 
     fn torque(&mut self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         let mut run = self.run.take().filter(|run| run.goes_on(t)).unwrap_or_else(|| Run::new(t, q, v));
-        let begins = run.commands.is_empty();
-        let late = if begins { 0 } else { run.late(q) };
-        let [q1, q2, v1, v2] = if begins { [q[0], q[1], v[0], v[1]] } else { self.estimate(&run, late, q) };
+        let [q1, q2, v1, v2] = if run.commands.is_empty() {
+            [q[0], q[1], v[0], v[1]]
+        } else {
+            let late = run.late(q);
+            self.estimate(&run, late, q)
+        };
         let u = self.law.torque(t, [q1, q2], [v1, v2]);
         run.commands.push_front(u);
         run.commands.truncate(LATEST + 1);

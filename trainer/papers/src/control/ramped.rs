@@ -1,6 +1,6 @@
 //! The pendulum with one driven joint whose torque ramps, as a plant of optimal control.
 
-use super::driven::Driven;
+use super::driven::{Driven, checked};
 use super::plant::State;
 use super::policy::TICK;
 use leastaction_core::control::{Plant, Transition};
@@ -24,10 +24,6 @@ impl Ramped {
 /// The state of the pendulum.
 fn of_pendulum([q1, q2, v1, v2, _]: RampedState) -> State {
     [q1, q2, v1, v2]
-}
-
-fn checked(x: RampedState) -> Result<RampedState, StepError<f64>> {
-    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(StepError::NotFinite) }
 }
 
 impl Plant<f64, 5, 1> for Ramped {

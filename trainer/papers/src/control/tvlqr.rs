@@ -1,6 +1,6 @@
 //! A swing-up that is planned once, followed by time-varying LQR, and held by LQR.
 
-use super::driven::Driven;
+use super::driven::{Driven, wave};
 use super::economical;
 use super::plant::{DoublePendulum, State, UPRIGHT};
 use super::policy::{ControlError, Maker, Policy, Robot, TICK, TORQUE_LIMIT};
@@ -9,10 +9,7 @@ use leastaction_core::control::{Cost, Ilqr, Limits, Node, Options, Penalty, Plan
 use leastaction_core::linear::{dot, identity, multiply, solve_columns};
 use leastaction_core::scalar::Real;
 use leastaction_models::parallel;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 use std::array::from_fn;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Duration of the swing-up, s.
@@ -100,11 +97,7 @@ impl Tvlqr {
         }
         let found = best.ok_or(ControlError::NoSwingUp { starts: STARTS, violation })?;
         let each = found.torques.into_iter().flat_map(|u| std::iter::repeat_n(u, usize::from(TICKS)));
-        let step = |x: &mut State, u: f64| {
-            let next = plant.pendulum.step(*x, plant.robot.torques(u), TICK);
-            Some((std::mem::replace(x, next), u))
-        };
-        Self::with_gains(plant, &each.scan([0.0; 4], step).collect::<Vec<_>>())
+        Self::with_gains(plant, &plant.ticks([0.0; 4], each).collect::<Vec<_>>())
     }
 
     /// Follows the swing-up of the best score.
@@ -159,10 +152,7 @@ struct Found {
 fn search(plant: Driven, seed: u64) -> Result<Found, ControlError> {
     let node = f64::from(TICKS) * TICK;
     let count = (SECONDS / node).round() as usize;
-    let mut random = Pcg64::seed_from_u64(seed);
-    let [amplitude, frequency, phase] =
-        [1.0..PLANNED, 0.5..2.0, 0.0..TAU].map(|range| random.random_range(range));
-    let wave = |k: usize| amplitude * (TAU * frequency * k as f64 * node + phase).sin();
+    let wave = wave(seed, 1.0..PLANNED, 0.5..2.0, node);
     let mut nodes: Vec<Node<f64, 4, 1>> = (0..count).map(|k| Node::new(TICKS, [wave(k)])).collect();
     let options =
         Options { iterations: ITERATIONS, tolerance: 1e-5, violation: ACCEPTED, penalty: 1.0, growth: 10.0 };

@@ -257,6 +257,16 @@ impl<'p, P: Plant<f64, D, N>, const D: usize, const N: usize> Interior<'p, P, D,
         nodes.sum::<f64>() + self.last.cost(&self.last.x)
     }
 
+    /// The present motion, if no gap is larger than `most`.
+    pub fn within(&self, most: f64) -> Option<FreeMotion<D, N>> {
+        let gap = self.gap();
+        if gap.is_nan() || gap > most {
+            return None;
+        }
+        let (x, u) = self.points.iter().map(|point| (point.now.x, point.now.u)).unzip();
+        Some(FreeMotion { x, u, end: self.last.x })
+    }
+
     /// Nodes of the present motion, with the gains and the multipliers of limits that the last step found, and the multipliers of the goal.
     pub fn into_nodes(self) -> (Vec<Node<f64, D, N>>, [f64; D]) {
         let node = |point: &Point<D, N>| {

@@ -114,16 +114,10 @@ impl<'s, P: Plant<f64, D, M>, const D: usize, const M: usize> Reaching<'s, P, D,
         *begin.x.first_mut()? = self.start;
         let mut search = Interior::new(&problem, &begin, self.setting.ticks, TOLERANCE).ok()?;
         search.solve(ITERATIONS, |_| true).ok()?;
-        let gap = search.gap();
-        if gap.is_nan() || gap > TOLERANCE {
-            return None;
-        }
-        let (nodes, _) = search.into_nodes();
-        let (x, u): (Vec<_>, Vec<_>) = nodes.iter().map(|node| (node.x, node.u)).unzip();
-        let last = nodes.last()?;
-        let mut motion = self.setting.plant.begin(&last.x).ok()?;
+        let FreeMotion { x, u, .. } = search.within(TOLERANCE)?;
+        let mut motion = self.setting.plant.begin(x.last()?).ok()?;
         let end =
-            self.setting.plant.advance(&mut motion, (self.setting.ticks, &last.u), &mut [0.0; D]).ok()?;
+            self.setting.plant.advance(&mut motion, (self.setting.ticks, u.last()?), &mut [0.0; D]).ok()?;
         Some(FreeMotion { x, u, end })
     }
 

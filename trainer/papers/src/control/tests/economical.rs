@@ -1,4 +1,4 @@
-use super::Recorded;
+use super::{Recorded, check_derivatives};
 use crate::control::driven::Driven;
 use crate::control::economical::Economy;
 use crate::control::observed::Observed;
@@ -7,10 +7,8 @@ use crate::control::policy::{Maker, Robot, TICK};
 use crate::control::ramped::Ramped;
 use crate::control::robustness::{Imperfect, course};
 use crate::control::scores::{Slopes, SwingUp};
-use leastaction_core::control::Plant;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use std::array::from_fn;
 
 const ROBOTS: [Robot; 2] = [Robot::Acrobot, Robot::Pendubot];
 
@@ -18,19 +16,7 @@ const ROBOTS: [Robot; 2] = [Robot::Acrobot, Robot::Pendubot];
 fn derivatives_of_a_ramp_are_those_of_differences() {
     for robot in ROBOTS {
         let plant = Ramped(Driven { pendulum: DoublePendulum::competition(), robot });
-        let end = |mut x: [f64; 5], rate: f64| plant.advance(&mut x, (3, &[rate]), &mut [0.0; 5]).unwrap();
-        let x = [0.3, -1.2, 2.0, -3.5, 1.7];
-        let found = plant.linearise_at(&x, (3, &[40.0])).unwrap();
-        for j in 0..6 {
-            let (d, unit) = (1e-6, |i: usize| f64::from(u8::from(i == j)));
-            let moved = |d: f64| end(from_fn(|i| x[i] + d * unit(i)), 40.0 + d * unit(5));
-            let (more, less) = (moved(d), moved(-d));
-            for i in 0..5 {
-                let wanted = (more[i] - less[i]) / (2.0 * d);
-                let got = if j < 5 { found.a[i][j] } else { found.b[i][0] };
-                assert!((got - wanted).abs() < 1e-7 * (1.0 + wanted.abs()), "{i} {j}: {got} {wanted}");
-            }
-        }
+        check_derivatives(&plant, &[0.3, -1.2, 2.0, -3.5, 1.7], 40.0, 1e-7);
     }
 }
 

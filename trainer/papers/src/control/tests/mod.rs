@@ -4,6 +4,8 @@ mod robustness;
 mod rules;
 
 use super::policy::{Maker, Policy};
+use leastaction_core::control::Plant;
+use std::array::from_fn;
 use std::sync::{Arc, Mutex};
 
 /// Call of a policy: time, positions, velocities.
@@ -39,5 +41,30 @@ impl Policy for Recorded {
     fn torque(&mut self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         self.calls.lock().unwrap().push((t, q, v));
         (self.law)(t, q, v)
+    }
+}
+
+/// Compares the derivatives of a node of 3 ticks with differences, relative to 1 and their size.
+pub fn check_derivatives<P: Plant<f64, D, 1>, const D: usize>(
+    plant: &P,
+    x: &[f64; D],
+    u: f64,
+    tolerance: f64,
+) {
+    let end = |x: &[f64; D], u: f64| {
+        let mut motion = plant.begin(x).unwrap();
+        plant.advance(&mut motion, (3, &[u]), &mut [0.0; D]).unwrap()
+    };
+    let found = plant.linearise_at(x, (3, &[u])).unwrap();
+    for j in 0..=D {
+        let unit = |i: usize| f64::from(u8::from(i == j));
+        let d = 1e-6;
+        let moved = |d: f64| end(&from_fn(|i| x[i] + d * unit(i)), u + d * unit(D));
+        let (more, less) = (moved(d), moved(-d));
+        for i in 0..D {
+            let wanted = (more[i] - less[i]) / (2.0 * d);
+            let got = if j < D { found.a[i][j] } else { found.b[i][0] };
+            assert!((got - wanted).abs() < tolerance * (1.0 + wanted.abs()), "{i} {j}: {got} {wanted}");
+        }
     }
 }

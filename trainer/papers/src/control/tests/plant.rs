@@ -1,13 +1,12 @@
+use super::check_derivatives;
 use crate::baselines::oracle::{Dual, equation};
 use crate::control::driven::Driven;
 use crate::control::learned::from_simulated;
 use crate::control::model::Model;
 use crate::control::plant::{DoublePendulum, State};
-use crate::control::policy::{Robot, TICK};
-use leastaction_core::control::Plant;
+use crate::control::policy::Robot;
 use nalgebra::DVector;
 use num_dual::DualNum;
-use std::array::from_fn;
 
 /// A pendulum none of whose numbers is 0 or equals another.
 fn full() -> DoublePendulum {
@@ -105,25 +104,8 @@ fn the_tip_is_highest_upright() {
 fn derivatives_of_a_node_are_those_of_differences() {
     for robot in [Robot::Acrobot, Robot::Pendubot] {
         let plant = Driven { pendulum: full(), robot };
-        let end = |x: State, u: f64| {
-            let tau = robot.torques(u);
-            (0..3).fold(x, |x, _| plant.pendulum.step(x, tau, TICK))
-        };
         for x in STATES {
-            let found = plant.linearise_at(&x, (3, &[0.7])).unwrap();
-            let nearby = |j: usize, d: f64| {
-                let x = from_fn(|i| if i == j { x[i] + d } else { x[i] });
-                end(x, if j == 4 { 0.7 + d } else { 0.7 })
-            };
-            for j in 0..5 {
-                let d = 1e-6;
-                let (more, less) = (nearby(j, d), nearby(j, -d));
-                for i in 0..4 {
-                    let wanted = (more[i] - less[i]) / (2.0 * d);
-                    let got = if j < 4 { found.a[i][j] } else { found.b[i][0] };
-                    assert!((got - wanted).abs() < 1e-6 * (1.0 + wanted.abs()), "{i} {j}: {got} {wanted}");
-                }
-            }
+            check_derivatives(&plant, &x, 0.7, 1e-6);
         }
     }
 }
