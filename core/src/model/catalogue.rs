@@ -1,4 +1,5 @@
-//! Catalogue of all reasons for refusing a file, by number: one list for this crate, its C interface and the link to a processor.
+//! Catalogue of all reasons for refusing a model, by number: one list for this crate, its C interface and the link to a processor. Reasons for
+//! refusing a plan have numbers of their own in [`plan::CATALOGUE`](crate::plan::CATALOGUE).
 
 use super::ModelError;
 use crate::energy::graph::GraphError;
@@ -16,7 +17,7 @@ pub struct Entry {
     pub message: &'static CStr,
 }
 
-const fn entry(code: u8, name: &'static str, message: &'static CStr) -> Entry {
+pub(crate) const fn entry(code: u8, name: &'static str, message: &'static CStr) -> Entry {
     Entry { code, name, message }
 }
 
@@ -71,7 +72,7 @@ pub const CATALOGUE: [Entry; 44] = [
 /// A reason with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Coded {
-    /// Number of the reason in [`CATALOGUE`].
+    /// Number of the reason in its catalogue.
     pub code: u8,
     /// The numbers of the error in the order of its fields, padded with 0.
     pub numbers: [usize; 3],
@@ -80,15 +81,15 @@ pub struct Coded {
 }
 
 impl Coded {
-    const fn bare(code: u8) -> Self {
+    pub(crate) const fn bare(code: u8) -> Self {
         Self::new(code, [0; 3])
     }
 
-    const fn new(code: u8, numbers: [usize; 3]) -> Self {
+    pub(crate) const fn new(code: u8, numbers: [usize; 3]) -> Self {
         Self { code, numbers, what: None }
     }
 
-    const fn about(self, what: &'static str) -> Self {
+    pub(crate) const fn about(self, what: &'static str) -> Self {
         Self { what: Some(what), ..self }
     }
 }

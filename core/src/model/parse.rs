@@ -165,6 +165,11 @@ pub fn fingerprint(bytes: &[u8]) -> Result<u32, ModelError> {
     check_sum(bytes).map(|(_, sum)| sum)
 }
 
+/// Fingerprint of a model whose file was read without an error: the checksum is not computed again. `None` if the file is too short for one.
+pub fn stored_fingerprint(bytes: &[u8]) -> Option<u32> {
+    bytes.last_chunk::<CRC_BYTES>().map(|stored| u32::from_le_bytes(*stored))
+}
+
 /// Reads everything before the shape.
 fn begin(bytes: &[u8]) -> Result<Begun<'_>, ModelError> {
     check_prefix(bytes)?;

@@ -2,6 +2,9 @@ use super::{CommandError, PlanError, PlanFile, Reference};
 use crate::expected::expected;
 use crate::scalar::Real;
 
+/// Bound of the rounding of a time that is a product of ticks and h, relative to it.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
 /// A plan for a mechanism with `N` coordinates of which `M` are driven, and the law that follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan<'a, const N: usize, const M: usize> {
@@ -65,19 +68,37 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
         }
         let m = header.ticks_per_node;
         let (node, within) = expected(tick.checked_div(m).zip(tick.checked_rem(m)), (0, 0));
+        self.between(node, within as f32 / m as f32)
+    }
+
+    /// The plan at the time t after the start, s: [`Plan::reference`] for a loop whose ticks are not the plan's. Before the start it is the
+    /// first record. A time that is short of a node by no more than the rounding of a product of ticks and h counts as that node.
+    pub fn reference_at(&self, t: f32) -> Reference<N, M> {
+        let (x, nodes) = (t / self.node_seconds(), self.file.header().nodes);
+        let node = (x + ROUNDING * x) as u32;
+        if node >= nodes { self.record(nodes) } else { self.between(node, (x - node as f32).max(0.0)) }
+    }
+
+    /// The plan at the fraction s of a node.
+    fn between(&self, node: u32, s: f32) -> Reference<N, M> {
         let start = self.record(node);
-        if within == 0 {
+        if s == 0.0 {
             return start;
         }
-        let (m, end) = (m as f32, self.record(node.saturating_add(1)));
-        start.towards(&end, within as f32 / m, m * header.h)
+        start.towards(&self.record(node.saturating_add(1)), s, self.node_seconds())
+    }
+
+    /// Duration of a node, s.
+    const fn node_seconds(&self) -> f32 {
+        let header = self.file.header();
+        header.ticks_per_node as f32 * header.h
     }
 
     /// Planned position, velocity and acceleration at the time t after the start, s, on ticks and between them. Before the start and from the
     /// end on they are those of the first and of the last record, without acceleration.
     pub fn motion(&self, t: f32) -> [[f32; N]; 3] {
         let header = self.file.header();
-        let node_seconds = header.ticks_per_node as f32 * header.h;
+        let node_seconds = self.node_seconds();
         let x = t / node_seconds;
         let node = x as u32;
         let start = self.record(node.min(header.nodes));
@@ -97,9 +118,19 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
     /// # Errors
     /// [`CommandError`] for a state that is not finite, or too far from the plan.
     pub fn command(&self, tick: u32, q: &[f32; N], v: &[f32; N]) -> Result<[f32; M], CommandError> {
+        self.feedback(self.reference(tick), q, v)
+    }
+
+    /// [`Plan::command`] about the plan at some time.
+    fn feedback(
+        &self,
+        reference: Reference<N, M>,
+        q: &[f32; N],
+        v: &[f32; N],
+    ) -> Result<[f32; M], CommandError> {
         check_finite('q', q)?;
         check_finite('v', v)?;
-        let Reference { q: q_bar, v: v_bar, mut u, gain } = self.reference(tick);
+        let Reference { q: q_bar, v: v_bar, mut u, gain } = reference;
         let (q, v) = (self.position_difference(q, q_bar), difference(v, v_bar));
         let header = self.file.header();
         let ranges = header.driven.iter().zip(header.limits);
@@ -121,12 +152,21 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
         Ok(self.spread(&self.command(tick, q, v)?))
     }
 
+    /// [`Plan::force`] at the time t after the start, s, about [`Plan::reference_at`].
+    ///
+    /// # Errors
+    /// See [`Plan::command`].
+    pub fn force_at(&self, t: f32, q: &[f32; N], v: &[f32; N]) -> Result<[f32; N], CommandError> {
+        Ok(self.spread(&self.feedback(self.reference_at(t), q, v)?))
+    }
+
     /// Planned command at a tick, spread over all coordinates, N or N m: that of a state on the plan.
     pub fn planned_force(&self, tick: u32) -> [f32; N] {
         self.spread(&self.reference(tick).u)
     }
 
-    fn spread(&self, command: &[f32; M]) -> [f32; N] {
+    /// Commands of the driven coordinates spread over all coordinates: 0 for those that are not driven.
+    pub fn spread(&self, command: &[f32; M]) -> [f32; N] {
         let mut force = [0.0; N];
         for (coordinate, u) in self.file.header().driven.iter().zip(command) {
             if let Some(force) = force.get_mut(usize::from(*coordinate)) {
@@ -134,6 +174,16 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
             }
         }
         force
+    }
+
+    /// Whole turns, rad, by which a measured position is off the plan's start in the coordinates that `angle` marks; 0 in the others. Encoders
+    /// forget whole turns, of which the plan knows the right ones: a loop subtracts those of its first measurement from every one.
+    pub fn turns(&self, q: &[f32; N], angle: &[bool; N]) -> [f32; N] {
+        let mut turns = difference(q, self.record(0).q);
+        for (apart, angle) in turns.iter_mut().zip(angle) {
+            *apart = if *angle { *apart - apart.short_way() } else { 0.0 };
+        }
+        turns
     }
 
     /// q − q̄, for angles the short way.

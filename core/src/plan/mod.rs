@@ -39,6 +39,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod catalogue;
 mod error;
 mod file;
 mod follow;
@@ -46,6 +47,7 @@ mod header;
 mod reference;
 mod write;
 
+pub use catalogue::CATALOGUE;
 pub use error::{CommandError, PlanError};
 pub use file::{PlanFile, Record};
 pub use follow::Plan;

@@ -78,6 +78,18 @@ fn differences_of_angles_go_the_short_way() {
 }
 
 #[test]
+fn whole_turns_are_those_off_the_start() {
+    let file = facing([0.5, -0.25]).file();
+    let plan = Plan::<2, 1>::load(file.bytes(), MODEL).unwrap();
+    let turn = std::f32::consts::TAU;
+    let turns = plan.turns(&[0.75 + 2.0 * turn, -0.5 - turn], &[true, true]);
+    assert_close("turns", turns[0].into(), 2.0 * TAU, 1e-6);
+    assert_close("turns", turns[1].into(), -TAU, 1e-6);
+    assert_eq!(plan.turns(&[0.75 + 2.0 * turn, -0.5 - turn], &[false, true])[0], 0.0);
+    assert_eq!(plan.turns(&[0.75, -0.5], &[true, true]), [0.0; 2]);
+}
+
+#[test]
 fn commands_stay_within_their_limits() {
     let mut sample = facing([0.0, 0.0]);
     sample.limits = vec![[-0.5, 0.25]];

@@ -2,6 +2,7 @@
 
 use crate::common::file::{Aligned, with_checksum};
 use crate::sample::{MODEL, Sample, refusal};
+use leastaction_core::model::{CATALOGUE, Coded};
 use leastaction_core::plan::{self, FORMAT_VERSION, MAGIC, Plan, PlanError, PlanFile};
 use proptest::prelude::*;
 
@@ -129,4 +130,34 @@ proptest! {
         }
         is_read(&with_checksum(&body));
     }
+}
+
+#[test]
+fn every_reason_has_its_code_and_numbers() {
+    let [least, most] = [2.0_f32, 1.0];
+    let bits = [least, most].map(|limit| limit.to_bits() as usize);
+    let table = [
+        (PlanError::TooShort { bytes: 3 }, 80, [3, 0, 0], None),
+        (PlanError::Magic, 81, [0; 3], None),
+        (PlanError::Version { found: 9 }, 82, [9, 0, 0], None),
+        (PlanError::Checksum { stored: 1, computed: 2 }, 83, [1, 2, 0], None),
+        (PlanError::Malformed, 84, [0; 3], None),
+        (PlanError::Unaligned { offset: 3 }, 85, [3, 0, 0], None),
+        (PlanError::BigEndian, 86, [0; 3], None),
+        (PlanError::NumberCount { found: 5, needed: 6 }, 87, [5, 6, 0], None),
+        (PlanError::NotFinite { index: 7 }, 88, [7, 0, 0], None),
+        (PlanError::OutOfRange { what: "tick h" }, 89, [0; 3], Some("tick h")),
+        (PlanError::Driven { coordinate: 4 }, 90, [4, 0, 0], None),
+        (PlanError::Limits { coordinate: 1, least, most }, 91, [1, bits[0], bits[1]], None),
+        (PlanError::Shape { what: "coordinates", found: 2, compiled: 3 }, 92, [2, 3, 0], Some("coordinates")),
+        (PlanError::OtherModel { planned: 8, given: 9 }, 93, [8, 9, 0], None),
+    ];
+    for ((error, code, numbers, what), entry) in table.into_iter().zip(plan::CATALOGUE) {
+        assert_eq!(error.coded(), Coded { code, numbers, what }, "{error}");
+        assert_eq!(entry.code, code);
+        assert!(entry.message.to_str().is_ok_and(|text| !text.is_empty()));
+    }
+    assert_eq!(table.len(), plan::CATALOGUE.len());
+    // No code is both a model's and a plan's.
+    assert!(CATALOGUE.iter().all(|entry| entry.code < plan::CATALOGUE[0].code));
 }

@@ -2,7 +2,7 @@
 
 use crate::common::file::{Aligned, golden, with_checksum};
 use crate::sample::{MODEL, Sample, refusal};
-use leastaction_core::model::{ModelError, fingerprint};
+use leastaction_core::model::{ModelError, fingerprint, stored_fingerprint};
 use leastaction_core::plan::{Plan, PlanError, PlanFile};
 
 fn refused(sample: Sample) -> PlanError {
@@ -166,6 +166,7 @@ fn the_fingerprint_is_the_checksum_of_a_whole_model_file() {
     let file = golden();
     let sum = u32::from_le_bytes(*file.last_chunk().unwrap());
     assert_eq!(fingerprint(&file), Ok(sum));
+    assert_eq!((stored_fingerprint(&file), stored_fingerprint(b"LAC")), (Some(sum), None));
     assert!(matches!(fingerprint(&file[..file.len() - 1]), Err(ModelError::Checksum { .. })));
     assert_eq!(fingerprint(&Sample::golden().bytes()), Err(ModelError::Magic));
     assert_eq!(fingerprint(b"LACT"), Err(ModelError::TooShort { bytes: 4 }));

@@ -124,3 +124,34 @@ fn planned_angles_pass_half_a_turn() {
     let found = Plan::<2, 1>::load(file.bytes(), MODEL).unwrap().reference(1);
     assert_eq!((found.q[0], found.v[0]), (3.25, 1.0));
 }
+
+#[test]
+fn a_time_at_a_tick_is_the_tick() {
+    let mut sample = Sample::random(4);
+    // A tick whose products round up and down.
+    (sample.h, sample.ticks_per_node) = (0.1, 3);
+    let file = sample.file();
+    let plan = Plan::<3, 2>::load(file.bytes(), MODEL).unwrap();
+    for tick in 0..20 {
+        let (found, expected) = (plan.reference_at(tick as f32 * 0.1), plan.reference(tick));
+        assert_eq!(found.u, expected.u, "tick {tick}");
+        for i in 0..3 {
+            assert_close("q", found.q[i].into(), expected.q[i].into(), 1e-5);
+            assert_close("gain", found.gain[1].v[i].into(), expected.gain[1].v[i].into(), 1e-5);
+        }
+        let (q, v) = ([0.5, -1.0, 2.0], [1.0, 0.25, -3.0]);
+        let at = [plan.force_at(tick as f32 * 0.1, &q, &v), plan.force(tick, &q, &v)].map(Result::unwrap);
+        for (found, expected) in at[0].into_iter().zip(at[1]) {
+            assert_close("u", found.into(), expected.into(), 1e-4);
+        }
+    }
+    // The middle between two ticks is on the motion; before the start and from the end on are the first and the last record.
+    let [q, v, _] = plan.motion(0.45);
+    assert_eq!((plan.reference_at(0.45).q, plan.reference_at(0.45).v), (q, v));
+    for t in [-1.0, f32::NEG_INFINITY, f32::NAN] {
+        assert_eq!(plan.reference_at(t), plan.reference(0));
+    }
+    for t in [1.5, 2.0, f32::INFINITY] {
+        assert_eq!(plan.reference_at(t), plan.reference(15));
+    }
+}

@@ -1,6 +1,5 @@
 use super::{Command, Controller, Setpoint, Target, Trajectory};
 use crate::Program;
-use crate::angle::wrap;
 use crate::devices::Drive;
 use crate::error::SetupError;
 use crate::observer::same_step;
@@ -46,12 +45,8 @@ impl<'p, const N: usize> Follow<'p, N> {
 
     /// Begins the plan, if it has not begun. Encoders of angles forget whole turns, of which the plan knows the right ones.
     fn begun(&mut self, q: &[f32; N]) -> Begun<N> {
-        let (start, angle) = (self.plan.reference(0).q, self.angle);
-        *self.begun.get_or_insert_with(|| {
-            let apart = |i: usize| q[i] - start[i];
-            let turns = |i: usize| if angle[i] { apart(i) - wrap(apart(i)) } else { 0.0 };
-            Begun { tick: 0, turns: core::array::from_fn(turns) }
-        })
+        let turns = || self.plan.turns(q, &self.angle);
+        *self.begun.get_or_insert_with(|| Begun { tick: 0, turns: turns() })
     }
 }
 
