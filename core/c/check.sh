@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C example with it,
-# which does not link if anything can panic; runs the example on the host and under qemu: both must print the hash of the same steps in
-# Rust, and refuse every damaged file. Links two shapes into one image and runs both. The committed header must equal the generated one.
+# which does not link if anything can panic; runs the example on the host and under qemu: both must print the hashes of the same steps in
+# Rust and of the same plan followed there, and refuse every damaged file. Links two shapes into one image and runs both. The committed
+# header must equal the generated one.
 # `check.sh inertia-network` checks the named families only; without a name all five are checked, each with
 # all its optional features.
 set -euo pipefail
@@ -31,7 +32,7 @@ fail() {
     exit 1
 }
 
-sources=(example/main.c example/trace.c example/errors.c example/model.S)
+sources=(example/main.c example/trace.c example/errors.c example/follow.c example/plan_errors.c example/model.S)
 warnings=(-Wall -Wextra -Wconversion -Wsign-conversion -Wpedantic -Werror)
 strict=(-std=c11 -O2 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -ffunction-sections -fdata-sections -Wl,--gc-sections)
 m4=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16)
@@ -52,7 +53,7 @@ other_compilers() {
     local file compilers=(g++)
     if command -v clang++ >/dev/null; then
         compilers+=(clang++)
-        for file in example/{main,trace,errors,host}.c; do
+        for file in example/{main,trace,errors,follow,plan_errors,host}.c; do
             clang -std=c11 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -fsyntax-only "$@" "$file"
         done
     fi
@@ -100,7 +101,7 @@ check_chip() {
 
 # A family: its golden file, the name in it, where it starts, and its sizes.
 check() {
-    local family=$1 golden=$2 name=$3 start=$4 hash
+    local family=$1 golden=$2 name=$3 start=$4 hashes
     [[ $families == *" ${family%%,*} "* ]] || return 0
     shift 4
     features=(--no-default-features --features "$family")
@@ -109,9 +110,10 @@ check() {
     mkdir -p "$work/$family-include"
     tool header "${features[@]}" >"$work/$family-include/leastaction.h"
     # shellcheck disable=SC2086
-    hash=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name" $start)
-    local expected=$hash$'\n''errors as they should be'
-    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=$(floats "$start")")
+    hashes=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name" "$work/$golden-plan.bin" $start)
+    local expected="${hashes%%$'\n'*}"$'\n''errors as they should be'$'\n'"${hashes#*$'\n'}"$'\n''plans as they should be'
+    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=$(floats "$start")"
+        "-DPLAN_FILE=\"$work/$golden-plan.bin\"")
     if [ "$golden" = cartpole ]; then
         tool bytes "${features[@]}" <../tests/golden/cartpole-whole.hex >"$work/cartpole-whole.bin"
         defines+=("-DWHOLE_FILE=\"$work/cartpole-whole.bin\"")
@@ -137,7 +139,7 @@ part() {
     tool bytes "${features[@]}" <"../tests/golden/$golden.hex" >"$work/$golden.bin"
     tool header "${features[@]}" >"$parts/leastaction.h"
     # shellcheck disable=SC2086
-    tool trace "${features[@]}" -- "$work/$golden.bin" "$name" $start
+    tool trace "${features[@]}" -- "$work/$golden.bin" "$name" "" $start
     for file in trace.c model.S example.h; do
         sed "s/leastaction_/${prefix}_/g; s/LEASTACTION_/${prefix^^}_/g" "example/$file" >"$parts/$file"
     done

@@ -3,6 +3,7 @@
 #define EXAMPLE_H
 
 #include "leastaction.h"
+#include <string.h>
 
 #define N LEASTACTION_COORDINATES
 
@@ -19,6 +20,26 @@ extern const uint8_t model_file[], model_file_end[];
 #error "define MODEL_Q"
 #endif
 
+#ifdef PLAN_FILE
+/* A plan for the model, in flash: model.S. */
+extern const uint8_t plan_file[], plan_file_end[];
+#endif
+
+/* Start of an FNV-1a hash. */
+#define HASH 0xcbf29ce484222325u
+
+/* The hash after the bits of some numbers. */
+static inline uint64_t hashed(uint64_t hash, const float *x, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &x[i], sizeof bits);
+        for (int byte = 0; byte < 4; byte++) {
+            hash = (hash ^ (bits >> (8 * byte) & 0xff)) * 0x100000001b3u;
+        }
+    }
+    return hash;
+}
+
 /* Provided by the platform: chip.c or host.c. */
 void put(const char *text);
 
@@ -30,5 +51,11 @@ int trace(void);
 
 /* Provokes errors and prints those that are not as expected; returns 0 if there are none. */
 int errors(void);
+
+/* Follows the plan and prints a hash of all results; returns 0 if all went well. */
+int follow(void);
+
+/* Provokes errors of plans like errors(). */
+int plan_errors(void);
 
 #endif

@@ -14,5 +14,7 @@ void put_number(uint64_t number, unsigned base) {
 int main(void) {
     int failed = trace();
     failed |= errors();
+    failed |= follow();
+    failed |= plan_errors();
     return failed;
 }

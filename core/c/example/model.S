@@ -12,4 +12,11 @@ whole_file:
     .incbin WHOLE_FILE
 whole_file_end:
 #endif
+#ifdef PLAN_FILE
+    .balign 4
+    .global plan_file, plan_file_end
+plan_file:
+    .incbin PLAN_FILE
+plan_file_end:
+#endif
     .section .note.GNU-stack, "", %progbits

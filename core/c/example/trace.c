@@ -1,23 +1,15 @@
 /* Use of the library in a firmware: load a model, evaluate it, step it. ../tools/src/bin/trace.rs does the same in Rust. */
 #include "example.h"
-#include <string.h>
 
 #define STEPS 200
 
 static leastaction_model model;
 static leastaction_state state;
-static uint64_t hash = 0xcbf29ce484222325u;
+static uint64_t hash = HASH;
 static const float q[N] = {MODEL_Q};
 
-/* FNV-1a over the bits of some numbers. */
 static void add(const float *x, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &x[i], sizeof bits);
-        for (int byte = 0; byte < 4; byte++) {
-            hash = (hash ^ (bits >> (8 * byte) & 0xff)) * 0x100000001b3u;
-        }
-    }
+    hash = hashed(hash, x, count);
 }
 
 static int refused(const char *what, const leastaction_error *error) {

@@ -2,7 +2,7 @@
  * leastaction: learned Lagrangians on a microcontroller, for C.
  *
  * A model file becomes a mechanism whose acceleration can be evaluated and which can be stepped by the discrete
- * Euler-Lagrange equation, particles on rods by RATTLE. Nothing is allocated, nothing is called back, nothing panics; only
+ * Euler-Lagrange equation, particles on rods by RATTLE. A plan for the model becomes a law that follows its motion. Nothing is allocated, nothing is called back, nothing panics; only
  * single precision is used. Every function may be called from any thread or interrupt as long as nothing else writes to its
  * arguments meanwhile.
  *
@@ -18,6 +18,11 @@
  *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL, NULL);
  *     leastaction_state_q(&state, LEASTACTION_COORDINATES, q, NULL);
  *
+ *     static leastaction_plan plan;                          // a file of `leastaction plan`, in flash, at a multiple of 4
+ *
+ *     if (leastaction_plan_load(&plan, sizeof plan, LEASTACTION_ABI, plan_file, plan_bytes, &model, NULL)) ...
+ *     leastaction_plan_command(&plan, tick, q, v, LEASTACTION_COORDINATES, u, NULL);
+ *
  * Coordinates q are in m or rad, velocities v in m/s or rad/s, forces u in N or N m, times in s. A force has the sign of the
  * coordinate that it pushes. Coordinates are in the order of the model file; those of a tree follow its elements, those of a
  * graph its nodes, each with all its dimensions. Angles need not be wrapped, but must stay within 65,536 rad.
@@ -31,12 +36,13 @@
 
 /* Family and sizes that the library was built for. */
 #define LEASTACTION_INERTIA_NETWORK 1
-#define LEASTACTION_ABI 2
+#define LEASTACTION_ABI 3
 #define LEASTACTION_COORDINATES 2
 #define LEASTACTION_HIDDEN 32
 #define LEASTACTION_LAYERS 2
-#define LEASTACTION_MODEL_WORDS 30
+#define LEASTACTION_MODEL_WORDS 31
 #define LEASTACTION_STATE_WORDS 26
+#define LEASTACTION_PLAN_WORDS 13
 
 
 /**
@@ -107,6 +113,10 @@ enum leastaction_status
      * The file does not give the range of the training data, or not for this tree or graph.
      */
     LEASTACTION_STATUS_NO_RANGE = 13,
+    /**
+     * The storage holds no plan: none was loaded there, or it was moved or copied.
+     */
+    LEASTACTION_STATUS_NO_PLAN = 14,
     /**
      * The file has fewer bytes than the smallest model file. `numbers`: bytes given.
      */
@@ -304,6 +314,67 @@ enum leastaction_status
      * length.
      */
     LEASTACTION_STATUS_ROD_VIOLATED = 74,
+    /**
+     * The state is so far from the plan, or its gains are so large, that a command is not a number. `numbers`: the driven coordinate, from 0.
+     */
+    LEASTACTION_STATUS_TOO_FAR_FROM_PLAN = 75,
+    /**
+     * The plan has fewer bytes than the smallest plan. `numbers`: bytes given.
+     */
+    LEASTACTION_STATUS_PLAN_TOO_SHORT = 80,
+    /**
+     * The plan does not begin with the magic letters.
+     */
+    LEASTACTION_STATUS_NOT_A_PLAN = 81,
+    /**
+     * The plan has a format version that this library does not read. `numbers`: the version.
+     */
+    LEASTACTION_STATUS_PLAN_VERSION = 82,
+    /**
+     * The plan was damaged. `numbers`: checksum in the file, checksum of its bytes.
+     */
+    LEASTACTION_STATUS_PLAN_CHECKSUM = 83,
+    /**
+     * The plan's header is not a document of this format.
+     */
+    LEASTACTION_STATUS_PLAN_MALFORMED = 84,
+    /**
+     * The plan's numbers do not begin at a multiple of 4: align the array that holds the plan. `numbers`: address of the numbers modulo 4.
+     */
+    LEASTACTION_STATUS_PLAN_UNALIGNED = 85,
+    /**
+     * The plan's numbers are little-endian, which this processor cannot read in place.
+     */
+    LEASTACTION_STATUS_PLAN_BIG_ENDIAN = 86,
+    /**
+     * The plan does not have the limits and records that its header needs. `numbers`: bytes in the file, bytes needed.
+     */
+    LEASTACTION_STATUS_PLAN_NUMBER_COUNT = 87,
+    /**
+     * A number of the plan is infinite or not a number. `numbers`: its index among limits and records.
+     */
+    LEASTACTION_STATUS_PLAN_NOT_FINITE = 88,
+    /**
+     * A number of the plan's header is out of range. `what`: name of the number.
+     */
+    LEASTACTION_STATUS_PLAN_OUT_OF_RANGE = 89,
+    /**
+     * A driven coordinate of the plan is not among the coordinates, or not above the one before. `numbers`: the coordinate.
+     */
+    LEASTACTION_STATUS_PLAN_DRIVEN = 90,
+    /**
+     * The largest command of a coordinate is below its least. `numbers`: the coordinate; the bits of the least and of the largest command as
+     * floats.
+     */
+    LEASTACTION_STATUS_PLAN_LIMITS = 91,
+    /**
+     * The plan's size is not the one that the library was built for. `numbers`: size in the file, size built in; `what`: the quantity.
+     */
+    LEASTACTION_STATUS_PLAN_SHAPE = 92,
+    /**
+     * The plan was made for another model. `numbers`: fingerprint of the model that it was made for, of the model given.
+     */
+    LEASTACTION_STATUS_PLAN_OTHER_MODEL = 93,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -403,6 +474,48 @@ typedef struct {
      */
     float residual;
 } leastaction_report;
+
+/**
+ * Storage of a loaded plan, whose contents only this library knows. It must start as zeros, as static storage does, and must not be moved or
+ * copied once a plan is loaded. It refers to the file of the plan, which must stay in place, unchanged.
+ */
+typedef struct {
+    size_t opaque[LEASTACTION_PLAN_WORDS];
+} leastaction_plan;
+
+/**
+ * Sizes and times of a plan.
+ */
+typedef struct {
+    /**
+     * Fingerprint of the model that the plan was made for: the checksum of its file.
+     */
+    uint32_t model;
+    /**
+     * Number of coordinates: LEASTACTION_COORDINATES.
+     */
+    uint32_t coordinates;
+    /**
+     * Number of driven coordinates, at least 1.
+     */
+    uint32_t driven;
+    /**
+     * Tick h > 0, s, of the loop that the plan was made for.
+     */
+    float h;
+    /**
+     * Number of ticks over which a command is held, at least 1: a node.
+     */
+    uint32_t ticks_per_node;
+    /**
+     * Length of the motion in ticks; from this tick on the plan is its goal.
+     */
+    uint32_t ticks;
+    /**
+     * Length of the motion, s.
+     */
+    float seconds;
+} leastaction_plan_description;
 
 #ifdef __cplusplus
 extern "C" {
@@ -733,6 +846,177 @@ leastaction_status leastaction_step4(const leastaction_model *model,
                                      const leastaction_newton *newton,
                                      leastaction_report *report,
                                      leastaction_error *error);
+
+/**
+ * Reads and validates a plan, which `leastaction plan` writes, and prepares it in `plan`. Its numbers stay where they are, in flash.
+ *
+ * - `plan_bytes`: `sizeof(leastaction_plan)`, which shows that the structs of this header are the library's.
+ * - `abi`: LEASTACTION_ABI, which shows that the functions of this header are the library's.
+ * - `file`, `file_bytes`: the whole plan, at a multiple of 4. It must stay there unchanged while `plan` is used.
+ * - `model`: the model that the plan was made for; a plan for another one is refused. It is not used afterwards.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 4, 11 and 80 to 93; `plan` then holds no plan, even if it did before.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of bytes.
+ */
+leastaction_status leastaction_plan_load(leastaction_plan *plan,
+                                         size_t plan_bytes,
+                                         uint32_t abi,
+                                         const uint8_t *file,
+                                         size_t file_bytes,
+                                         const leastaction_model *model,
+                                         leastaction_error *error);
+
+/**
+ * Writes sizes and times of a plan. Fails with statuses 1, 2 and 14.
+ *
+ * # Safety
+ * Pointers are NULL or point to values of their type.
+ */
+leastaction_status leastaction_plan_describe(const leastaction_plan *plan,
+                                             leastaction_plan_description *description,
+                                             leastaction_error *error);
+
+/**
+ * Writes which coordinates a plan drives and the limits of their commands.
+ *
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `driven`: `n` marks, 1 for a driven coordinate, 0 for another.
+ * - `least`, `most`: least and largest command (N or N m), `n` numbers each; 0 where nothing drives.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 3 and 14.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_limits(const leastaction_plan *plan,
+                                           size_t n,
+                                           uint8_t *driven,
+                                           float *least,
+                                           float *most,
+                                           leastaction_error *error);
+
+/**
+ * Writes the plan at a tick: position q̄, velocity v̄ and command ū. A node begins with its record; within it the motion is the cubic
+ * polynomial through its ends, and the command is held. From the end on the plan is its last record, whose command holds the goal.
+ *
+ * - `tick`: number of ticks of the plan's h since the start.
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m; 0 where nothing drives): `n` numbers each, written on success only.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 3, 14, and 71 if single precision does not hold the motion.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_reference(const leastaction_plan *plan,
+                                              uint32_t tick,
+                                              size_t n,
+                                              float *q,
+                                              float *v,
+                                              float *u,
+                                              leastaction_error *error);
+
+/**
+ * Writes the plan like leastaction_plan_reference, at the time t after the start, s, on ticks and between them; before the start it is the
+ * first record. A time that is short of a node by no more than the rounding of a product of ticks and h counts as that node. Fails also if t
+ * is not finite, with status 71.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_reference_at(const leastaction_plan *plan,
+                                                 float t,
+                                                 size_t n,
+                                                 float *q,
+                                                 float *v,
+                                                 float *u,
+                                                 leastaction_error *error);
+
+/**
+ * Writes planned position q̄, velocity v̄ and acceleration ā at the time t after the start, s, on ticks and between them. Before the start
+ * and from the end on they are those of the first and of the last record, without acceleration.
+ *
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `q` (m or rad), `v` (m/s or rad/s), `a` (m/s² or rad/s²): `n` numbers each, written on success only.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 3, 14, and 71 if t is not finite or single precision does not hold the motion.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_motion(const leastaction_plan *plan,
+                                           float t,
+                                           size_t n,
+                                           float *q,
+                                           float *v,
+                                           float *a,
+                                           leastaction_error *error);
+
+/**
+ * Writes the command for a measured state at a tick: u = ū − K (x − x̄), x = (q, v), within the plan's limits. Differences of the angles that
+ * the plan marks are taken the short way, in [−π, π]. From the end on the last record is held, by its gains. Ticks are the plan's h, counted
+ * from the first command; a missed one counts. A command is that of the model's actuator (leastaction_actuate), without one a force.
+ *
+ * - `q` (m or rad), `v` (m/s or rad/s): the state when the command takes effect, `n` numbers each.
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `u`: the command (N or N m; 0 where nothing drives), `n` numbers, written on success only; may be one of the arrays before it.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 3, 14, 71 and 75.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_command(const leastaction_plan *plan,
+                                            uint32_t tick,
+                                            const float *q,
+                                            const float *v,
+                                            size_t n,
+                                            float *u,
+                                            leastaction_error *error);
+
+/**
+ * Writes the command like leastaction_plan_command, at the time t after the first command, s, for a loop whose ticks are not the plan's: the
+ * plan is that of leastaction_plan_reference_at. Fails also if t is not finite, with status 71.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_command_at(const leastaction_plan *plan,
+                                               float t,
+                                               const float *q,
+                                               const float *v,
+                                               size_t n,
+                                               float *u,
+                                               leastaction_error *error);
+
+/**
+ * Writes the whole turns by which the first measured position is off the plan's start: `turns`, rad, `n` numbers, 0 where nothing turns over.
+ * Encoders forget whole turns, of which the plan knows the right ones: subtract these from every measured position. Not needed for an angle
+ * that the plan itself marks, whose differences are taken the short way anyhow, but for one with limits, which the plan takes as a length.
+ *
+ * - `q`: the first measured position (m or rad), `n` numbers.
+ * - `angle`: `n` marks, 0 for a coordinate that keeps its measured position, anything else for one whose encoder forgets turns.
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 3, 14 and 71.
+ *
+ * # Safety
+ * Pointers are NULL or point to the stated number of numbers.
+ */
+leastaction_status leastaction_plan_turns(const leastaction_plan *plan,
+                                          const float *q,
+                                          const uint8_t *angle,
+                                          size_t n,
+                                          float *turns,
+                                          leastaction_error *error);
 
 /**
  * Writes the inertia matrix M(q), kg m², kg m or kg: `n` times `n` numbers, row by row; it is symmetric. A computed torque is M(q) times

@@ -1,11 +1,11 @@
 //! Checks of a caller's arguments, made before anything is done with them.
 
 use crate::config::LEASTACTION_COORDINATES;
-use crate::contents::{Loaded, STARTED, Started, loaded_tag};
+use crate::contents::{CorePlan, Loaded, Planned, STARTED, Started, loaded_tag, planned_tag};
 use crate::error::Error;
 use crate::family::Mechanism;
 use crate::status::Status;
-use crate::storage::{Model, State};
+use crate::storage::{Model, Plan, State};
 use core::ptr::NonNull;
 
 /// A vector of all coordinates.
@@ -101,14 +101,38 @@ pub(crate) fn output(pointer: *mut f32, argument: usize) -> Result<Given<Vector>
 /// # Safety
 /// `model` is storage as the header requires, and nothing else uses it meanwhile.
 pub(crate) unsafe fn loaded<'a>(model: *const Model) -> Result<&'a Mechanism, Error> {
-    let pointer = Given::new(model, 1)?.pointer().cast::<Loaded>();
+    // SAFETY: this function's promise.
+    unsafe { contents(model, 1) }.map(|loaded| &loaded.mechanism)
+}
+
+/// Everything that is loaded in a model's storage.
+///
+/// # Safety
+/// See [`loaded`].
+pub(crate) unsafe fn contents<'a>(model: *const Model, argument: usize) -> Result<&'a Loaded, Error> {
+    let pointer = Given::new(model, argument)?.pointer().cast::<Loaded>();
     // SAFETY: a word of the caller's storage, which is larger and as aligned.
     let tag = unsafe { (&raw const (*pointer).tag).read() };
     if tag != loaded_tag(pointer) {
         return Err(Status::NotLoaded.into());
     }
     // SAFETY: the tag is written last, when a mechanism is there.
-    Ok(unsafe { &(*pointer).mechanism })
+    Ok(unsafe { &*pointer })
+}
+
+/// The plan that is loaded in a plan's storage.
+///
+/// # Safety
+/// `plan` is storage as the header requires, and nothing else uses it meanwhile.
+pub(crate) unsafe fn planned<'a>(plan: *const Plan) -> Result<&'a CorePlan, Error> {
+    let pointer = Given::new(plan, 1)?.pointer().cast::<Planned>();
+    // SAFETY: a word of the caller's storage, which is larger and as aligned.
+    let tag = unsafe { (&raw const (*pointer).tag).read() };
+    if tag != planned_tag(pointer) {
+        return Err(Status::NoPlan.into());
+    }
+    // SAFETY: the tag is written last, when a plan is there.
+    Ok(unsafe { &(*pointer).plan })
 }
 
 /// Address of the started state in a storage.

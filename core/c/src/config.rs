@@ -14,7 +14,7 @@ macro_rules! size {
 }
 
 /// Number of the binary interface; it changes with any struct or function that a program was compiled with.
-pub const LEASTACTION_ABI: u32 = 2;
+pub const LEASTACTION_ABI: u32 = 3;
 /// Number of coordinates of the mechanism.
 pub const LEASTACTION_COORDINATES: usize = size!("LEASTACTION_COORDINATES", 2, 1..=64);
 /// Maximum number of units of a hidden layer.
@@ -68,25 +68,28 @@ const LAWS: usize = 0;
 /// Pointer-sized words of a loaded model.
 #[cfg(feature = "inertia-network")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + LAWS + 12;
+    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + LAWS + 13;
 /// Pointer-sized words of a loaded model.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + FRICTION + LAWS + 15;
+    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + FRICTION + LAWS + 16;
 /// Pointer-sized words of a loaded model.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + LIST_OF_RODS + 71;
+    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + LIST_OF_RODS + 72;
 
 /// Pointer-sized words of a loaded model.
 #[cfg(any(feature = "bodies", feature = "arm"))]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_COORDINATES + (3 * LEASTACTION_COORDINATES).div_ceil(4) + FRICTION + LAWS + 12;
+    LEASTACTION_COORDINATES + (3 * LEASTACTION_COORDINATES).div_ceil(4) + FRICTION + LAWS + 13;
 
 /// Pointer-sized words of a list of rods, if there may be one.
 #[cfg(feature = "graph")]
 const LIST_OF_RODS: usize =
     if LEASTACTION_RODS == 0 { 0 } else { LEASTACTION_RODS * (LEASTACTION_DIMENSIONS + 3) + 2 };
+
+/// Pointer-sized words of a loaded plan: exactly what it takes where pointers have 32 bits, of any size of plan.
+pub const LEASTACTION_PLAN_WORDS: usize = 13;
 
 /// Words of 32 bits of a state: 12 numbers per coordinate, and 2.
 #[cfg(not(feature = "rods"))]

@@ -8,6 +8,7 @@ use leastaction_core::discrete::StepError;
 use leastaction_core::energy::graph::GraphError;
 use leastaction_core::linear::SolveError;
 use leastaction_core::model::{Coded, ModelError};
+use leastaction_core::plan::{CommandError, PlanError};
 
 /// Reason why a call failed, with numbers. Every function that can fail fills one in, unless its last argument is NULL; after success the
 /// status is LEASTACTION_STATUS_OK and all else is zero.
@@ -69,6 +70,21 @@ impl From<ModelError> for Error {
 impl From<GraphError> for Error {
     fn from(error: GraphError) -> Self {
         error.coded().into()
+    }
+}
+
+impl From<PlanError> for Error {
+    fn from(error: PlanError) -> Self {
+        error.coded().into()
+    }
+}
+
+impl From<CommandError> for Error {
+    fn from(error: CommandError) -> Self {
+        match error {
+            CommandError::NotFinite { .. } => Status::NotFinite.into(),
+            CommandError::Overflow { coordinate } => Self::new(Status::TooFarFromPlan, [coordinate.into()]),
+        }
     }
 }
 
@@ -147,6 +163,18 @@ mod tests {
             let found = Error::from(error);
             assert_eq!((found.status, found.numbers), (status, numbers), "{error}");
         }
+    }
+
+    #[test]
+    fn errors_of_plans_have_their_statuses_and_numbers() {
+        let other = Error::from(PlanError::OtherModel { planned: 7, given: u32::MAX });
+        assert_eq!((other.status, other.numbers), (Status::PlanOtherModel, [7, u32::MAX, 0]));
+        let limits = Error::from(PlanError::Limits { coordinate: 2, least: 2.0, most: 1.0 });
+        let bits = [2, 2.0_f32.to_bits(), 1.0_f32.to_bits()];
+        assert_eq!((limits.status, limits.numbers), (Status::PlanLimits, bits));
+        assert!(!Error::from(PlanError::OutOfRange { what: "tick h" }).what.is_null());
+        let far = Error::from(CommandError::Overflow { coordinate: 3 });
+        assert_eq!((far.status, far.numbers), (Status::TooFarFromPlan, [3, 0, 0]));
     }
 
     #[test]

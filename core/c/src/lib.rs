@@ -36,9 +36,11 @@ mod contents;
 mod error;
 mod evaluate;
 mod family;
+mod follow;
 mod load;
 mod messages;
 mod motion;
+mod plan;
 #[cfg(feature = "rods")]
 mod rods;
 mod said;

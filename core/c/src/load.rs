@@ -6,6 +6,7 @@ use crate::family::{self, FAMILY, Lists};
 use crate::status::Status;
 use crate::storage::Model;
 use core::ffi::{CStr, c_char};
+use leastaction_core::model::stored_fingerprint;
 
 /// Reads and validates a model file, and prepares it in `model`. Weights stay where they are, in flash.
 ///
@@ -42,6 +43,7 @@ pub unsafe extern "C" fn leastaction_load(
         // SAFETY: as above; the lists that the mechanism refers to are another part of the storage.
         unsafe {
             (&raw mut (*place).mechanism).write(mechanism);
+            (&raw mut (*place).fingerprint).write(stored_fingerprint(bytes).unwrap_or(0));
             (&raw mut (*place).tag).write(loaded_tag(place));
         }
         Ok(())
@@ -50,7 +52,7 @@ pub unsafe extern "C" fn leastaction_load(
     unsafe { call(error, load) }
 }
 
-fn check_abi(given: u32) -> Result<(), Error> {
+pub(crate) fn check_abi(given: u32) -> Result<(), Error> {
     let right = LEASTACTION_ABI;
     if given == right { Ok(()) } else { Err(Error::of(Status::OtherAbi, [right, given, 0])) }
 }
@@ -73,7 +75,7 @@ unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
 ///
 /// # Safety
 /// `file` points to `file_bytes` bytes for as long as they are used.
-unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Error> {
+pub(crate) unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Error> {
     let file = Given::new(file, 4)?;
     let most = isize::MAX as usize;
     if file_bytes > most {

@@ -1,9 +1,10 @@
 use crate::status::Status;
 use core::ffi::{CStr, c_char, c_int};
 use leastaction_core::model::entry_of;
+use leastaction_core::plan;
 
 /// Messages of this library's own statuses; those of files are in core's catalogue.
-const MESSAGES: [(Status, &CStr); 18] = [
+const MESSAGES: [(Status, &CStr); 20] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
     (Status::Misaligned, c"a pointer is not aligned as its type asks"),
@@ -17,18 +18,22 @@ const MESSAGES: [(Status, &CStr); 18] = [
     (Status::OtherAbi, c"the program was compiled with the header of another library"),
     (Status::OtherStep, c"the step h is not the one that the model was trained with"),
     (Status::NoRange, c"the file does not say what the training data covered"),
+    (Status::NoPlan, c"the storage holds no plan: none was loaded there, or it was moved or copied"),
     (Status::Singular, c"the matrix of the equations has no usable pivot"),
     (Status::NotFinite, c"a number is infinite or not a number"),
     (Status::NotConverged, c"the step was not solved: h is too long for this motion"),
     (Status::RodRedundant, c"a rod follows from those before it, or contradicts them"),
     (Status::RodViolated, c"a position at the start violates a rod"),
+    (Status::TooFarFromPlan, c"a command is not a number: the state is too far from the plan"),
 ];
 
 /// Message of a status, in English: a string that is never freed. For a number that is no status: "unknown status".
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "message"))]
 pub extern "C" fn leastaction_message(status: c_int) -> *const c_char {
     let own = MESSAGES.iter().find(|(known, _)| *known as c_int == status).map(|(_, message)| *message);
-    let of_file = || entry_of(u8::try_from(status).ok()?).map(|entry| entry.message);
+    let of_plan = |code| plan::CATALOGUE.iter().find(|entry| entry.code == code);
+    let of_file = || u8::try_from(status).ok().and_then(|code| entry_of(code).or_else(|| of_plan(code)));
+    let of_file = || of_file().map(|entry| entry.message);
     own.or_else(of_file).unwrap_or(c"unknown status").as_ptr()
 }
 
@@ -42,7 +47,8 @@ mod tests {
         let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
         let numbers = source.filter_map(|(_, number)| number.trim_end_matches(',').parse::<c_int>().ok());
         let mut known: Vec<c_int> = MESSAGES.iter().map(|(status, _)| *status as c_int).collect();
-        known.extend(leastaction_core::model::CATALOGUE.iter().map(|entry| c_int::from(entry.code)));
+        let reasons = leastaction_core::model::CATALOGUE.iter().chain(&plan::CATALOGUE);
+        known.extend(reasons.map(|entry| c_int::from(entry.code)));
         known.sort_unstable();
         assert!(numbers.eq(known));
     }
@@ -54,7 +60,8 @@ mod tests {
         assert_eq!(text(0), "ok");
         assert_eq!(text(72), "the step was not solved: h is too long for this motion");
         assert_eq!(text(23), "the file is damaged: another checksum");
-        assert_eq!(text(75), "unknown status");
+        assert_eq!(text(83), "the plan is damaged: another checksum");
+        assert_eq!(text(76), "unknown status");
         assert_eq!(text(256 + 23), "unknown status");
         assert_eq!(text(-1), "unknown status");
     }

@@ -1,4 +1,5 @@
 use leastaction_core::model::CATALOGUE;
+use leastaction_core::plan;
 
 /// Outcome of a call. Numbers are never given another meaning; new ones may be added.
 ///
@@ -37,6 +38,8 @@ pub enum Status {
     OtherStep = 12,
     /// The file does not give the range of the training data, or not for this tree or graph.
     NoRange = 13,
+    /// The storage holds no plan: none was loaded there, or it was moved or copied.
+    NoPlan = 14,
 
     /// The file has fewer bytes than the smallest model file. `numbers`: bytes given.
     TooShort = 20,
@@ -142,6 +145,38 @@ pub enum Status {
     /// A position at the start violates a rod. `numbers`: the rod with the largest violation, from 0; `residual`: violation relative to its
     /// length.
     RodViolated = 74,
+    /// The state is so far from the plan, or its gains are so large, that a command is not a number. `numbers`: the driven coordinate, from 0.
+    TooFarFromPlan = 75,
+
+    /// The plan has fewer bytes than the smallest plan. `numbers`: bytes given.
+    PlanTooShort = 80,
+    /// The plan does not begin with the magic letters.
+    NotAPlan = 81,
+    /// The plan has a format version that this library does not read. `numbers`: the version.
+    PlanVersion = 82,
+    /// The plan was damaged. `numbers`: checksum in the file, checksum of its bytes.
+    PlanChecksum = 83,
+    /// The plan's header is not a document of this format.
+    PlanMalformed = 84,
+    /// The plan's numbers do not begin at a multiple of 4: align the array that holds the plan. `numbers`: address of the numbers modulo 4.
+    PlanUnaligned = 85,
+    /// The plan's numbers are little-endian, which this processor cannot read in place.
+    PlanBigEndian = 86,
+    /// The plan does not have the limits and records that its header needs. `numbers`: bytes in the file, bytes needed.
+    PlanNumberCount = 87,
+    /// A number of the plan is infinite or not a number. `numbers`: its index among limits and records.
+    PlanNotFinite = 88,
+    /// A number of the plan's header is out of range. `what`: name of the number.
+    PlanOutOfRange = 89,
+    /// A driven coordinate of the plan is not among the coordinates, or not above the one before. `numbers`: the coordinate.
+    PlanDriven = 90,
+    /// The largest command of a coordinate is below its least. `numbers`: the coordinate; the bits of the least and of the largest command as
+    /// floats.
+    PlanLimits = 91,
+    /// The plan's size is not the one that the library was built for. `numbers`: size in the file, size built in; `what`: the quantity.
+    PlanShape = 92,
+    /// The plan was made for another model. `numbers`: fingerprint of the model that it was made for, of the model given.
+    PlanOtherModel = 93,
 }
 
 /// Reasons for refusing a file, in the order of core's catalogue.
@@ -192,10 +227,28 @@ const OF_FILES: [Status; CATALOGUE.len()] = [
     Status::OtherGraphError,
 ];
 
+/// Reasons for refusing a plan, in the order of core's catalogue.
+const OF_PLANS: [Status; plan::CATALOGUE.len()] = [
+    Status::PlanTooShort,
+    Status::NotAPlan,
+    Status::PlanVersion,
+    Status::PlanChecksum,
+    Status::PlanMalformed,
+    Status::PlanUnaligned,
+    Status::PlanBigEndian,
+    Status::PlanNumberCount,
+    Status::PlanNotFinite,
+    Status::PlanOutOfRange,
+    Status::PlanDriven,
+    Status::PlanLimits,
+    Status::PlanShape,
+    Status::PlanOtherModel,
+];
+
 impl Status {
-    /// The status with the given number in core's catalogue.
+    /// The status with the given number in one of core's catalogues.
     pub(crate) fn of_file(code: u8) -> Self {
-        let found = OF_FILES.iter().find(|status| **status as i32 == i32::from(code));
+        let found = OF_FILES.iter().chain(&OF_PLANS).find(|status| **status as i32 == i32::from(code));
         debug_assert!(found.is_some(), "a reason without a status");
         found.copied().unwrap_or(Self::OtherFileError)
     }
@@ -219,19 +272,21 @@ mod tests {
 
     #[test]
     fn statuses_of_files_are_the_catalogue() {
-        let catalogue = CATALOGUE.iter().map(|entry| (i32::from(entry.code), entry.name.to_string()));
-        let statuses = OF_FILES.iter().map(|status| (*status as i32, snake(&format!("{status:?}"))));
+        let reasons = || CATALOGUE.iter().chain(&plan::CATALOGUE);
+        let catalogue = reasons().map(|entry| (i32::from(entry.code), entry.name.to_string()));
+        let statuses =
+            OF_FILES.iter().chain(&OF_PLANS).map(|status| (*status as i32, snake(&format!("{status:?}"))));
         assert!(catalogue.eq(statuses));
         // No other status has a number in these ranges.
         let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
         let numbers = source.filter_map(|(_, number)| number.trim_end_matches(',').parse::<i32>().ok());
-        let of_files = numbers.filter(|number| *number == 8 || (20..70).contains(number));
-        assert!(of_files.eq(CATALOGUE.iter().map(|entry| i32::from(entry.code))));
+        let of_files = numbers.filter(|number| *number == 8 || (20..70).contains(number) || *number >= 80);
+        assert!(of_files.eq(reasons().map(|entry| i32::from(entry.code))));
     }
 
     #[test]
     fn codes_are_statuses() {
-        for entry in &CATALOGUE {
+        for entry in CATALOGUE.iter().chain(&plan::CATALOGUE) {
             assert_eq!(Status::of_file(entry.code) as i32, i32::from(entry.code));
         }
     }

@@ -1,6 +1,6 @@
 //! The caller's storage as C sees it.
 
-use crate::config::{LEASTACTION_MODEL_WORDS, LEASTACTION_STATE_WORDS};
+use crate::config::{LEASTACTION_MODEL_WORDS, LEASTACTION_PLAN_WORDS, LEASTACTION_STATE_WORDS};
 
 /// Storage of a loaded model, whose contents only this library knows. It must start as zeros, as static storage does, and must not be moved
 /// or copied once a model is loaded. It refers to the file, which must stay in place, unchanged.
@@ -14,4 +14,11 @@ pub struct Model {
 #[repr(C)]
 pub struct State {
     opaque: [u32; LEASTACTION_STATE_WORDS],
+}
+
+/// Storage of a loaded plan, whose contents only this library knows. It must start as zeros, as static storage does, and must not be moved or
+/// copied once a plan is loaded. It refers to the file of the plan, which must stay in place, unchanged.
+#[repr(C)]
+pub struct Plan {
+    opaque: [usize; LEASTACTION_PLAN_WORDS],
 }

@@ -2,7 +2,7 @@
  * leastaction: learned Lagrangians on a microcontroller, for C.
  *
  * A model file becomes a mechanism whose acceleration can be evaluated and which can be stepped by the discrete
- * Euler-Lagrange equation, particles on rods by RATTLE. Nothing is allocated, nothing is called back, nothing panics; only
+ * Euler-Lagrange equation, particles on rods by RATTLE. A plan for the model becomes a law that follows its motion. Nothing is allocated, nothing is called back, nothing panics; only
  * single precision is used. Every function may be called from any thread or interrupt as long as nothing else writes to its
  * arguments meanwhile.
  *
@@ -17,6 +17,11 @@
  *     leastaction_start(&model, &state, q, v, LEASTACTION_COORDINATES, NULL);
  *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL, NULL);
  *     leastaction_state_q(&state, LEASTACTION_COORDINATES, q, NULL);
+ *
+ *     static leastaction_plan plan;                          // a file of `leastaction plan`, in flash, at a multiple of 4
+ *
+ *     if (leastaction_plan_load(&plan, sizeof plan, LEASTACTION_ABI, plan_file, plan_bytes, &model, NULL)) ...
+ *     leastaction_plan_command(&plan, tick, q, v, LEASTACTION_COORDINATES, u, NULL);
  *
  * Coordinates q are in m or rad, velocities v in m/s or rad/s, forces u in N or N m, times in s. A force has the sign of the
  * coordinate that it pushes. Coordinates are in the order of the model file; those of a tree follow its elements, those of a

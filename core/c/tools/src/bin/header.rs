@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 const INTRODUCTION: &str = include_str!("../introduction.h");
 
 /// C names of the types.
-const NAMES: [(&str, &str); 7] = [
+const NAMES: [(&str, &str); 9] = [
     ("Model", "leastaction_model"),
     ("State", "leastaction_state"),
     ("Status", "leastaction_status"),
@@ -21,6 +21,8 @@ const NAMES: [(&str, &str); 7] = [
     ("Newton", "leastaction_newton"),
     ("Report", "leastaction_report"),
     ("Outside", "leastaction_outside"),
+    ("Plan", "leastaction_plan"),
+    ("PlanDescription", "leastaction_plan_description"),
 ];
 
 /// Sizes that this program was built for.
@@ -51,6 +53,7 @@ fn sizes() -> Vec<(&'static str, usize)> {
     sizes.push(("LEASTACTION_RODS", config::LEASTACTION_RODS));
     sizes.push(("LEASTACTION_MODEL_WORDS", config::LEASTACTION_MODEL_WORDS));
     sizes.push(("LEASTACTION_STATE_WORDS", config::LEASTACTION_STATE_WORDS));
+    sizes.push(("LEASTACTION_PLAN_WORDS", config::LEASTACTION_PLAN_WORDS));
     sizes
 }
 
@@ -125,7 +128,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let copies: PathBuf = std::env::temp_dir().join(format!("leastaction-header-{}", std::process::id()));
     std::fs::create_dir_all(&copies)?;
     let mut builder = Builder::new().with_config(settings());
-    let files = ["status", "error", "storage", "messages", "load", "said", "evaluate", "start", "step"];
+    let files = [
+        "status", "error", "storage", "messages", "load", "said", "evaluate", "start", "step", "plan",
+        "follow",
+    ];
     let beside = if cfg!(feature = "rods") { "rods" } else { "terms" };
     for file in files.into_iter().chain([beside]) {
         let copy = copies.join(file).with_extension("rs");

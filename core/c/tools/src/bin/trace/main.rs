@@ -1,12 +1,14 @@
-//! Counterpart of `example/trace.c` on leastaction-core alone: both must print the same hash.
+//! Counterpart of `example/trace.c` and `example/follow.c` on leastaction-core alone: both must print the same hashes.
 //!
-//! `cargo run --bin trace FILE NAME POSITION …`, with the features and sizes of the library; NAME may be empty.
+//! `cargo run --bin trace FILE NAME PLAN POSITION …`, with the features and sizes of the library; NAME may be empty. A plan for the model is
+//! written to PLAN and followed, unless that is empty, too.
 
 #[allow(dead_code, reason = "sizes of the storage")]
 #[path = "../../../../src/config.rs"]
 mod config;
 #[cfg(not(feature = "rods"))]
 mod del;
+mod follow;
 #[cfg(feature = "rods")]
 mod rattle;
 
@@ -78,6 +80,10 @@ struct Step {
 struct Hash(u64);
 
 impl Hash {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
     fn add(&mut self, x: &[f32]) {
         for byte in x.iter().flat_map(|x| x.to_le_bytes()) {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
@@ -129,9 +135,32 @@ fn both_starts(
     run(mechanism, &step, mechanism.between(h, order, [q, q1])?, hash)
 }
 
-fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vector) -> Result<u64, String> {
-    let mut hash = Hash(0xcbf2_9ce4_8422_2325);
+/// Arguments of the program beside the model's file.
+struct Given {
+    plan: String,
+    q: Vector,
+}
+
+/// Prints the hashes of a mechanism.
+fn trace(
+    mechanism: &impl Mechanism,
+    trained_step: Option<TrainedStep>,
+    file: &[u8],
+    Given { plan, q, .. }: &Given,
+) -> Result<(), String> {
     let h = trained_step.ok_or("no step in the file")?.h / 8.0;
+    println!("trace {:x}", motion(mechanism, h, q)?);
+    if plan.is_empty() {
+        return Ok(());
+    }
+    let bytes = follow::written(mechanism, file, h, q)?;
+    std::fs::write(plan, &bytes).map_err(|error| format!("{plan}: {error}"))?;
+    println!("follow {:x}", follow::follow(mechanism, in_place(&aligned(&bytes), bytes.len()), h, q)?);
+    Ok(())
+}
+
+fn motion(mechanism: &impl Mechanism, h: f32, q: &Vector) -> Result<u64, String> {
+    let mut hash = Hash::new();
     let v = core::array::from_fn(|i| (i as f32 - 1.0) / 4.0);
     let at = [q, &v, &[0.0; N]];
     evaluate(mechanism, &mut hash, at)?;
@@ -141,34 +170,34 @@ fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vect
 }
 
 #[cfg(not(any(feature = "modular", feature = "graph", feature = "bodies", feature = "arm")))]
-fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
+fn trace_file(file: &[u8], _: &str, given: &Given) -> Result<(), String> {
     let model =
         leastaction_core::model::InertiaNetworkModel::<N, H, L, Weight, Laws>::load(file).map_err(words)?;
-    trace(&model.system, model.trained_step, q)
+    trace(&model.system, model.trained_step, file, given)
 }
 
 #[cfg(feature = "bodies")]
-fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
+fn trace_file(file: &[u8], _: &str, given: &Given) -> Result<(), String> {
     let model = leastaction_core::model::BodiesModel::<N, Weight, Laws>::load(file).map_err(words)?;
-    trace(&model.system, model.trained_step, q)
+    trace(&model.system, model.trained_step, file, given)
 }
 
 #[cfg(feature = "arm")]
-fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
+fn trace_file(file: &[u8], _: &str, given: &Given) -> Result<(), String> {
     let model = leastaction_core::model::ArmModel::<N, Weight, Laws>::load(file).map_err(words)?;
-    trace(&model.system, model.trained_step, q)
+    trace(&model.system, model.trained_step, file, given)
 }
 
 #[cfg(feature = "modular")]
-fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
+fn trace_file(file: &[u8], name: &str, given: &Given) -> Result<(), String> {
     use config::LEASTACTION_TYPES as K;
     let model =
         leastaction_core::model::ModularModel::<N, K, H, L, Weight, Laws>::load(file, name).map_err(words)?;
-    trace(&model.system, model.trained_step, q)
+    trace(&model.system, model.trained_step, file, given)
 }
 
 #[cfg(feature = "graph")]
-fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
+fn trace_file(file: &[u8], name: &str, given: &Given) -> Result<(), String> {
     use config::{LEASTACTION_DIMENSIONS as D, LEASTACTION_EDGES as EDGES};
     use config::{LEASTACTION_NETWORKS as K, LEASTACTION_RODS as RODS};
     use leastaction_core::constraints::Holonomic;
@@ -181,7 +210,7 @@ fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
     let system = rattle::OnRods { mechanism: model.system.constrained().map_err(words)? };
     #[cfg(not(feature = "rods"))]
     let system = del::graph::<D, K>(model.system.graph)?;
-    trace(&system, model.trained_step, q)
+    trace(&system, model.trained_step, file, given)
 }
 
 /// Copies the bytes to a multiple of 4.
@@ -194,15 +223,19 @@ fn aligned(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks(4).map(word).collect()
 }
 
+/// The first bytes of some words.
+fn in_place(words: &[u32], bytes: usize) -> &[u8] {
+    assert!(bytes <= size_of_val(words), "{bytes} bytes in {} words", words.len());
+    // SAFETY: the words hold at least as many bytes.
+    unsafe { core::slice::from_raw_parts(words.as_ptr().cast::<u8>(), bytes) }
+}
+
 fn main() -> Result<(), String> {
     let mut arguments = std::env::args().skip(1);
-    let (path, name) = arguments.next().zip(arguments.next()).ok_or("trace FILE NAME POSITION …")?;
+    let mut next = || arguments.next().ok_or("trace FILE NAME PLAN POSITION …");
+    let (path, name, plan) = (next()?, next()?, next()?);
     let position: Result<Vec<f32>, _> = arguments.map(|number| number.parse()).collect();
     let q = Vector::try_from(position.map_err(words)?).map_err(|_| format!("not {N} coordinates"))?;
     let bytes = std::fs::read(&path).map_err(|error| format!("{path}: {error}"))?;
-    let aligned = aligned(&bytes);
-    // SAFETY: the original number of bytes, in words that hold at least as many.
-    let file = unsafe { core::slice::from_raw_parts(aligned.as_ptr().cast::<u8>(), bytes.len()) };
-    println!("trace {:x}", trace_file(file, &name, &q)?);
-    Ok(())
+    trace_file(in_place(&aligned(&bytes), bytes.len()), &name, &Given { plan, q })
 }
