@@ -139,7 +139,7 @@ static void misplaced(void) {
     EXPECT(NO_PLAN, leastaction_plan_describe(&other, &description, &error));
 }
 
-/* The same model with another checksum: a digit of a weight. */
+/* A model that differs in a digit of a weight, and so in its checksum. */
 static void other_model(void) {
     size_t length = (size_t)(model_file_end - model_file);
     memcpy(model_copy, model_file, length);
