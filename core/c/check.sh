@@ -78,8 +78,8 @@ check_host() {
     local family=$1 expected=$2
     shift 2
     other_compilers "$@"
-    gcc "${strict[@]}" "$@" "${sources[@]}" example/host.c "$out/release/libleastaction.a" -o "$work/$family"
-    expect "$family on the host" "$expected" "$work/$family"
+    gcc "${strict[@]}" "$@" "${sources[@]}" example/host.c "$out/release/libleastaction.a" -o "$work/$family-host"
+    expect "$family on the host" "$expected" "$work/$family-host"
 }
 
 check_chip() {
