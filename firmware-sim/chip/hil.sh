@@ -55,9 +55,12 @@ devices=(--coulomb 0.5,0 --width 0.05 --gain 0.9,1 --delay 8 --zeros 0.02 --nois
 dry=(--scenario swing-up "${devices[@]}")
 on_boards "${boards[*]}" cartpole-dry "${dry[@]}"
 on_boards "${boards[*]}" cartpole-dry --scenario follow --plan firmware-sim/chip/models/swing-up.postcard "${devices[@]}"
-# Decisions at every tick; those over the network would take minutes without a floating-point unit.
-on_boards "${boards[*]}" cartpole-dry --scenario mpc "${devices[@]}"
+# Decisions at every tick, the first with plans; those over the network would take minutes without a floating-point unit.
+swing_up=firmware-sim/chip/models/swing-up.postcard
+on_boards "${boards[*]}" cartpole-dry --scenario mpc --plan $swing_up --plan $swing_up "${devices[@]}" --seconds 5
+on_boards "${boards[*]:0:2}" cartpole-dry --scenario mpc "${devices[@]}"
 on_boards "${boards[*]:0:2}" cartpole --scenario mpc
+on_boards "${boards[0]}" acrobot --scenario mpc
 for ((seed = 1; seed < ${STARTS:-1}; seed++)); do
     on_boards "${boards[0]}" cartpole-dry "${dry[@]}" --seed $seed
 done

@@ -1,6 +1,7 @@
 use crate::control::{
     Catch, Controller, Coordinates, Float, Follow, Gains, Law, Listen, Mpc, MpcSettings, NoMpc, NoPump,
-    Nodes, PumpConfig, Regulator, States, SwingUp, SwungUp, TaskController, Tolerance, Track,
+    Nodes, Plans, PumpConfig, Regulator, States, SwingUp, SwungUp, TaskController, Tolerance, Track,
+    collected,
 };
 use crate::devices::{ActuatorConfig, Drive};
 use crate::error::{SetupError, require, require_finite};
@@ -168,7 +169,8 @@ impl<const N: usize> Program<N> {
         plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
     ) -> Result<Begun<'m, 'p, M, NoPump, NoMpc, N>, E> {
         let no_swing_up = |_, _, _| Err(SetupError::NoSwingUp);
-        let controller = self.controller(model, plan, no_swing_up, |_, _| Err(SetupError::NoMpc.into()))?;
+        let plans = || collected([plan()].into_iter());
+        let controller = self.controller(model, plans, no_swing_up, |_, _| Err(SetupError::NoMpc.into()))?;
         Ok(self.firmware(model, controller))
     }
 
@@ -191,38 +193,38 @@ impl<const N: usize> Program<N> {
         Ok(self.firmware(model, controller))
     }
 
-    /// Creates the firmware as [`Program::start`] does, but for every task; `plan` gives the plan, which was made for this model, if the task
-    /// is to follow one, or to decide with one; decisions work in `nodes`.
+    /// Creates the firmware as [`Program::start`] does, but for every task; `plans` gives the plans, which were made for this model, if the
+    /// task is to follow one, or to decide with some; decisions work in `nodes`.
     ///
     /// # Errors
-    /// See [`Program::start`]; also those of `plan` and of [`Mpc::new`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    /// See [`Program::start`]; also those of `plans` and of [`Mpc::new`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
     pub fn start_with<'m, 'p, M: Mechanism<N>, E: From<SetupError>, const D: usize>(
         &self,
         model: &'m M,
-        plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
+        plans: impl FnOnce() -> Result<Plans<'p, N>, E>,
         nodes: &'p mut Nodes<N, D>,
     ) -> Result<Begun<'m, 'p, M, PumpOf<M, N>, Mpc<'p, N, D>, N>, E>
     where
         Coordinates<N>: SwungUp<M, N> + States<D>,
     {
         let swing_up = |pump, tolerance, catch| self.swing_up(model, pump, &tolerance, catch);
-        let controller = self.controller(model, plan, swing_up, |settings, plan| {
-            let plan = settings.plan.map(|_| plan()).transpose()?;
-            Ok(Mpc::new(model, settings, self, plan.as_ref(), nodes)?)
+        let controller = self.controller(model, plans, swing_up, |settings, plans| {
+            let plans = settings.plan.map_or(Ok(Plans::new()), |_| plans())?;
+            Ok(Mpc::new(model, settings, self, plans, nodes)?)
         })?;
         Ok(self.firmware(model, controller))
     }
 
-    /// Creates the firmware over a model of any coordinates for the task [`Task::Mpc`], which works in `nodes`, with the plan that it may
-    /// take.
+    /// Creates the firmware over a model of any coordinates for the task [`Task::Mpc`], which works in `nodes`, with the plans that it
+    /// may take.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
-    /// [`SetupError::NoMpc`] for another task; those of [`Mpc::new`].
+    /// [`SetupError::NoMpc`] for another task; more than [`MAX_PLANS`](crate::control::MAX_PLANS) plans; those of [`Mpc::new`].
     pub fn mpc<'m, 'p, M: Mechanism<N>, const D: usize>(
         &self,
         model: &'m M,
-        plan: Option<&Plan<'p, N, N>>,
+        plans: &[Plan<'p, N, N>],
         nodes: &'p mut Nodes<N, D>,
     ) -> Result<Firmware<'m, M, Mpc<'p, N, D>, N>, SetupError>
     where
@@ -230,20 +232,21 @@ impl<const N: usize> Program<N> {
     {
         let Task::Mpc(settings) = self.task else { return Err(SetupError::NoMpc) };
         self.check(model)?;
-        Ok(self.firmware(model, Mpc::new(model, settings, self, plan, nodes)?))
+        let plans = collected(plans.iter().copied().map(Ok::<_, SetupError>))?;
+        Ok(self.firmware(model, Mpc::new(model, settings, self, plans, nodes)?))
     }
 
     /// Creates the controller over a model; `swing_up` makes the one that brings the mechanism upright, `mpc` the one that decides, which may
-    /// ask for the plan.
+    /// ask for the plans. Of several plans, the first is followed.
     fn controller<'p, M: Mechanism<N>, P, R, F, E: From<SetupError>>(
         &self,
         model: &M,
-        plan: F,
+        plans: F,
         swing_up: impl FnOnce(PumpConfig, Tolerance<N>, Catch) -> Result<SwingUp<P, N>, SetupError>,
         mpc: impl FnOnce(MpcSettings<N>, F) -> Result<R, E>,
     ) -> Result<TaskController<'p, P, R, N>, E>
     where
-        F: FnOnce() -> Result<Plan<'p, N, N>, E>,
+        F: FnOnce() -> Result<Plans<'p, N>, E>,
     {
         // A plan says where the motion starts.
         if !matches!(self.task, Task::Follow { .. }) {
@@ -259,9 +262,9 @@ impl<const N: usize> Program<N> {
                 Ok(TaskController::SwingUp(swing_up(pump, tolerance, catch)?))
             }
             Task::Listen => Ok(TaskController::Listen(Listen)),
-            Task::Mpc(settings) => Ok(TaskController::Mpc(mpc(settings, plan)?)),
+            Task::Mpc(settings) => Ok(TaskController::Mpc(mpc(settings, plans)?)),
             Task::Follow { drive } => {
-                let plan = plan()?;
+                let plan = plans()?.first().copied().ok_or(SetupError::NoPlan)?;
                 self.check_at(model, &plan.reference(0).q)?;
                 Ok(TaskController::Follow(Follow::new(plan, drive, self)?))
             }

@@ -4,7 +4,7 @@
 use leastaction::processor::{Line, LinkError, Remote};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
-use leastaction_firmware_sim::link::{Flash, Port, Refusal, Workspace, serve};
+use leastaction_firmware_sim::link::{Files, Flash, Port, Refusal, Workspace, serve};
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{RunError, SwingUpConfig, TrackConfig, run_on};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
@@ -106,7 +106,9 @@ fn processor(model: Option<&'static [u8]>, fault: Fault) -> (Wire, JoinHandle<Re
     let ((to, heard), (said, from)) = (channel(), channel());
     let mut socket = Socket { to: said, from: heard };
     let thread = thread::spawn(move || {
-        serve::<_, 32, 2>(&mut socket, Flash { model, plan: None }, &mut Workspace::new(), "thread")
+        let mut memory = vec![0; 1 << 14];
+        let flash = Flash(Files::put(&mut memory, model.as_slice()).expect("the model fits"));
+        serve::<_, 32, 2>(&mut socket, flash, &mut Workspace::new(), "thread")
     });
     (Wire { to, from, fault, count: 0, again: VecDeque::new(), seen: Vec::new() }, thread)
 }

@@ -46,6 +46,7 @@ mod rollout;
 mod rounds;
 mod sample;
 mod shooting;
+mod states;
 mod stepped;
 
 pub use backward::{Decision, NodeModel, Value};
@@ -58,4 +59,5 @@ pub use problem::{Diagonal, GoalMultipliers, Iteration, Options, Problem, Soluti
 pub use receding::{Action, Horizon, RecedingHorizon, Terminal};
 pub use sample::sample;
 pub use shooting::Progress;
+pub use states::{Coordinates, States};
 pub use stepped::Stepped;

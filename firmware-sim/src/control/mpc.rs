@@ -1,5 +1,5 @@
-use super::follow::check_plan;
 use super::mpc_settings::MpcSettings;
+use super::plans::{Plans, check_plans};
 use super::regulator::joined;
 use super::{Command, Controller, Float, Target};
 use crate::angle::wrap;
@@ -17,7 +17,7 @@ use leastaction_core::control::{
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
 use leastaction_core::forces::Actuator;
 use leastaction_core::linear::add_scaled;
-use leastaction_core::plan::Plan;
+use leastaction_core::plan::{Plan, PlanHeader};
 
 /// Number of nodes of a decision's motion.
 pub const NODES: usize = 25;
@@ -37,7 +37,7 @@ pub const fn blank_nodes<const N: usize, const D: usize>() -> Nodes<N, D> {
 ///
 /// A control is a command minus the one that holds the mechanism at the goal, so that holding costs nothing. A coordinate whose limit is 0
 /// has no control. Every decision begins with the last motion and takes another one that costs less: the regulator at the goal, the rest of
-/// a plan from its point nearest to the state, and commands at random. The motion ends with the regulator's cost to go.
+/// a plan, and commands at random. Among several plans, the one that passes nearest to the state is taken, from its nearest point. The motion ends with the regulator's cost to go.
 ///
 /// From a state from which no motion can be computed, the last one is followed by its gains to its end ([`Mode::Track`]); after it, or
 /// without one, the mechanism is held against gravity with damping ([`Mode::Float`]); if the model cannot do that either, the firmware
@@ -52,7 +52,9 @@ pub struct Mpc<'p, const N: usize, const D: usize> {
     hold: [f32; N],
     cost: Cost<f32, D, N>,
     horizon: Horizon<f32, D, N>,
-    plan: Option<(Plan<'p, N, N>, Drive<N>)>,
+    plans: Plans<'p, N>,
+    /// Conversion between the plans' commands and forces.
+    planned: Drive<N>,
     nodes: &'p mut Nodes<N, D>,
     progress: Option<Progress<f32, D>>,
     /// Number of ticks since the last decision.
@@ -66,25 +68,24 @@ type Of<'m, M, P, const N: usize> =
     Stepped<'m, <M as Mechanism<N>>::Lagrangian, <M as Mechanism<N>>::Forces, f32, P, N, N>;
 
 impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
-    /// Creates the controller of a program over `nodes`, whatever they hold; `plan`, which was made for this model, is proposed if the
+    /// Creates the controller of a program over `nodes`, whatever they hold; `plans`, which were made for this model, are proposed if the
     /// settings say so.
     ///
     /// # Errors
     /// Settings out of range ([`SetupError::OutOfRange`]), also a goal that takes more than the actuators' limits, or at which the held model
     /// accelerates by more than a quarter of the tolerance of velocities in a second, and a stride that a model does not have that learned
-    /// its own step; [`SetupError::SingularInertia`]; [`SetupError::NotStabilisable`] if no feedback holds the model at the goal;
-    /// [`SetupError::NoPlan`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    /// its own step; [`SetupError::SingularInertia`]; [`SetupError::NotStabilisable`] if no feedback holds
+    /// the model at the goal; [`SetupError::NoPlan`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
     pub fn new<M: Mechanism<N>>(
         model: &M,
         settings: MpcSettings<N>,
         program: &Program<N>,
-        plan: Option<&Plan<'p, N, N>>,
+        plans: Plans<'p, N>,
         nodes: &'p mut Nodes<N, D>,
     ) -> Result<Self, SetupError> {
         settings.validate()?;
         settings.check_stride(model.trained_step(), program.observer.other_step)?;
-        let plan =
-            settings.plan.map(|drive| proposed(plan, program).map(|plan| (plan, drive))).transpose()?;
+        settings.plan.map_or(Ok(()), |_| check_plans(&plans, program))?;
         let Program { tick, observer, actuator, .. } = *program;
         let hold = holding(model, &settings, &actuator)?;
         let MpcSettings { ticks, iterations, trials, .. } = settings;
@@ -97,7 +98,8 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
             hold,
             cost: settings.cost(tick, program.angle, &actuator.drive),
             horizon: Horizon { ticks, iterations, trials, penalty: 1.0, terminal: None },
-            plan,
+            plans: if settings.plan.is_some() { plans } else { Plans::new() },
+            planned: settings.plan.unwrap_or(Drive::ideal()),
             nodes,
             progress: None,
             elapsed: 0,
@@ -201,26 +203,33 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
         })
     }
 
-    /// Controls of the plan from its point nearest to the state, in deviations of equal weight, and the number of nodes up to its end.
+    /// Controls of a plan from the point nearest to the state, in deviations of equal weight, and the number of nodes up to its end.
     fn rest_of_plan(&self, x: &[f32; D]) -> Option<([[f32; N]; NODES], usize)> {
-        let (plan, drive) = self.plan.as_ref()?;
-        let each = plan.file().header().ticks_per_node;
-        let distance = |tick: u32| {
-            let at = plan.reference(tick);
-            let away = Cost { goal: joined(&at.q, &at.v), ..self.cost }.deviation(x);
-            away.iter().zip(self.cost.x).fold(0.0, |sum, (away, weight)| sum + weight * away * away)
-        };
-        let ticks = (0..=plan.file().header().nodes).map(|node| node.saturating_mul(each));
-        let (nearest, _) = ticks.map(|tick| (tick, distance(tick))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let points = self.plans.iter().flat_map(|plan| starts(plan).map(move |tick| (plan, tick)));
+        let distances = points.map(|(plan, tick)| (plan, tick, self.distance(x, plan, tick)));
+        let (plan, nearest, _) = distances.min_by(|a, b| a.2.total_cmp(&b.2))?;
         let at = |k: usize| nearest.saturating_add(k as u32 * u32::from(self.settings.ticks));
         let known = &self.actuator.drive;
         let control = |k: usize| {
-            let force = drive.force(&plan.planned_force(at(k)));
+            let force = self.planned.force(&plan.planned_force(at(k)));
             add_scaled(&known.command(&force), -1.0, &self.hold)
         };
         let left = (0..NODES).take_while(|k| at(*k) < plan.ticks()).count();
         Some((from_fn(control), left))
     }
+
+    /// Sum of the squared deviations of equal weight between a state and a plan's at a tick.
+    fn distance(&self, x: &[f32; D], plan: &Plan<N, N>, tick: u32) -> f32 {
+        let at = plan.reference(tick);
+        let away = Cost { goal: joined(&at.q, &at.v), ..self.cost }.deviation(x);
+        away.iter().zip(self.cost.x).fold(0.0, |sum, (away, weight)| sum + weight * away * away)
+    }
+}
+
+/// Ticks at which the nodes of a plan begin, and its end.
+fn starts<const N: usize>(plan: &Plan<N, N>) -> impl Iterator<Item = u32> + use<N> {
+    let &PlanHeader { nodes, ticks_per_node, .. } = plan.file().header();
+    (0..=nodes).map(move |node| node.saturating_mul(ticks_per_node))
 }
 
 impl<M: Mechanism<N>, const N: usize, const D: usize> Controller<M, N> for Mpc<'_, N, D> {
@@ -259,16 +268,6 @@ impl<M, const N: usize> Controller<M, N> for NoMpc {
     ) -> Result<Command<N>, StepError<f32>> {
         match *self {}
     }
-}
-
-/// The plan that decisions may take, checked against the program.
-fn proposed<'p, const N: usize>(
-    plan: Option<&Plan<'p, N, N>>,
-    program: &Program<N>,
-) -> Result<Plan<'p, N, N>, SetupError> {
-    let plan = plan.ok_or(SetupError::NoPlan)?;
-    check_plan(plan, program)?;
-    Ok(*plan)
 }
 
 /// Command that holds a model at the goal, checked against the limits.

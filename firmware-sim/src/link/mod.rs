@@ -8,10 +8,12 @@ mod frame;
 mod message;
 mod refusal;
 mod serve;
+mod slot;
 
 pub use frame::{Broken, Frame, MAX_FRAME, Receiver};
 pub use message::{
     Answer, Done, LoggedSamples, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
 };
 pub use refusal::{ModelRefusal, PlanFault, ProgramFault, Refusal};
-pub use serve::{Flash, Port, Workspace, serve, serve_arm};
+pub use serve::{Port, Workspace, serve, serve_arm};
+pub use slot::{Files, Flash};

@@ -1,14 +1,13 @@
 use super::frame::{Frame, Receiver};
 use super::message::{Answer, Done, LoggedSamples, Request, Samples, answer, parse_request};
 use super::refusal::Refusal;
+use super::slot::Flash;
 use crate::control::{Controller, Nodes, blank_nodes};
-use crate::error::SetupError;
 use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
 use crate::{Mechanism, Trained};
 use leastaction_core::forces::{Dissipation, PotentialCorrection};
-use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelError, fingerprint};
-use leastaction_core::plan::{Plan, PlanFile};
+use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelError};
 
 /// A board's end of a link.
 pub trait Port {
@@ -29,31 +28,6 @@ pub trait Port {
     fn count<T>(&mut self, work: impl FnOnce() -> T) -> (u32, T) {
         (0, work())
     }
-}
-
-/// Files in a board's flash, each at a multiple of 4, where they are read in place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Flash<'a> {
-    /// The model; `None` if there is none.
-    pub model: Option<&'a [u8]>,
-    /// The plan that the task [`Follow`](crate::Task::Follow) follows, and [`Mpc`](crate::Task::Mpc) may take; `None` if there is none.
-    pub plan: Option<&'a [u8]>,
-}
-
-impl<'a> Flash<'a> {
-    /// The plan, checked against the model.
-    fn plan<const N: usize>(&self) -> Result<Plan<'a, N, N>, Refusal> {
-        let file = self.plan.ok_or(Refusal::NoPlan)?;
-        let model = fingerprint(self.model.ok_or(Refusal::NoModel)?)?;
-        Ok(read_plan(file, model)?)
-    }
-}
-
-/// Reads and validates a plan of N coordinates, of which any are driven, for the model with this fingerprint.
-fn read_plan<const N: usize>(file: &[u8], model: u32) -> Result<Plan<'_, N, N>, SetupError> {
-    let file = PlanFile::parse(file)?;
-    file.check_model(model)?;
-    Ok(Plan::at_most(file)?)
 }
 
 /// Friction and laws with networks. Models without such laws run as in a program that knows none.
@@ -83,24 +57,24 @@ impl Default for Workspace {
 /// Runs a program of `$n` coordinates over the model in a file, an inertia network or rigid bodies; decisions work in `$nodes`.
 macro_rules! run {
     ($link:ident, $flash:ident, $program:ident, $n:literal, $nodes:expr) => {
-        match $flash.model.map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
+        match $flash.model().map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
             Some(Err(ModelError::OtherFamily { .. })) => {
-                match $flash.model.map(BodiesModel::<$n, f32, Friction<$n>>::load) {
+                match $flash.model().map(BodiesModel::<$n, f32, Friction<$n>>::load) {
                     Some(Err(ModelError::Law { .. })) => {
-                        let loaded = $flash.model.map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load);
-                        over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes))
+                        let loaded = $flash.model().map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load);
+                        over!($link, loaded, |model| $program.start_with(model, || $flash.plans(), $nodes))
                     }
                     loaded => {
-                        over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes))
+                        over!($link, loaded, |model| $program.start_with(model, || $flash.plans(), $nodes))
                     }
                 }
             }
             Some(Err(ModelError::Law { .. })) => {
                 let loaded =
-                    $flash.model.map(InertiaNetworkModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
-                over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes))
+                    $flash.model().map(InertiaNetworkModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
+                over!($link, loaded, |model| $program.start_with(model, || $flash.plans(), $nodes))
             }
-            loaded => over!($link, loaded, |model| $program.start_with(model, || $flash.plan(), $nodes)),
+            loaded => over!($link, loaded, |model| $program.start_with(model, || $flash.plans(), $nodes)),
         }
     };
 }
@@ -162,7 +136,7 @@ pub fn serve_arm<P: Port, const N: usize>(
         next = match parse_request::<N>(&next) {
             Ok(Request::End) => return Ok(()),
             Ok(Request::Begin(program)) => {
-                let loaded = flash.model.map(ArmModel::<N, f32, Friction<N>>::load);
+                let loaded = flash.model().map(ArmModel::<N, f32, Friction<N>>::load);
                 over!(link, loaded, |model| program.follow_with(model, || flash.plan()))
             }
             Ok(Request::Tick(_) | Request::Log(_)) => link.refuse(Refusal::NotBegun)?,

@@ -20,7 +20,7 @@ const JUST_BEYOND: f32 = 0.25;
 /// Largest |error| over the hold, rad or m.
 const TOLERANCE: f32 = 0.1;
 /// Spread of the start about the plan's, rad or m.
-const SPREAD: f32 = 0.02;
+pub(super) const SPREAD: f32 = 0.02;
 
 /// A mechanism that follows a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ fn rests<const N: usize, const M: usize>(plan: &Plan<N, M>) -> bool {
 }
 
 /// Largest magnitudes of the commands that a plan allows; 0 for coordinates that are not driven.
-fn limits<const N: usize>(header: &PlanHeader) -> [f32; N] {
+pub(super) fn limits<const N: usize>(header: &PlanHeader) -> [f32; N] {
     let mut limits = [0.0; N];
     for (coordinate, [least, most]) in header.driven.iter().zip(header.limits) {
         if let Some(limit) = limits.get_mut(usize::from(*coordinate)) {

@@ -6,7 +6,7 @@ use core::f32::consts::TAU;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::plan::PlanError;
-use leastaction_firmware_sim::control::{Target, blank_nodes};
+use leastaction_firmware_sim::control::Target;
 use leastaction_firmware_sim::devices::{Drive, EncoderConfig};
 use leastaction_firmware_sim::scenario::{FollowConfig, Followed, follow};
 use leastaction_firmware_sim::{Mode, Program, SetupError, Summary, Tick};
@@ -188,7 +188,7 @@ fn a_command_that_is_no_number_is_safe() {
 /// The refusal of a program to follow a plan.
 fn refusal(program: Program<1>, written: &Written) -> SetupError {
     let model = System::conservative(PENDULUM);
-    program.start_with(&model, || Ok::<_, SetupError>(written.plan()), &mut blank_nodes()).err().unwrap()
+    program.follow_with(&model, || Ok::<_, SetupError>(written.plan())).err().unwrap()
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Frames of the link, whole and damaged, and the answers of the processor's end.
 
-use crate::common::plans::resting;
+mod plans;
+
 use leastaction_core::model::{CATALOGUE, Entry, ModelError, fingerprint};
 use leastaction_firmware_sim::control::{Gains, Law, MpcSettings, Target, Tolerance, blank_nodes};
 use leastaction_firmware_sim::devices::{ActuatorConfig, Drive};
 use leastaction_firmware_sim::link::{
-    Answer, Broken, Done, Flash, Frame, LoggedSamples, ModelRefusal, PlanFault, Port, ProgramFault, Receiver,
-    Refusal, Request, Samples, VERSION, Workspace, answer, parse_answer, parse_request, request, serve,
-    serve_arm,
+    Answer, Broken, Done, Files, Flash, Frame, LoggedSamples, ModelRefusal, PlanFault, Port, ProgramFault,
+    Receiver, Refusal, Request, Samples, VERSION, Workspace, answer, parse_answer, parse_request, request,
+    serve, serve_arm,
 };
 use leastaction_firmware_sim::observer::{LearnZeros, Order, OtherStep};
 use leastaction_firmware_sim::scenario::{MpcConfig, SwingUpConfig, TrackConfig};
@@ -30,8 +31,13 @@ static ARM_FILE: Aligned<{ include_bytes!("../../chip/models/arm.postcard").len(
 static DRY_FILE: Aligned<{ include_bytes!("../../chip/models/cartpole-dry.postcard").len() }> =
     Aligned(*include_bytes!("../../chip/models/cartpole-dry.postcard"));
 
-/// Flash with the arm's model alone.
-const ARM: Flash = Flash { model: Some(&ARM_FILE.0), plan: None };
+/// Words of flash with files.
+fn in_flash(files: &[&[u8]]) -> Vec<u32> {
+    let length = files.iter().map(|file| 1 + file.len().div_ceil(4)).sum();
+    let mut words = vec![0; length];
+    assert_eq!(Files::put(&mut words, files).unwrap().0.len(), length);
+    words
+}
 
 /// The bytes of a frame as they go over the link.
 fn bytes(frame: &Frame) -> Vec<u8> {
@@ -66,6 +72,12 @@ fn program() -> Program<2> {
     (config.tolerance.q, config.tolerance.v, config.tolerance.u) = ([0.31, 0.21], [0.61, 0.62], 1.25);
     (config.catch.angle, config.catch.force, config.catch.release) = (0.45, 1.4, 0.9);
     config.program()
+}
+
+/// A program that follows a plan, with the drive of the plan's model and another that the firmware knows.
+fn following<const N: usize>(program: Program<N>) -> Program<N> {
+    let drive = Drive { gain: [0.75; N], offset: [0.125; N] };
+    Program { task: Task::Follow { drive }, ..program }
 }
 
 /// A tick of a log: the pole hangs, the cart is pushed.
@@ -207,7 +219,8 @@ impl Port for Script {
 /// Answers of a processor with a model to some bytes, and its end.
 fn answers(model: Option<&[u8]>, heard: Vec<u8>) -> (Vec<Frame>, Result<(), Silence>) {
     let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
-    let end = serve::<_, 32, 2>(&mut script, Flash { model, plan: None }, &mut Workspace::new(), "tester");
+    let words = in_flash(model.as_slice());
+    let end = serve::<_, 32, 2>(&mut script, Flash(Files(&words)), &mut Workspace::new(), "tester");
     (frames(&script.said).into_iter().map(Result::unwrap).collect(), end)
 }
 
@@ -283,7 +296,7 @@ fn an_arm_runs_tick_by_tick_as_it_does_in_place() {
     heard.extend(bytes(&request(&Request::Begin(program())).unwrap()));
     heard.extend(bytes(&request::<7>(&Request::End).unwrap()));
     let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
-    assert_eq!(serve_arm::<_, 7>(&mut script, ARM, "tester"), Ok(()));
+    assert_eq!(serve_arm::<_, 7>(&mut script, Flash(Files(&in_flash(&[&ARM_FILE.0]))), "tester"), Ok(()));
     let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
     assert_eq!((said.len(), parse_answer::<7>(&said[0])), (22, Ok(Answer::Ready { processor: "tester" })));
     for (i, frame) in (0..).zip(&said[1..21]) {
@@ -300,7 +313,10 @@ fn arm_refusal(task: Task<7>) -> Refusal {
     let program = Program { task, ..arm_program() };
     let sent = bytes(&request(&Request::Begin(program)).unwrap());
     let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
-    assert_eq!(serve_arm::<_, 7>(&mut script, ARM, "tester"), Err(Silence));
+    assert_eq!(
+        serve_arm::<_, 7>(&mut script, Flash(Files(&in_flash(&[&ARM_FILE.0]))), "tester"),
+        Err(Silence)
+    );
     let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
     match parse_answer::<7>(&said[0]) {
         Ok(Answer::Refused(refusal)) => refusal,
@@ -324,7 +340,7 @@ fn decisions_at_every_tick_are_those_in_place() {
     let program = config.program();
     let model = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
     let mut nodes = blank_nodes();
-    let mut firmware = program.mpc(&model.system, None, &mut nodes).unwrap();
+    let mut firmware = program.mpc(&model.system, &[], &mut nodes).unwrap();
     let target = target(0.0);
     let tick = |i: u32| {
         let measured = [Some(0.0), (!i.is_multiple_of(5)).then_some(0.2 * i as f32)];
@@ -342,10 +358,6 @@ fn decisions_at_every_tick_are_those_in_place() {
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
     assert!(decided > 8, "{decided}");
-    // A plan that decisions may take is looked for.
-    config.settings.plan = Some(Drive::ideal());
-    let sent = request(&Request::Begin(config.program())).unwrap();
-    assert_eq!(refusal(Some(&CARTPOLE_FILE.0), &sent), Refusal::NoPlan);
 }
 
 #[test]
@@ -384,105 +396,6 @@ fn a_log_runs_tick_by_tick_as_it_does_in_place() {
         assert_eq!((outcome.command.u, outcome.errors), (command, 0));
     }
     assert_ne!(firmware.last().zeros, [0.0; 2]);
-}
-
-/// A program that follows a plan, with the drive of the plan's model and another that the firmware knows.
-fn following<const N: usize>(program: Program<N>) -> Program<N> {
-    let drive = Drive { gain: [0.75; N], offset: [0.125; N] };
-    Program { task: Task::Follow { drive }, ..program }
-}
-
-/// Answers to the beginning of a program and ticks of it; the same ticks run in place.
-fn check_followed<const N: usize>(
-    program: Program<N>,
-    serve: impl FnOnce(&mut Script),
-    mut in_place: impl FnMut(&[Option<f32>; N], &Target<N>) -> Outcome<N>,
-) {
-    let target = Target::of(&[0.0; N], 0.0, program.tick);
-    let measured = |i: u32| [Some(0.25 + 2e-3 * i as f32); N];
-    let mut heard = bytes(&request(&Request::Begin(program)).unwrap());
-    for i in 0..20 {
-        let samples = Samples { sequence: i, elapsed: 1, measured: measured(i), target };
-        heard.extend(bytes(&request(&Request::Tick(samples)).unwrap()));
-    }
-    let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
-    serve(&mut script);
-    let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
-    assert_eq!((said.len(), parse_answer::<N>(&said[0])), (21, Ok(Answer::Ready { processor: "tester" })));
-    let mut modes = Vec::new();
-    for (i, frame) in (0..).zip(&said[1..]) {
-        let outcome = in_place(&measured(i), &target);
-        modes.push(outcome.command.mode);
-        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
-    }
-    assert!(modes.contains(&Mode::Track) && modes.last() == Some(&Mode::Hold), "{modes:?}");
-}
-
-#[test]
-fn a_plan_is_followed_as_it_is_in_place() {
-    let program = following(program());
-    let model = fingerprint(&CARTPOLE_FILE.0).unwrap();
-    let written = resting((model, program.tick), ([0.25, 0.25], false), &[0], [0.5, 20.0, 2.0]);
-    let flash = Flash { model: Some(&CARTPOLE_FILE.0), plan: Some(written.bytes()) };
-    let loaded = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
-    let plan = || Ok::<_, SetupError>(written.plan());
-    let mut nodes = blank_nodes();
-    let mut firmware = program.start_with(&loaded.system, plan, &mut nodes).unwrap();
-    let serve = |script: &mut Script| {
-        assert_eq!(serve::<_, 32, 2>(script, flash, &mut Workspace::new(), "tester"), Err(Silence))
-    };
-    check_followed(program, serve, |measured, target| firmware.run(1, measured, target));
-    assert!(firmware.last().command.u[0] != 0.0);
-
-    let program = following(arm_program());
-    let model = fingerprint(&ARM_FILE.0).unwrap();
-    let driven = [0, 1, 2, 3, 4, 5, 6];
-    let written = resting((model, program.tick), ([0.25; 7], true), &driven, [0.5, 20.0, 2.0]);
-    let flash = Flash { plan: Some(written.bytes()), ..ARM };
-    let loaded = Arm::load(&ARM_FILE.0).unwrap();
-    let plan = || Ok::<_, SetupError>(written.plan());
-    let mut firmware = program.follow_with(&loaded.system, plan).unwrap();
-    let serve = |script: &mut Script| assert_eq!(serve_arm::<_, 7>(script, flash, "tester"), Err(Silence));
-    check_followed(program, serve, |measured, target| firmware.run(1, measured, target));
-    assert!(firmware.last().command.u.iter().all(|u| *u != 0.0));
-}
-
-#[test]
-fn plans_that_cannot_be_followed_are_refused_with_their_reason() {
-    let program = following(program());
-    let model = fingerprint(&CARTPOLE_FILE.0).unwrap();
-    let refused = |program: Program<2>, plan: Option<&[u8]>| {
-        let sent = bytes(&request(&Request::Begin(program)).unwrap());
-        let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
-        let flash = Flash { model: Some(&CARTPOLE_FILE.0), plan };
-        assert_eq!(serve::<_, 32, 2>(&mut script, flash, &mut Workspace::new(), "tester"), Err(Silence));
-        match parse_answer::<2>(frames(&script.said)[0].as_ref().unwrap()) {
-            Ok(Answer::Refused(refusal)) => Some(refusal),
-            _ => None,
-        }
-    };
-    let plan = |model: u32, h: f32, angle: bool| resting((model, h), ([0.0; 2], angle), &[0, 1], [0.0; 3]);
-    let whole = plan(model, program.tick, false);
-    assert_eq!(refused(program, Some(whole.bytes())), None);
-    let fault = |fault| Some(Refusal::Plan(fault));
-    assert_eq!(refused(program, None), Some(Refusal::NoPlan));
-    let cut = &whole.bytes()[..whole.bytes().len() - 4];
-    assert_eq!(refused(program, Some(cut)), fault(PlanFault::Unreadable));
-    let other = plan(model ^ 1, program.tick, false);
-    assert_eq!(refused(program, Some(other.bytes())), fault(PlanFault::OtherModel));
-    let one = resting((model, program.tick), ([0.0], false), &[0], [0.0; 3]);
-    assert_eq!(refused(program, Some(one.bytes())), fault(PlanFault::Shape));
-    let slow = plan(model, 0.05, false);
-    assert_eq!(refused(program, Some(slow.bytes())), fault(PlanFault::Tick));
-    // The cart's encoder reads no angle.
-    let turning = plan(model, program.tick, true);
-    assert_eq!(refused(program, Some(turning.bytes())), fault(PlanFault::Angle));
-    // A plan that is not followed may be anything.
-    assert_eq!(refused(self::program(), Some(cut)), None);
-    for (refusal, words) in [(Refusal::NoPlan, "no plan"), (Refusal::Plan(PlanFault::Tick), "another length")]
-    {
-        assert!(refusal.to_string().contains(words), "{refusal}");
-    }
 }
 
 #[test]

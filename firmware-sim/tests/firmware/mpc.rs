@@ -9,7 +9,7 @@ use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric}
 use leastaction_core::forces::{ControlKind, System, Viscous};
 use leastaction_core::model::TrainedStep;
 use leastaction_firmware_sim::control::{
-    Command, Controller, Coordinates, Mpc, MpcSettings, States, Target, blank_nodes,
+    Command, Controller, Coordinates, Mpc, MpcSettings, Plans, States, Target, blank_nodes,
 };
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::OtherStep;
@@ -31,7 +31,7 @@ where
     config.setup.seed = seed;
     let limit = config.setup.devices.actuator.limit;
     let within = |tick: &Tick<N>| assert!((0..N).all(|i| tick.applied[i].abs() <= limit[i]), "{tick:?}");
-    mpc::<P, M, N, D>(plant, model, None, &config, within).unwrap()
+    mpc::<P, M, N, D>(plant, model, &[], &config, within).unwrap()
 }
 
 /// Runs all seeds over an exact model.
@@ -116,7 +116,7 @@ fn a_goal_that_takes_a_force_is_held() {
         let mut last = [0.0];
         config.setup.seed = seed;
         let (summary, _) =
-            mpc::<_, _, 1, 2>(&system, &system, None, &config, |tick| last = tick.applied).unwrap();
+            mpc::<_, _, 1, 2>(&system, &system, &[], &config, |tick| last = tick.applied).unwrap();
         assert!(summary.success, "seed {seed}: {summary:?}");
         // The force is minus that of gravity, mgl/2 sin θ.
         assert!((last[0] + 4.905 * 0.3_f32.sin()).abs() < 0.3, "{last:?}");
@@ -135,7 +135,7 @@ fn a_plan_is_taken() {
         (config.setup.start.q_spread, config.setup.start.v_spread) = ([0.0], [0.0]);
         (config.settings.ticks, config.settings.stride, config.settings.sample_every) = (2, 2, 0);
         config.settings.plan = drive;
-        let (summary, _) = mpc::<_, _, 1, 2>(&system, &system, Some(&plan), &config, |_| {}).unwrap();
+        let (summary, _) = mpc::<_, _, 1, 2>(&system, &system, &[plan], &config, |_| {}).unwrap();
         summary.settled_at.unwrap()
     };
     let (with, without) = (settled(Some(Drive::ideal())), settled(None));
@@ -149,7 +149,8 @@ type CartPole = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
 fn where_no_motion_can_be_computed_the_last_one_is_followed_then_gravity() {
     let model = System::conservative(CARTPOLE);
     let (config, mut nodes) = (MpcConfig::<2>::cartpole(), blank_nodes());
-    let mut mpc = Mpc::<2, 4>::new(&model, config.settings, &config.program(), None, &mut nodes).unwrap();
+    let mut mpc =
+        Mpc::<2, 4>::new(&model, config.settings, &config.program(), Plans::new(), &mut nodes).unwrap();
     let target = Target::of(&[0.0; 2], 0.0, 0.02);
     let mut command = |elapsed: u32, v: f32| {
         Controller::<CartPole, 2>::read(&mut mpc, elapsed, &[None; 2]);
@@ -176,7 +177,7 @@ fn refused(change: impl FnOnce(&mut MpcConfig<2>)) -> SetupError {
     let mut config = MpcConfig::<2>::cartpole();
     change(&mut config);
     let system = System::conservative(CARTPOLE);
-    config.program().mpc(&system, None, &mut blank_nodes()).err().unwrap()
+    config.program().mpc(&system, &[], &mut blank_nodes()).err().unwrap()
 }
 
 /// The name of the number that a refusal is about.
@@ -214,13 +215,13 @@ fn goals_that_cannot_be_held_are_refused() {
     let mut config = MpcConfig::<1>::pendulum();
     config.settings.goal = [0.5 * PI];
     let pendulum = System::conservative(PENDULUM);
-    let heavy = config.program().mpc(&pendulum, None, &mut blank_nodes()).err().unwrap();
+    let heavy = config.program().mpc(&pendulum, &[], &mut blank_nodes()).err().unwrap();
     assert_eq!(named(heavy), "command that holds the goal");
     let undriven = refused(|config| config.setup.devices.actuator.limit = [0.0; 2]);
     assert_eq!(undriven, SetupError::NotStabilisable);
     let massless = System::conservative(Trigonometric { inertia: &[], ..PENDULUM });
     let program = MpcConfig::<1>::pendulum().program();
-    assert_eq!(program.mpc(&massless, None, &mut blank_nodes()).err(), Some(SetupError::SingularInertia));
+    assert_eq!(program.mpc(&massless, &[], &mut blank_nodes()).err(), Some(SetupError::SingularInertia));
 }
 
 #[test]
@@ -232,11 +233,11 @@ fn what_does_not_fit_the_program_is_refused() {
     let mut config = MpcConfig::<2>::cartpole();
     config.settings.plan = Some(Drive::ideal());
     let written = CARTPOLE_UP.plan::<4>();
-    let other = config.program().mpc(&system, Some(&written.plan()), &mut blank_nodes()).err();
+    let other = config.program().mpc(&system, &[written.plan()], &mut blank_nodes()).err();
     assert_eq!(other, Some(SetupError::PlanTick { planned: 0.01, tick: 0.02 }));
     assert_eq!(config.program().start(&system).err(), Some(SetupError::NoMpc));
     assert_eq!(
-        SwingUpConfig::cartpole().program().mpc(&system, None, &mut blank_nodes()).err(),
+        SwingUpConfig::cartpole().program().mpc(&system, &[], &mut blank_nodes()).err(),
         Some(SetupError::NoMpc)
     );
 }
@@ -248,12 +249,12 @@ fn a_model_keeps_the_step_that_it_learned() {
     let step = TrainedStep { order: Order::Two, h: 0.02, control: ControlKind::Held };
     let model = Trained { system: &system, step: Some(step) };
     let mut config = MpcConfig::<2>::cartpole();
-    let error = config.program().mpc(&model, None, &mut blank_nodes()).err().unwrap();
+    let error = config.program().mpc(&model, &[], &mut blank_nodes()).err().unwrap();
     assert_eq!(error.to_string(), "stride is 2, but must be 1, the step that the model was trained for");
     config.setup.observer.other_step = OtherStep::Accepted;
-    assert!(config.program().mpc(&model, None, &mut blank_nodes()).is_ok());
+    assert!(config.program().mpc(&model, &[], &mut blank_nodes()).is_ok());
     (config.setup.observer.other_step, config.settings.stride) = (OtherStep::Refused, 1);
-    assert!(config.program().mpc(&model, None, &mut blank_nodes()).is_ok());
+    assert!(config.program().mpc(&model, &[], &mut blank_nodes()).is_ok());
 }
 
 #[test]

@@ -2,19 +2,14 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use leastaction_firmware_sim::link::{
-    Answer, Flash, Port, Receiver, Workspace, parse_answer, serve, serve_arm,
+    Answer, Files, Flash, Port, Receiver, Workspace, parse_answer, serve, serve_arm,
 };
 
 static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 
-#[repr(align(4))]
-struct Aligned<const N: usize>([u8; N]);
-
 macro_rules! in_flash {
     ($name:ident, $file:literal) => {
-        static $name: Aligned<
-            { include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)).len() },
-        > = Aligned(*include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)));
+        static $name: &[u8] = include_bytes!(concat!("../../../firmware-sim/chip/models/", $file));
     };
 }
 in_flash!(CARTPOLE, "cartpole.postcard");
@@ -42,23 +37,22 @@ impl Port for Line<'_> {
 }
 
 /// Sends the world's bytes, either unchanged or as documents in valid frames, to a processor with one of three models,
-/// one of them with a plan, or none.
+/// one of them with plans, or none.
 ///
 /// Every answer must be a whole frame, and every command a finite number.
 pub fn link(input: &[u8]) {
     let Some(([mode], rest)) = input.split_first_chunk::<1>() else { return };
     let heard = if mode & 4 == 0 { framed(rest) } else { rest.to_vec() };
     let mut line = Line { heard: heard.iter(), said: Vec::new() };
-    let flash = |model, plan| Flash { model, plan };
-    let workspace = &mut Workspace::new();
-    let end = match mode & 3 {
-        0 => serve::<_, 32, 2>(&mut line, flash(Some(&CARTPOLE.0), None), workspace, "fuzz"),
-        1 => serve::<_, 32, 2>(&mut line, flash(Some(&DRY.0), Some(&PLAN.0)), workspace, "fuzz"),
-        2 => serve_arm::<_, 7>(&mut line, flash(Some(&ARM.0), None), "fuzz"),
-        _ => serve::<_, 32, 2>(&mut line, Flash::default(), workspace, "fuzz"),
+    let files: [&[&[u8]]; 4] = [&[CARTPOLE], &[DRY, PLAN, PLAN], &[ARM], &[]];
+    let (mut memory, kind) = ([0; 1 << 14], usize::from(mode & 3));
+    let flash = Flash(Files::put(&mut memory, files[kind]).expect("the files fit"));
+    let end = match kind {
+        2 => serve_arm::<_, 7>(&mut line, flash, "fuzz"),
+        _ => serve::<_, 32, 2>(&mut line, flash, &mut Workspace::new(), "fuzz"),
     };
     assert!(end.is_ok() || line.heard.len() == 0);
-    if mode & 3 == 2 { answers::<7>(&line.said) } else { answers::<2>(&line.said) }
+    if kind == 2 { answers::<7>(&line.said) } else { answers::<2>(&line.said) }
 }
 
 fn answers<const N: usize>(said: &[u8]) {

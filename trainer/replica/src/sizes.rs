@@ -1,6 +1,7 @@
 //! The only place in which a size given by a file becomes a type.
 
 use crate::{ParticleSystem, Replica, ReplicaError, SystemOf};
+use leastaction_core::control::{Coordinates, States};
 use leastaction_core::model::ModelError;
 
 /// A loader of systems in any requested number of coordinates.
@@ -29,7 +30,10 @@ pub trait StateVisitor<'c> {
     type Output;
 
     /// Visits a system of N coordinates.
-    fn states<const N: usize, const D: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output;
+    fn states<const N: usize, const D: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
+    where
+        for<'f> Replica<'f>: OfSize<N>,
+        Coordinates<N>: States<D>;
 
     /// Visits a graph in any number of dimensions, which has no state of a fixed size.
     fn graph(self) -> Self::Output;

@@ -137,7 +137,7 @@ impl Board {
         }
         let bytes = end - 2 * WORD;
         if bytes > Self::ROOM {
-            let what = if files.len() > 1 { "model and plan have" } else { "the model has" };
+            let what = if files.len() > 1 { "model and plans have" } else { "the model has" };
             return Err(BoardError::TooLarge { what, bytes });
         }
         let mut words: Vec<OsString> = ["-M", self.machine()].map(OsString::from).into();

@@ -26,7 +26,7 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts a board with an image and files in its slot, a model and perhaps a plan; it runs until `stop` is set.
+    /// Starts a board with an image and files in its slot, a model and perhaps plans; it runs until `stop` is set.
     ///
     /// # Errors
     /// [`StartError`] if the emulator is not installed, or if a file cannot be read.

@@ -42,6 +42,26 @@ fn decisions_are_counted() {
 }
 
 #[test]
+fn decisions_bring_another_file_s_mechanism_to_a_goal() {
+    let bench = learned();
+    let options = "--scenario mpc --plant run.postcard --at 3.1 --goal 0 --limit 2.5";
+    let report = simulate(&bench, options);
+    assert_eq!((report["success"].as_bool(), report["system"].as_str()), (Some(true), Some("run.postcard")));
+    let refused = |options: &str, words: &str| {
+        bench.run(&format!("simulate run.postcard --scenario {options}")).bad(2, &[words])
+    };
+    refused("mpc --plant run.postcard --goal 0", "--limit");
+    refused("mpc --plant run.postcard --limit 2", "--goal");
+    refused("mpc --goal 1,2", "--goal has 2 values");
+    refused("mpc --goal 1.5", "command that holds the goal");
+    refused("track --goal 1", "--goal is of --scenario mpc");
+    let plans = " --plan run.postcard".repeat(9);
+    refused(&format!("mpc{plans}"), "at most 8 plans, but --plan names 9");
+    refused("mpc --plan run.postcard", "run.postcard");
+    refused("follow --plan a --plan b", "follow takes one plan");
+}
+
+#[test]
 fn another_step_than_the_models_is_said_aloud() {
     let bench = learned();
     let said = |tick: &str| {

@@ -19,7 +19,7 @@ fn run() -> Result<(), &'static [u8]> {
     let model = models::load(|| Cartpole::load(black_box(&MODEL.0)))?;
     let (program, mut nodes) = (MpcConfig::<2>::cartpole().program(), blank_nodes::<2, 4>());
     print::number(b"nodes_bytes", size_of_val(&nodes) as u32);
-    let firmware = program.mpc(&model.system, None, &mut nodes);
+    let firmware = program.mpc(&model.system, &[], &mut nodes);
     let mut firmware = firmware.map_err(|_| b"the program is refused".as_slice())?;
     print::number(b"firmware_bytes", size_of_val(&firmware) as u32);
     let target = Target::of(&[0.0; 2], 0.0, program.tick);

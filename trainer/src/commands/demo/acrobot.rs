@@ -2,7 +2,7 @@
 
 use super::{Demo, MARK, write_model};
 use crate::commands::simulate::{
-    self, Floats, PlanArgs, Plant, Request, Scenario, TrackArgs, World, simulate,
+    self, Floats, MpcArgs, PlanArgs, Plant, Request, Scenario, TrackArgs, World, of_model, simulate,
 };
 use crate::commands::{plan, train};
 use leastaction::cli::{Failure, Output, folder, written};
@@ -105,7 +105,8 @@ fn follow(model: &Model, home: &Path, seed: u64) -> Result<simulate::Report, Fai
     let file = home.join("model.postcard");
     let bytes = std::fs::read(&file).map_err(|error| Failure::file(&file, error))?;
     let follows = PlanArgs::along(home.join("plan.postcard"));
-    let plan = follows.read()?;
+    let files = follows.read()?;
+    let plans = of_model(&files, &bytes)?;
     let request = Request {
         model,
         plant: Plant::Exact(Mechanism::Acrobot),
@@ -117,7 +118,8 @@ fn follow(model: &Model, home: &Path, seed: u64) -> Result<simulate::Report, Fai
         motion: &TrackArgs::default(),
         floats: &Floats::default(),
         follows: &follows,
-        plan: plan.as_ref().map(|plan| plan.of_model(&bytes)).transpose()?,
+        decides: &MpcArgs::default(),
+        plans: &plans,
         config: None,
         on: None,
     };

@@ -4,7 +4,7 @@ mod robot;
 
 use super::{Demo, MARK, say, write_model};
 use crate::commands::simulate::{
-    self, Floats, LawName, PlanArgs, Plant, Request, Scenario, Trace, TrackArgs, World, simulate,
+    self, Floats, LawName, MpcArgs, PlanArgs, Plant, Request, Scenario, Trace, TrackArgs, World, simulate,
 };
 use crate::commands::train;
 use leastaction::cli::{Done, Failure, Output, written};
@@ -126,7 +126,8 @@ fn follow(
         motion,
         floats: &Floats::default(),
         follows: &PlanArgs::default(),
-        plan: None,
+        decides: &MpcArgs::default(),
+        plans: &[],
         config: None,
         on: None,
     };

@@ -4,7 +4,9 @@ mod acrobot;
 mod arm;
 mod portrait;
 
-use super::simulate::{self, Floats, PlanArgs, Plant, Request, Scenario, TrackArgs, World, simulate};
+use super::simulate::{
+    self, Floats, MpcArgs, PlanArgs, Plant, Request, Scenario, TrackArgs, World, simulate,
+};
 use super::{interrupt, train};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
@@ -120,7 +122,8 @@ impl Demo {
             motion: &TrackArgs::default(),
             floats: &Floats::default(),
             follows: &PlanArgs::default(),
-            plan: None,
+            decides: &MpcArgs::default(),
+            plans: &[],
             config: None,
             on: None,
         };

@@ -4,27 +4,28 @@ use super::plant::{OnPlant, encoders};
 use super::scenario::{closed_loop, misused};
 use super::track::{MEMORY, samples};
 use super::world::{known_actuator, replace};
-use super::{Report, Request, Trace};
+use super::{Report, Request, Scenario, Trace};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{not_negative, positive};
 use leastaction_core::model::fingerprint;
 use leastaction_core::plan::{Plan, PlanFile};
+use leastaction_firmware_sim::control::MAX_PLANS;
 use leastaction_firmware_sim::devices::Drive;
-use leastaction_firmware_sim::scenario::{FollowConfig, Followed};
+use leastaction_firmware_sim::scenario::{FollowConfig, Followed, Setup};
 use leastaction_firmware_sim::{Mechanism, SetupError};
 use leastaction_replica::SystemOf;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Options for following a plan.
+/// Options for plans.
 #[derive(Args, Default)]
-#[command(next_help_heading = "Following a plan (follow)")]
+#[command(next_help_heading = "Plans (follow, mpc)")]
 pub struct PlanArgs {
-    /// The plan, which `leastaction plan` made for this model.
+    /// The plan, which `leastaction plan` made for this model; mpc chooses from several, each after a --plan of its own.
     #[arg(long, value_name = "PLAN")]
-    pub(super) plan: Option<PathBuf>,
-    /// Spread of the start about the plan's start, rad or m, one value per coordinate or one for all [default: 0.02].
+    pub(super) plan: Vec<PathBuf>,
+    /// Spread of the start, rad or m, one value per coordinate or one for all [default: 0.02; mpc: that of the mechanism].
     #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     spread: Vec<f64>,
     /// Largest error at the end, rad or m, one value per coordinate or one for all [default: 0.1].
@@ -35,32 +36,46 @@ pub struct PlanArgs {
 impl PlanArgs {
     /// Arguments for the plan of a file.
     pub fn along(plan: PathBuf) -> Self {
-        Self { plan: Some(plan), ..Self::default() }
+        Self { plan: vec![plan], ..Self::default() }
     }
 
-    /// Refuses these options for other scenarios, and this scenario without a plan.
-    pub fn check(&self, follows: bool) -> Result<(), Failure> {
-        let given = self.plan.is_some() || !self.spread.is_empty() || !self.tolerance.is_empty();
-        let reason = match (follows, given) {
-            (false, true) => "--plan, --spread and --tolerance are of --scenario follow",
-            (true, _) if self.plan.is_none() => {
+    /// Refuses these options for scenarios that have no use for them, and a number of plans that the scenario does not take.
+    pub fn check(&self, scenario: Scenario) -> Result<(), Failure> {
+        let given = !self.plan.is_empty() || !self.spread.is_empty() || !self.tolerance.is_empty();
+        let reason = match (scenario, self.plan.len()) {
+            (Scenario::Follow, 0) => {
                 "follow needs a plan for the model, as `leastaction plan` makes it: name its file with --plan"
+                    .to_owned()
             }
+            (Scenario::Follow, 2..) => "follow takes one plan; name one, or take mpc".to_owned(),
+            (Scenario::Mpc, found) if found > MAX_PLANS => {
+                format!("mpc takes at most {MAX_PLANS} plans, but --plan names {found}")
+            }
+            (Scenario::Follow | Scenario::Mpc, _) => return Ok(()),
+            _ if given => "--plan, --spread and --tolerance are of --scenario follow and mpc".to_owned(),
             _ => return Ok(()),
         };
-        Err(Failure::Input(reason.to_owned()))
+        Err(Failure::Input(reason))
     }
 
-    /// The plan's file in memory, if one is named.
-    pub fn read(&self) -> Result<Option<PlanBytes>, Failure> {
-        self.plan.as_deref().map(PlanBytes::read).transpose()
+    /// The files of the plans in memory.
+    pub fn read(&self) -> Result<Vec<PlanBytes>, Failure> {
+        self.plan.iter().map(|path| PlanBytes::read(path)).collect()
     }
 
-    /// Overrides the scenario's settings with those of the command line.
-    fn adapt<const N: usize>(&self, config: &mut FollowConfig<N>) -> Result<(), Failure> {
-        replace("--spread", &self.spread, &mut config.setup.start.q_spread)?;
-        replace("--tolerance", &self.tolerance, &mut config.setup.goal.tolerance)
+    /// Overrides spread and tolerance of a setup with those of the command line.
+    pub(super) fn adapt<const N: usize>(&self, setup: &mut Setup<N>) -> Result<(), Failure> {
+        replace("--spread", &self.spread, &mut setup.start.q_spread)?;
+        replace("--tolerance", &self.tolerance, &mut setup.goal.tolerance)
     }
+}
+
+/// The plans of files, which must be ones for the model whose file has these bytes.
+///
+/// # Errors
+/// [`Failure::Input`] if one is not.
+pub fn of_model<'p>(plans: &'p [PlanBytes], model: &[u8]) -> Result<Vec<PlanFile<'p>>, Failure> {
+    plans.iter().map(|plan| plan.of_model(model)).collect()
 }
 
 /// A plan's file in memory, at a multiple of 4.
@@ -82,7 +97,7 @@ impl PlanBytes {
     ///
     /// # Errors
     /// [`Failure::Input`] if it is not.
-    pub fn of_model(&self, model: &[u8]) -> Result<PlanFile<'_>, Failure> {
+    fn of_model(&self, model: &[u8]) -> Result<PlanFile<'_>, Failure> {
         let refused = |error: &dyn std::fmt::Display| Failure::input(&self.path, error);
         let model = fingerprint(model).map_err(|error| refused(&error))?;
         let plan = PlanFile::parse(&bytemuck::cast_slice(&self.words)[..self.length]);
@@ -184,8 +199,8 @@ pub(super) fn planned<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     (plant, model): (&P, &M),
     trace: &mut Trace,
 ) -> Result<Report, Failure> {
-    let file = request.plan.ok_or(SetupError::NoPlan).map_err(misused)?;
-    let plan = Plan::<N, N>::at_most(file).map_err(|error| misused(error.into()))?;
+    let plans = sized(request.plans)?;
+    let plan = *plans.first().ok_or(SetupError::NoPlan).map_err(misused)?;
     let config = config(request, &plan)?;
     let (program, mut followed) = (config.program(), Followed::new(&plan, &config));
     let firmware = (&program, program.follow_with(model, || Ok::<_, SetupError>(plan)));
@@ -198,16 +213,27 @@ pub(super) fn planned<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     Ok(report)
 }
 
+/// The plans of files, in N coordinates.
+pub(super) fn sized<'p, const N: usize>(files: &[PlanFile<'p>]) -> Result<Vec<Plan<'p, N, N>>, Failure> {
+    let plans = files.iter().map(|file| Plan::at_most(*file).map_err(|error| misused(error.into())));
+    plans.collect()
+}
+
 /// The default configuration for the plan, with the options of the command line.
 fn config<const N: usize>(request: &Request, plan: &Plan<N, N>) -> Result<FollowConfig<N>, Failure> {
     let mut config = FollowConfig::new(plan, encoders(request));
-    let known = known_actuator(request.model, config.setup.tick)?;
-    config.drive = known.map_or(Drive::ideal(), |(drive, _)| drive);
+    config.drive = drive(request, config.setup.tick)?;
     request.adapt(&mut config.setup)?;
     config.setup.observer.memory = samples(MEMORY, config.setup.tick);
     request.floats.start_at(&mut config.setup)?;
-    request.follows.adapt(&mut config)?;
+    request.follows.adapt(&mut config.setup)?;
     Ok(config)
+}
+
+/// Conversion between commands and forces in plans for the model, in ticks of h seconds.
+pub(super) fn drive<const N: usize>(request: &Request, h: f32) -> Result<Drive<N>, Failure> {
+    let known = known_actuator(request.model, h)?;
+    Ok(known.map_or(Drive::ideal(), |(drive, _)| drive))
 }
 
 /// Task of following a plan on the plant of another model file.

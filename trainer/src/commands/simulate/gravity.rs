@@ -18,7 +18,7 @@ use serde::Serialize;
 #[derive(Args, Default)]
 #[command(next_help_heading = "Floating (gravity)")]
 pub struct Floats {
-    /// Start position, rad or m, one value per coordinate or one for all, also for follow [default: that of the plan; the middle of the
+    /// Start position, rad or m, one value per coordinate or one for all, also for follow and mpc [default: that of the plan; the middle of the
     /// training data, else 0].
     #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     at: Vec<f64>,
@@ -31,15 +31,15 @@ pub struct Floats {
 }
 
 impl Floats {
-    /// Refuses these options for other scenarios; following a plan knows the start.
+    /// Refuses these options for other scenarios; following a plan and deciding know the start.
     pub fn check(&self, scenario: Scenario) -> Result<(), Failure> {
         let pushed = !self.push.is_empty() || self.drag.is_some();
         match scenario {
             Scenario::Gravity => Ok(()),
-            Scenario::Follow if !pushed => Ok(()),
+            Scenario::Follow | Scenario::Mpc if !pushed => Ok(()),
             _ if !pushed && self.at.is_empty() => Ok(()),
             _ => Err(Failure::Input(
-                "--at is of --scenario gravity and follow, --push and --drag are of gravity".to_owned(),
+                "--at is of --scenario gravity, follow and mpc, --push and --drag are of gravity".to_owned(),
             )),
         }
     }

@@ -15,8 +15,9 @@ mod trace;
 mod track;
 mod world;
 
-pub use follow::PlanArgs;
+pub use follow::{PlanArgs, of_model};
 pub use gravity::Floats;
+pub use mpc::MpcArgs;
 pub use picture::draw;
 pub use plant::Plant;
 pub use remote::{Emulated, Target};
@@ -69,10 +70,13 @@ use std::time::Duration;
 ///
 /// Example: leastaction simulate model.postcard --scenario follow --plan plan.postcard
 ///
-/// With --scenario mpc, the firmware decides by itself: at every tick it improves a motion that brings the pendulum, or the pole of the
-/// cart, upright. The report says how many commands were decisions, and how many came without one. With --on, a board decides.
+/// With --scenario mpc, the firmware decides by itself: at every tick it improves a motion to the goal, which for the pendulum, the cart-pole
+/// and the acrobot is upright, and for the mechanism of a model file the end of a plan or --goal. The report says how many commands were
+/// decisions, and how many came without one. With --on, a board of at most two coordinates decides.
 ///
 /// Example: leastaction simulate model.postcard --scenario mpc --seed 3
+///
+/// Example: leastaction simulate arm.postcard --scenario mpc --plant robot.postcard --goal 0.5,-1 --limit 20,10
 ///
 /// With --replay, the observer runs along a log, and the report says how far the readings were from the model's prediction one tick before;
 /// the exit code is 1 if the model cannot be stepped.
@@ -94,7 +98,7 @@ pub struct Simulate {
     /// The mechanism that the loop acts on [default: chosen by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
-    /// The model file of the mechanism that the loop acts on; for predict, track, gravity and follow.
+    /// The model file of the mechanism that the loop acts on; for all scenarios but swing-up.
     #[arg(long, value_name = "FILE", conflicts_with = "system")]
     plant: Option<PathBuf>,
     /// Seed of the initial state and of all noise.
@@ -121,6 +125,8 @@ pub struct Simulate {
     floats: Floats,
     #[command(flatten)]
     follows: PlanArgs,
+    #[command(flatten)]
+    decides: MpcArgs,
     #[command(flatten)]
     world: World,
     /// The folder to write to.
@@ -157,9 +163,10 @@ impl Simulate {
 
     fn run_scenario(&self, scenario: Scenario, output: Output) -> Done {
         let Loaded { model, bytes } = read(&self.model)?;
-        self.follows.check(scenario == Scenario::Follow)?;
-        let file = self.follows.read()?;
-        let plan = file.as_ref().map(|plan| plan.of_model(&bytes)).transpose()?;
+        self.follows.check(scenario)?;
+        self.decides.check(scenario)?;
+        let files = self.follows.read()?;
+        let plans = of_model(&files, &bytes)?;
         let plant_model = self.plant.as_deref().map(load).transpose()?;
         let plant = match (self.plant.as_deref(), &plant_model) {
             (Some(file), Some((model, _))) => Plant::Model { file, model },
@@ -184,7 +191,8 @@ impl Simulate {
             motion,
             floats,
             follows: &self.follows,
-            plan,
+            decides: &self.decides,
+            plans: &plans,
             config,
             on,
         };
@@ -200,8 +208,8 @@ impl Simulate {
     fn target(&self) -> Result<Option<Target>, Failure> {
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| Failure::Input(format!("--timeout: {error}")))?;
-        let (image, model, plan) = (self.image.clone(), self.model.clone(), self.follows.plan.clone());
-        Ok(self.on.map(|on| Target { board: on.into(), image, model, plan, patience }))
+        let (image, model, plans) = (self.image.clone(), self.model.clone(), self.follows.plan.clone());
+        Ok(self.on.map(|on| Target { board: on.into(), image, model, plans, patience }))
     }
 }
 

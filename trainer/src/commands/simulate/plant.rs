@@ -83,14 +83,22 @@ pub fn on_plant(
     plant: &Model,
     (what, trace): (impl OnPlant, &mut Trace),
 ) -> Result<Report, Failure> {
+    of_plant(request, plant, |plant| model.visit(OfAnySize { request, plant, what, trace }))
+}
+
+/// Passes the chip's form of a plant to `run`, if it has the coordinates of the model.
+pub(super) fn of_plant<T>(
+    request: &Request,
+    plant: &Model,
+    run: impl FnOnce(&Replica) -> Result<T, Failure>,
+) -> Result<T, Failure> {
     let [own, others] = [request.model, plant].map(|model| model.architecture.coordinates());
     if own != others {
         let message = format!("--plant has coordinates {others:?}, the model {own:?}: they must be the same");
         return Err(Failure::Input(message));
     }
     let file = chip_file(plant).map_err(Failure::Input)?;
-    let plant = &meant(&file, plant).map_err(Failure::Input)?;
-    model.visit(OfAnySize { request, plant, what, trace })
+    run(&meant(&file, plant).map_err(Failure::Input)?)
 }
 
 /// Dispatches a task by the number of coordinates.

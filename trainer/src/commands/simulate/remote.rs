@@ -41,8 +41,8 @@ pub struct Target {
     pub image: Option<PathBuf>,
     /// The model file, which goes into the board's flash.
     pub model: PathBuf,
-    /// The plan's file, which goes there, too.
-    pub plan: Option<PathBuf>,
+    /// The files of plans, which go there, too.
+    pub plans: Vec<PathBuf>,
     /// Longest wait for an answer.
     pub patience: Duration,
 }
@@ -104,8 +104,7 @@ impl Target {
             BoardError::Coordinates(_) => Failure::Input(error.to_string()),
             error => failed(&error),
         })?;
-        let files: Vec<_> =
-            [Some(&self.model), self.plan.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+        let files: Vec<_> = [&self.model].into_iter().chain(&self.plans).map(PathBuf::as_path).collect();
         Emulator::start(self.board, &image, &files, interrupt::flag()?).map_err(|error| failed(&error))
     }
 }

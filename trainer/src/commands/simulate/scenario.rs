@@ -2,7 +2,7 @@
 
 use super::follow::{PlanArgs, Planned, planned};
 use super::gravity::{Floats, OnAnother, floating};
-use super::mpc::deciding;
+use super::mpc::{MpcArgs, deciding, deciding_on};
 use super::plant::{Plant, Predicting, no_graphs, on_plant};
 use super::remote::Target;
 use super::track::Following;
@@ -42,7 +42,7 @@ pub enum Scenario {
     SwingUp,
     /// Follow a plan, and hold its end.
     Follow,
-    /// Decide at every tick how to bring the pole up and hold it (pendulum, cartpole).
+    /// Decide at every tick how to come to a goal, and hold it there.
     Mpc,
 }
 
@@ -80,10 +80,12 @@ pub struct Request<'a> {
     pub motion: &'a TrackArgs,
     /// Options for floating.
     pub floats: &'a Floats,
-    /// Options for following a plan.
+    /// Options for plans.
     pub follows: &'a PlanArgs,
-    /// The plan to follow, which was made for the model.
-    pub plan: Option<PlanFile<'a>>,
+    /// Options for decisions at every tick.
+    pub decides: &'a MpcArgs,
+    /// The plans to follow or to choose from, which were made for the model.
+    pub plans: &'a [PlanFile<'a>],
     /// The configuration whose `[data]` says how to read a motion's log.
     pub config: Option<&'a Path>,
     /// Processor that runs the controller; `None`: this machine.
@@ -140,8 +142,9 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
         (Plant::Model { model: plant, .. }, Scenario::Follow) => {
             on_plant(request, &model, plant, (Planned, trace))
         }
+        (Plant::Model { model: plant, .. }, Scenario::Mpc) => deciding_on(request, &model, plant, trace),
         (Plant::Model { .. }, scenario) => Err(Failure::Input(format!(
-            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict, track, gravity or follow"
+            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take another scenario"
         ))),
     }
 }
@@ -234,8 +237,11 @@ fn two_coordinates(
         (Scenario::Mpc, false) => {
             deciding::<_, _, 2, 4>(request, (&plant, model), MpcConfig::<2>::cartpole(), trace)
         }
-        (Scenario::SwingUp | Scenario::Mpc, true) => {
-            Err(Failure::Input("there is no swing-up of the acrobot; take predict or track".to_owned()))
+        (Scenario::Mpc, true) => {
+            deciding::<_, _, 2, 4>(request, (&plant, model), MpcConfig::<2>::acrobot(), trace)
+        }
+        (Scenario::SwingUp, true) => {
+            Err(Failure::Input("no pump swings up the acrobot; take mpc, or follow a plan".to_owned()))
         }
     }
 }
