@@ -36,7 +36,13 @@ pub struct Report {
     /// Torque errors of the best weights, if torques are the loss.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torques: Option<SplitErrors>,
-    /// The way in which the model is no better than a trivial one.
+    /// Number of starts from which the model was fitted, if the first ended badly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub starts: Option<u64>,
+    /// Messages on doubtful results, as they were printed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// The way in which the model is of no use: numbers that ran away, or no better than a trivial one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poor: Option<String>,
     /// Training time, s.
@@ -72,6 +78,7 @@ impl fmt::Display for Report {
         } else {
             self.iterations(f, &validation)?;
         }
+        self.starts.iter().try_for_each(|starts| writeln!(f, "the best of {starts} starts"))?;
         self.torques.iter().try_for_each(|torques| writeln!(f, "torques: {torques}"))?;
         writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
         self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
@@ -138,6 +145,8 @@ pub fn train(
         train_loss: best.train,
         validation_loss: best.validation,
         torques,
+        starts: Some(run.starts()).filter(|starts| *starts > 1),
+        warnings: run.warnings().to_vec(),
         poor: poor.map(|poor| poor.to_string()),
         seconds: run.seconds(),
         loss_curve: run.loss_curve(),

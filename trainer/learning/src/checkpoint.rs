@@ -16,7 +16,7 @@ use thiserror::Error;
 pub(crate) const FILE: &str = "checkpoint.postcard";
 
 /// First bytes of the file: a signature and the version of the layout.
-const MAGIC: &[u8] = b"LARUN\x08";
+const MAGIC: &[u8] = b"LARUN\x09";
 
 /// Contents of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,6 +89,10 @@ pub(crate) struct State {
     pub best: Best,
     /// Best parameters of the model alone, before correcting networks are added.
     pub alone: Option<Vec<f64>>,
+    /// Number of the start from which this fit began; 0 is the first.
+    pub start: u64,
+    /// Best of the fits from earlier starts, all of which ended badly.
+    pub earlier: Option<Box<State>>,
 }
 
 /// A checkpoint that cannot be read.

@@ -35,7 +35,7 @@ pub struct Train {
     /// Replace the run in the folder as soon as the new one has a finite loss.
     #[arg(long)]
     force: bool,
-    /// Exit with 0 even if the model is no better than a trivial one: a constant velocity, or the mean of the torques.
+    /// Exit with 0 even if the model is no better than a trivial one (a constant velocity, or the mean of the torques), or its numbers ran away.
     #[arg(long)]
     accept_poor: bool,
     /// Show no progress.

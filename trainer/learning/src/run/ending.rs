@@ -1,10 +1,14 @@
 //! The end of a run, with its messages and its report.
 
+use super::doubt::{self, ran_away};
 use super::error::stuck;
-use super::{Monitor, Run, RunError, report, within};
+use super::{Monitor, Notice, Poor, Run, RunError, report, ringing, verdict, within};
+use crate::checkpoint::{Checkpoint, Trained};
 use crate::report::ReportError;
+use crate::torques::SplitErrors;
 use crate::training::Objective;
 use crate::windows::Certainty;
+use std::path::PathBuf;
 
 /// The reason why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +17,8 @@ pub enum Ending {
     Iterations,
     /// No step lowers the loss any more.
     Converged,
+    /// No step lowers the loss any more, but learned numbers ran away: there is no minimum near them.
+    RanAway,
     /// The training loss has reached its target.
     Target,
     /// The validation loss has not fallen for too many iterations.
@@ -29,6 +35,7 @@ impl Ending {
         match self {
             Self::Iterations => "iterations",
             Self::Converged => "converged",
+            Self::RanAway => "runaway",
             Self::Target => "target",
             Self::Patience => "patience",
             Self::Time => "time",
@@ -38,6 +45,46 @@ impl Ending {
 }
 
 impl Run {
+    /// Torque errors of the best model; `None` if the run does not learn from torques.
+    pub fn torque_errors(&self) -> Option<SplitErrors> {
+        let model = Trained::from(Checkpoint::new(&self.plan, &self.state)).model();
+        within(self.pool.as_ref(), || self.plan.torque_errors(&model))
+    }
+
+    /// The way in which the best model, with these [torque errors](Self::torque_errors), is no better than a trivial
+    /// one; `None` if it is better, if nothing can be compared, or if no iteration was asked for.
+    pub fn poor(&self, torques: Option<&SplitErrors>) -> Option<Poor> {
+        if self.plan.config.training.iterations == 0 && torques.is_none() {
+            return None;
+        }
+        within(self.pool.as_ref(), || verdict::verdict(&self.plan, &self.state, torques))
+    }
+
+    /// Path of the loss curve that [`Run::train`] draws.
+    pub fn loss_curve(&self) -> PathBuf {
+        self.folder.loss_curve()
+    }
+
+    /// Path of the report that [`Run::train`] writes; `None` if there is none.
+    pub fn report(&self) -> Option<PathBuf> {
+        Some(self.folder.report()).filter(|file| file.exists())
+    }
+
+    /// Messages on results that are doubtful or useless although no error occurred.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    pub(super) fn warn(&mut self, message: String, monitor: &mut dyn Monitor) {
+        monitor.warning(&message);
+        self.warnings.push(message);
+    }
+
+    /// The end of training at the least loss that was found, which is no minimum if numbers ran away.
+    pub(super) fn converged(&self) -> Ending {
+        if ran_away(&self.plan, &self.state).is_some() { Ending::RanAway } else { Ending::Converged }
+    }
+
     /// Precision of the best numbers, as the report states it; `None` if the run does not learn over windows.
     pub fn certainty(&self) -> Option<Certainty> {
         within(self.pool.as_ref(), || report::certainty(&self.plan, &self.state))
@@ -79,24 +126,30 @@ impl Run {
         within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
     }
 
-    /// Warns of results that are useless although no error occurred.
-    pub(super) fn say_what_was_not_learned(&self, unsolved: usize, monitor: &mut dyn Monitor) {
+    /// Warns of results that are doubtful or useless although no error occurred.
+    pub(super) fn say_what_was_not_learned(&mut self, unsolved: usize, monitor: &mut dyn Monitor) {
+        let ringing = ringing::notice(&self.plan, &self.state.best.weights);
+        let doubts = doubt::unexplained(&self.plan, &self.state).map(Notice::Unexplained);
+        let mut said: Vec<String> = ringing.iter().chain(&doubts).map(Notice::to_string).collect();
         if self.state.iteration > 0 && self.state.best.iteration == 0 {
-            monitor.warning("nothing was learned: no iteration was better than the initial weights");
+            said.push("nothing was learned: no iteration was better than the initial weights".to_owned());
         }
-        let Some(stage) = self.plan.stages.last() else { return };
-        let mut say = |unsolved: usize, name: &str, objective: &dyn Objective| {
-            if unsolved > 0 {
-                monitor.warning(&format!(
-                    "{unsolved} of {} {name} samples cannot be solved with the best weights: they count as predicted by a constant \
-                     velocity",
-                    objective.samples()
-                ));
-            }
-        };
-        say(unsolved, "training", &*stage.objective);
-        if let Some(validation) = &stage.validation {
-            say(self.unsolved_of(&**validation), "held-back", &**validation);
+        if let Some(stage) = self.plan.stages.last() {
+            said.extend(of_unsolved(unsolved, "training", &*stage.objective));
+            let validation = stage.validation.as_deref();
+            said.extend(validation.and_then(|part| of_unsolved(self.unsolved_of(part), "held-back", part)));
         }
+        said.into_iter().for_each(|message| self.warn(message, monitor));
     }
+}
+
+/// The message on samples that cannot be solved, if there are any.
+fn of_unsolved(unsolved: usize, name: &str, objective: &dyn Objective) -> Option<String> {
+    (unsolved > 0).then(|| {
+        format!(
+            "{unsolved} of {} {name} samples cannot be solved with the best weights: they count as predicted by a constant \
+             velocity",
+            objective.samples()
+        )
+    })
 }

@@ -4,6 +4,7 @@ use super::tests::{Warned, config, data, scaled};
 use super::*;
 use crate::checkpoint::Trained;
 use std::fs;
+use std::path::PathBuf;
 
 static GO: AtomicBool = AtomicBool::new(false);
 static STOP: AtomicBool = AtomicBool::new(true);

@@ -11,6 +11,7 @@
 //! [`Notice::UnknownScale`] says so.
 
 mod choose;
+mod doubt;
 mod ending;
 mod error;
 mod fingerprint;
@@ -32,6 +33,9 @@ mod ringing;
 #[cfg(test)]
 mod robots;
 mod stages;
+mod starts;
+#[cfg(test)]
+mod starts_tests;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -40,6 +44,7 @@ mod tried;
 mod verdict;
 
 pub use choose::{ChoiceError, Choices, Chosen, choose};
+pub use doubt::{RanAway, Unexplained};
 pub use ending::Ending;
 pub use error::RunError;
 pub use folds::{Fold, folds};
@@ -53,17 +58,16 @@ pub use torques::{TorqueError, TorqueReport};
 pub use tried::Tried;
 pub use verdict::Poor;
 
-use crate::checkpoint::{Best, Checkpoint, State, Trained};
+use crate::checkpoint::{Best, Checkpoint, State};
 use crate::config::TrainingConfig;
 use crate::lock::Lock;
-use crate::torques::SplitErrors;
 use crate::training::Progress;
 use error::stuck;
 use folder::{Folder, History};
 use leastaction_models::parallel;
 use stages::Stage;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -87,6 +91,8 @@ pub struct Run {
     saved: Option<u64>,
     /// Time of the last attempt to write a checkpoint.
     tried: Instant,
+    /// Messages on the result.
+    warnings: Vec<String>,
     _lock: Lock,
 }
 
@@ -114,8 +120,17 @@ impl Run {
         let pool = pool(plan.config.training.threads)?;
         let state = within(pool.as_ref(), || State::new(&plan)).ok_or_else(|| stuck(&plan, "first", 0))?;
         let history = History::new();
-        let mut run =
-            Self { plan, folder, history, state, pool, saved: None, tried: Instant::now(), _lock: lock };
+        let mut run = Self {
+            plan,
+            folder,
+            history,
+            state,
+            pool,
+            saved: None,
+            tried: Instant::now(),
+            warnings: Vec::new(),
+            _lock: lock,
+        };
         if !replaces {
             run.save()?;
         }
@@ -139,7 +154,8 @@ impl Run {
         folder.write_config(&plan.config).map_err(|error| folder.failed(error))?;
         let history = History::open(&folder, state.iteration).map_err(|error| folder.failed(error))?;
         let saved = Some(state.iteration);
-        Ok(Self { plan, folder, history, state, pool, saved, tried: Instant::now(), _lock: lock })
+        let (tried, warnings) = (Instant::now(), Vec::new());
+        Ok(Self { plan, folder, history, state, pool, saved, tried, warnings, _lock: lock })
     }
 
     /// The plan.
@@ -167,31 +183,6 @@ impl Run {
         &self.state.best
     }
 
-    /// Torque errors of the best model; `None` if the run does not learn from torques.
-    pub fn torque_errors(&self) -> Option<SplitErrors> {
-        let model = Trained::from(Checkpoint::new(&self.plan, &self.state)).model();
-        within(self.pool.as_ref(), || self.plan.torque_errors(&model))
-    }
-
-    /// The way in which the best model, with these [torque errors](Self::torque_errors), is no better than a trivial
-    /// one; `None` if it is better, if nothing can be compared, or if no iteration was asked for.
-    pub fn poor(&self, torques: Option<&SplitErrors>) -> Option<Poor> {
-        if self.plan.config.training.iterations == 0 && torques.is_none() {
-            return None;
-        }
-        within(self.pool.as_ref(), || verdict::verdict(&self.plan, &self.state, torques))
-    }
-
-    /// Path of the loss curve that [`Run::train`] draws.
-    pub fn loss_curve(&self) -> PathBuf {
-        self.folder.loss_curve()
-    }
-
-    /// Path of the report that [`Run::train`] writes; `None` if there is none.
-    pub fn report(&self) -> Option<PathBuf> {
-        Some(self.folder.report()).filter(|file| file.exists())
-    }
-
     /// Trains to the end, or until `stop` is set; then saves the run and draws the loss curve.
     ///
     /// # Errors
@@ -206,8 +197,8 @@ impl Run {
             let progress = self.iterate(monitor, &|| before + started.elapsed().as_secs_f64());
             match progress {
                 Progress::Lower => self.save_sometimes(monitor),
-                Progress::Converged if self.next_stage() => {}
-                Progress::Converged => break Ok(Ending::Converged),
+                Progress::Converged if self.next_stage() || self.begin_again() => {}
+                Progress::Converged => break Ok(self.converged()),
                 Progress::Stuck => break Err(self.stuck()),
             }
         };
@@ -223,9 +214,6 @@ impl Run {
         }
         if !is_a_model && !is_interrupted {
             return Err(self.stuck());
-        }
-        if let Some(notice) = ringing::notice(&self.plan, &self.state.best.weights) {
-            monitor.warning(&notice.to_string());
         }
         self.say_what_was_not_learned(unsolved.map_or(0, |(unsolved, _)| unsolved), monitor);
         if self.saved.is_some()
@@ -252,7 +240,7 @@ impl Run {
             return Some(Ending::Interrupted);
         }
         while self.stage().is_some_and(|stage| self.state.in_stage >= stage.iterations) {
-            if !self.next_stage() {
+            if !self.next_stage() && !self.begin_again() {
                 return Some(Ending::Iterations);
             }
         }

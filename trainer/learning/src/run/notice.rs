@@ -1,6 +1,7 @@
 //! Notices for the user, and preparation of the data for training.
 
 use super::TorqueReport;
+use super::doubt::Unexplained;
 use super::plan::PlanError;
 use crate::config::Config;
 use crate::config::TrainingLoss;
@@ -42,6 +43,8 @@ pub enum Notice {
     Changed(Note),
     /// The data is implausible.
     Doubtful(Doubt),
+    /// The residuals of a fit over windows are far above the noise of the logs.
+    Unexplained(Unexplained),
     /// The learned dry friction is so stiff that steps of the trained size ring.
     Rings {
         /// The coordinate, from 0.
@@ -82,6 +85,7 @@ impl std::fmt::Display for Notice {
             Self::Described(note) => note.fmt(f),
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
+            Self::Unexplained(of) => of.fmt(f),
             Self::Rings { coordinate, stiffness, most, order } => write!(
                 f,
                 "the dry friction of coordinate {} (counted from 1) is stiff for this step: a = h c/(2 m ε) is {stiffness:.2}, and beyond {most} \

@@ -11,6 +11,7 @@ use super::lengths;
 use super::notice::{Notice, prepared};
 use super::origin::at_origin;
 use super::stages::{self, Scope, Stage, Windowed};
+use super::starts::FURTHER;
 use super::{TorqueReport, range, ringing, torques};
 use crate::checkpoint::{Checkpoint, State, Trained, open};
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
@@ -43,6 +44,8 @@ pub struct Plan {
     /// Data of a loss over windows.
     pub(super) windows: Option<Windowed>,
     pub(super) stages: Vec<Stage>,
+    /// Number of starts after the first, for a fit of rigid bodies that ends badly; 0 for other fits.
+    pub(super) further_starts: u64,
     /// Logs on which the model's torques are evaluated, with the number of training trajectories; `None` unless torques
     /// are the loss.
     driven: Option<(Dataset, usize)>,
@@ -131,7 +134,10 @@ impl Plan {
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
         let TrainingConfig { order, integrator, .. } = config.training;
         let has_step = loss.is_discrete() || integrator == Some(Integrator::Del);
+        let is_new = config.model.source() == Source::Nothing && origin.is_none() && scope == Scope::Whole;
+        let of_bodies = is_new && architecture.family.bodies().is_some();
         Ok(Self {
+            further_starts: if of_bodies { FURTHER } else { 0 },
             initial,
             given,
             trained_step: Order::from_number(order).filter(|_| has_step).map(step),
@@ -161,7 +167,8 @@ impl Plan {
         let mut state = State::new(self)?;
         while let Some(stage) = self.stages.get(state.stage) {
             let over = state.in_stage >= stage.iterations;
-            if (over || state.iterate(stage).0 != Progress::Lower) && !state.next_stage(self) {
+            let over = over || state.iterate(stage).0 != Progress::Lower;
+            if over && !state.next_stage(self) && !state.begin_again(self) {
                 break;
             }
         }

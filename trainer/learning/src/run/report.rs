@@ -1,5 +1,6 @@
 //! The report on a run over windows.
 
+use super::doubt::{ran_away, unexplained};
 use super::plan::Plan;
 use super::stages::Windowed;
 use crate::checkpoint::State;
@@ -131,6 +132,8 @@ fn facts(plan: &Plan, windows: &Windowed, (state, model): (&State, &Model)) -> V
         let text = "the model alone, as it was learned before its networks; of logs that were held back it has seen nothing";
         facts.push(("without networks", text.to_owned()));
     }
+    facts.extend(ran_away(plan, state).map(|number| ("warning", number.to_string())));
+    facts.extend(unexplained(plan, state).map(|of| ("warning", of.to_string())));
     facts.push(("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))));
     facts
 }

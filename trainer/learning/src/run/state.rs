@@ -67,7 +67,7 @@ impl Best {
 
     /// The criterion that decides between weights: the error of the next position if the stage has a separate judge,
     /// else the validation loss, else the training loss.
-    fn score(&self, stage: &Stage) -> f64 {
+    pub(super) fn score(&self, stage: &Stage) -> f64 {
         let validation = self.validation.filter(|_| stage.validation.is_some());
         self.next_position.or(validation).unwrap_or(self.train)
     }
@@ -91,8 +91,14 @@ pub struct Row {
 impl State {
     /// The state before the first iteration; `None` for a plan without stages.
     pub fn new(plan: &Plan) -> Option<Self> {
-        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, plan.initial.clone(), (0, None));
-        Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best, alone: None })
+        Self::from_start(plan, plan.initial.clone(), (0, 0))
+    }
+
+    /// The state before the first stage from start number `start`, after this many iterations of earlier fits.
+    pub(super) fn from_start(plan: &Plan, weights: Vec<f64>, (start, iteration): (u64, u64)) -> Option<Self> {
+        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, weights, (iteration, None));
+        let (alone, earlier) = (None, None);
+        Some(Self { stage: 0, in_stage: 0, iteration, seconds: 0.0, optimiser, best, alone, start, earlier })
     }
 
     fn enter(

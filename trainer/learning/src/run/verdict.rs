@@ -1,5 +1,6 @@
 //! Judgement of a finished run: whether its model is any better than a trivial one.
 
+use super::doubt::{RanAway, ran_away};
 use super::plan::Plan;
 use super::report::calibrated;
 use super::stages::Stage;
@@ -14,9 +15,11 @@ use std::fmt;
 /// nothing.
 const MOVES: f64 = 0.02;
 
-/// A result that is no better than that of a trivial model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A result of no use: no better than that of a trivial model, or with numbers that ran away.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Poor {
+    /// A learned number ran away.
+    RanAway(RanAway),
     /// Torques are explained no better than by their mean.
     Torques {
         /// Mean over coordinates of mean squared error divided by variance; 1 or more.
@@ -47,11 +50,12 @@ pub enum Poor {
 impl fmt::Display for Poor {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let of = |held_back: bool| if held_back { "held-back trajectories" } else { "the training data" };
-        match *self {
+        match self {
+            Self::RanAway(number) => number.fmt(f),
             Self::Torques { nmse, held_back } => write!(
                 f,
                 "the torques of {} are explained worse than by their mean: squared error {nmse:.3} times the variance",
-                of(held_back)
+                of(*held_back)
             ),
             Self::Positions { seconds, model, constant_velocity } => write!(
                 f,
@@ -62,7 +66,7 @@ impl fmt::Display for Poor {
                 f,
                 "{} are explained no better than by a constant velocity: mean squared error {model:.2e}, that of a constant velocity \
                  {constant_velocity:.2e}",
-                of(held_back)
+                of(*held_back)
             ),
         }
     }
@@ -71,6 +75,9 @@ impl fmt::Display for Poor {
 /// The judgement of the best weights of a run, which have these torque errors if torques are the loss; `None` if they
 /// are better than a trivial model, or if nothing can be compared.
 pub(super) fn verdict(plan: &Plan, state: &State, torques: Option<&SplitErrors>) -> Option<Poor> {
+    if let Some(number) = ran_away(plan, state) {
+        return Some(Poor::RanAway(number));
+    }
     if let Some(errors) = torques {
         return of_torques(errors);
     }
@@ -121,7 +128,7 @@ fn moving(predictions: &Predictions, logs: &WindowLogs) -> Vec<Prediction> {
 }
 
 /// Compares the loss that decided between weights.
-fn of_samples(stage: &Stage, best: &Best) -> Option<Poor> {
+pub(super) fn of_samples(stage: &Stage, best: &Best) -> Option<Poor> {
     let (objective, model, held_back): (&dyn Objective, f64, bool) = match (&stage.judge, &stage.validation) {
         (Some(judge), validation) => (&**judge, best.next_position?, validation.is_some()),
         (None, Some(validation)) => (&**validation, best.validation?, true),
@@ -181,7 +188,7 @@ mod tests {
             trajectory.u = trajectory.u.as_ref().map(|u| u.map(|u| 1e3 * u));
         }
         let forced = judged(&data, TrainingLoss::DelResidual, None);
-        for poor in [logged, forced].into_iter().flatten() {
+        for poor in [logged, forced.clone()].into_iter().flatten() {
             let Poor::Samples { model, constant_velocity, .. } = poor else { panic!("{poor}") };
             assert!(model >= constant_velocity, "{poor}");
         }

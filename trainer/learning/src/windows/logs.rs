@@ -185,6 +185,12 @@ impl WindowLogs {
         mean.sqrt().max(f64::MIN_POSITIVE.sqrt())
     }
 
+    /// Size of the motion of every coordinate in adjacent windows of `steps` steps, m or rad; empty if all logs are shorter.
+    pub(crate) fn motions(&self, steps: usize) -> Vec<f64> {
+        let windows = self.windows(0..self.count(), (steps, steps)).unwrap_or_default();
+        (0..self.n).filter(|_| !windows.is_empty()).map(|i| self.motion(&windows, steps, i)).collect()
+    }
+
     /// Size of the motion in a single window.
     fn moved(&self, window: Window, steps: usize, i: usize) -> f64 {
         let q = |k: usize| self.position(window.log, window.first + k, i);
