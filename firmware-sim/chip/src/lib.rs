@@ -8,6 +8,7 @@ pub mod board;
 pub mod instructions;
 pub mod models;
 pub mod print;
+pub mod receding;
 pub mod report;
 pub mod serial;
 pub mod stack;

@@ -13,6 +13,9 @@ pub const STEP: f32 = 0.01;
 /// A cart-pole: layers 2 → 32 → 32 → 4.
 pub type Cartpole<'a> = InertiaNetworkModel<'a, 2, 32, 2>;
 
+/// A cart-pole of a smaller network: layers 2 → 16 → 16 → 4.
+pub type SmallCartpole<'a> = InertiaNetworkModel<'a, 2, 16, 2>;
+
 /// Damping, and dry friction that grows with the load.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
 

@@ -1,30 +1,43 @@
-//! Decisions over a receding horizon of 25 nodes of one step each, for two links of which the second joint is driven.
-#![no_std]
-#![no_main]
+//! Measurement of decisions over a receding horizon.
 
+use crate::instructions::Counts;
+use crate::{print, stack};
 use core::hint::black_box;
-use leastaction_chip::instructions::Counts;
-use leastaction_chip::{Aligned, image, models, print, stack};
 use leastaction_core::control::{Cost, Horizon, Limits, Node, Penalty, Problem, RecedingHorizon, Stepped};
 use leastaction_core::discrete::{Del, Midpoint};
-use leastaction_core::forces::Actuator;
+use leastaction_core::forces::{Actuator, Forces, System};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::diagonal;
-use leastaction_firmware_sim::trajectory::reference::{Links, STEP, newton};
-
-static MODEL: &Aligned<{ include_bytes!("../../models/acrobot.postcard").len() }> =
-    &Aligned(*include_bytes!("../../models/acrobot.postcard"));
+use leastaction_firmware_sim::trajectory::reference::{STEP, newton};
 
 const NODES: usize = 25;
 const DECISIONS: u32 = 200;
 
-/// Upright from hanging, with one iteration of one trial at every tick.
-fn run() -> Result<(), &'static [u8]> {
-    let model = models::load(|| Links::load(black_box(&MODEL.0)))?;
+/// Task of two coordinates with one drive.
+pub struct Swing {
+    /// Coordinate that is driven.
+    pub input: usize,
+    /// Largest control, N or N m.
+    pub most: f32,
+    /// Control from which the search begins, N or N m.
+    pub first: f32,
+    /// Goal (q, v).
+    pub goal: [f32; 4],
+    /// Which coordinates are angles.
+    pub turns: [bool; 4],
+}
+
+/// Counts the instructions of decisions over 25 nodes of one step each, with one iteration of one trial at every tick: of the motion that
+/// follows the last one, which is a rollout, and of the iteration, which is a backward pass with its linearisations and a rollout.
+pub fn measure<L: Lagrangian<f32, 2>, F: Forces<f32, 2>>(
+    system: &System<L, F>,
+    swing: &Swing,
+) -> Result<(), &'static [u8]> {
     let del = Del::<f32, Midpoint>::with_newton(STEP, newton());
-    let plant = Stepped { system: &model.system, del, actuator: Actuator::ideal(), inputs: [1], stride: 1 };
+    let plant = Stepped { system, del, actuator: Actuator::ideal(), inputs: [swing.input], stride: 1 };
     let cost = Cost {
-        goal: [core::f32::consts::PI, 0.0, 0.0, 0.0],
-        turns: [true, true, false, false],
+        goal: swing.goal,
+        turns: swing.turns,
         x: [0.01, 0.01, 0.001, 0.001],
         u: [1e-4],
         end: diagonal([1.0, 1.0, 0.1, 0.1]),
@@ -32,14 +45,14 @@ fn run() -> Result<(), &'static [u8]> {
     let problem = Problem {
         plant,
         cost,
-        controls: Limits { least: [-6.0], most: [6.0] },
+        controls: Limits { least: [-swing.most], most: [swing.most] },
         hard: Penalty::none(),
         soft: Penalty::none(),
         goal: Penalty::none(),
         energy: Penalty::none(),
     };
     let horizon = Horizon { ticks: 1, iterations: 1, trials: 1, penalty: 1.0, terminal: None };
-    let mut nodes = [Node::new(1, [0.5]); NODES];
+    let mut nodes = [Node::new(1, [swing.first]); NODES];
     print::number(b"nodes_bytes", size_of_val(&nodes) as u32);
     let start = black_box([0.1, -0.2, 0.3, 0.1]);
     let control = RecedingHorizon::new(problem, horizon, start, &mut nodes);
@@ -62,5 +75,3 @@ fn run() -> Result<(), &'static [u8]> {
     print::number(b"iteration_instructions_worst", improve.worst);
     Ok(())
 }
-
-image!(run);
