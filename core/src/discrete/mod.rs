@@ -105,7 +105,7 @@ pub use interval::{Balance, BubbleDerivatives, Interval, Linearised};
 pub use newton::Solved;
 pub use order::Order;
 pub use path::{Galerkin, GaussPoint, Midpoint, Path};
-pub use state::State;
+pub use state::{SavedState, State};
 pub use variation::Variation;
 
 use crate::forces::{Forces, System};

@@ -7,6 +7,11 @@ use crate::scalar::{Compensated, Real, all_finite};
 /// Number of steps from which the initial guess extrapolates.
 const HISTORY: usize = 3;
 
+/// Numbers of a state, one row of N per quantity, from which [`State::resume`] continues with the same bits: q and its carry (m or rad), p
+/// and its carry (kg m/s or kg m²/s), the last three increments (m/s or rad/s) each with its bubble, newest first, and the two residuals that
+/// Newton's method left.
+pub type SavedState<R, const N: usize> = [[R; N]; 4 + 2 * HISTORY + 2];
+
 /// State of a discrete trajectory: position and momentum, both summed with compensation, and the last increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<R, const N: usize> {
@@ -48,6 +53,32 @@ impl<R: Real, const N: usize> State<R, N> {
         let unknown = [Compensated::new(R::constant(f64::NAN)); N];
         let history = [Increment { w: [R::zero(); N], s: [R::zero(); N] }; HISTORY];
         Self { q: unknown, p: unknown, history, known: 1, left: Residual::zero() }
+    }
+
+    /// Returns the state as numbers, and how many of its increments are known.
+    pub fn save(&self) -> (SavedState<R, N>, u8) {
+        let Self { q, p, history: [a, b, c], known, left } = self;
+        let split = |sums: &[Compensated<R>; N]| [sums.map(|sum| sum.value()), sums.map(|sum| sum.carry())];
+        let ([q, q_carry], [p, p_carry]) = (split(q), split(p));
+        ([q, q_carry, p, p_carry, a.w, a.s, b.w, b.s, c.w, c.s, left.momentum, left.bubble], *known)
+    }
+
+    /// Restores the state that [`State::save`] returned.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`] if a number is infinite or NaN.
+    pub fn resume(saved: &SavedState<R, N>, known: u8) -> Result<Self, StepError<R>> {
+        if !saved.iter().all(all_finite) {
+            return Err(StepError::NotFinite);
+        }
+        let [q, q_carry, p, p_carry, w0, s0, w1, s1, w2, s2, momentum, bubble] = *saved;
+        let sums = |value: [R; N], carry: [R; N]| {
+            core::array::from_fn(|i| Compensated::from_parts(value[i], carry[i]))
+        };
+        let history = [(w0, s0), (w1, s1), (w2, s2)].map(|(w, s)| Increment { w, s });
+        let (q, p) = (sums(q, q_carry), sums(p, p_carry));
+        let known = known.clamp(1, HISTORY as u8);
+        Ok(Self { q, p, history, known, left: Residual { momentum, bubble } })
     }
 
     /// Position q, m or rad.

@@ -3,7 +3,7 @@
 use crate::control::{array, write};
 use crate::{Control, Evaluator, Motion, ReplicaError, Step, SystemOf};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
-use leastaction_core::discrete::{Del, Galerkin, Midpoint, Order, Path, Report, State};
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Order, Path, Report, SavedState, State};
 use leastaction_core::lagrangian::{Energies, Lagrangian};
 use leastaction_core::linear;
 
@@ -47,6 +47,8 @@ pub(crate) enum Beginning<'b> {
     At { q: &'b [f32], v: &'b [f32] },
     /// Two positions one step apart, and the control between them; the motion begins at the second position.
     Between { q: [&'b [f32]; 2], control: Control<'b> },
+    /// Numbers of an earlier motion.
+    Resumed(&'b [f32]),
 }
 
 /// Begins the motion of a system.
@@ -59,6 +61,16 @@ pub(crate) fn motion<'c, const N: usize>(
         Order::Two => Box::new(DelMotion::<Midpoint, N>::new(system, step.h, beginning)?),
         Order::Four => Box::new(DelMotion::<Galerkin, N>::new(system, step.h, beginning)?),
     })
+}
+
+/// The state of an earlier motion: rows of N numbers, and the number of known increments.
+fn resumed<const N: usize>(numbers: &[f32]) -> Result<State<f32, N>, ReplicaError> {
+    let mut rows: SavedState<f32, N> = [[0.0; N]; _];
+    let length = rows.as_flattened().len() + 1;
+    let differs = ReplicaError::Saved { expected: length, found: numbers.len() };
+    let (known, own) = numbers.split_last().filter(|_| numbers.len() == length).ok_or(differs)?;
+    rows.as_flattened_mut().copy_from_slice(own);
+    Ok(State::resume(&rows, *known as u8)?)
 }
 
 /// A state with its integrator.
@@ -78,6 +90,7 @@ impl<'c, P: Path, const N: usize> DelMotion<'c, P, N> {
             Beginning::Between { q: [q0, q1], control } => {
                 del.start(system, &array("q", q0)?, &array("q", q1)?, &control.sized()?)?
             }
+            Beginning::Resumed(numbers) => resumed(numbers)?,
         };
         Ok(Self { system, del, q: state.q(), p: state.p(), state })
     }
@@ -96,6 +109,11 @@ impl<P: Path + Send, const N: usize> Motion for DelMotion<'_, P, N> {
         // The kinetic energies of inertia networks and of trees are quadratic in v.
         let mass = self.system.lagrangian.linearization(&self.q, &[0.0; N]).l_vv;
         write("the velocity", &linear::solve(mass, self.p)?, to)
+    }
+
+    fn saved(&self) -> Vec<f32> {
+        let (rows, known) = self.state.save();
+        rows.as_flattened().iter().copied().chain([f32::from(known)]).collect()
     }
 
     fn step(&mut self, control: Control) -> Result<Report<f32>, ReplicaError> {

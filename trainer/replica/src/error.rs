@@ -30,6 +30,14 @@ pub enum ReplicaError {
         /// Length of the slice.
         found: usize,
     },
+    /// Numbers are not those of a motion of the model.
+    #[error("a motion of this model is saved as {expected} numbers, not {found}")]
+    Saved {
+        /// Number of numbers of a motion of the model.
+        expected: usize,
+        /// Number of numbers given.
+        found: usize,
+    },
     /// A system of particles was asked for something that only systems in generalised coordinates have.
     #[error("a graph has no {what}")]
     OfGraph {

@@ -17,6 +17,9 @@ pub trait Motion: Send {
     /// [`ReplicaError::Length`]; an error if the inertia is singular.
     fn velocity(&self, to: &mut [f32]) -> Result<(), ReplicaError>;
 
+    /// Numbers from which [`Replica::motion_resumed`](crate::Replica::motion_resumed) continues with the same bits.
+    fn saved(&self) -> Vec<f32>;
+
     /// Advances by one step under a control, and returns the number of Newton updates and their residual. The step of a graph takes a
     /// constant force: the mean of both ends.
     ///

@@ -185,6 +185,7 @@ impl<'c, const D: usize> ParticleMotion<'c, D> {
                 let q = [particles.vectors("q", q0)?, particles.vectors("q", q1)?];
                 rattle.start(on_rods, q, Some(force.as_chunks().0), memory, workspace)?
             }
+            Beginning::Resumed(numbers) => ParticleState::resume(on_rods, numbers, memory)?,
         };
         Ok(state.save(saved)?)
     }
@@ -219,6 +220,10 @@ impl<const D: usize> Motion for ParticleMotion<'_, D> {
 
     fn velocity(&self, to: &mut [f32]) -> Result<(), ReplicaError> {
         crate::control::write("the velocity", self.saved(4), to)
+    }
+
+    fn saved(&self) -> Vec<f32> {
+        self.saved.clone()
     }
 
     fn step(&mut self, control: Control) -> Result<Report<f32>, ReplicaError> {

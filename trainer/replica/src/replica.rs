@@ -83,6 +83,14 @@ impl<'f> Replica<'f> {
         self.visit(Begin { step, beginning: Beginning::Between { q, control } })
     }
 
+    /// Continues a motion from the numbers that [`Motion::saved`] returned, with the same bits if the step is the same.
+    ///
+    /// # Errors
+    /// An error if the numbers are not finite, or not those of a motion of this model.
+    pub fn motion_resumed(&self, step: Step, saved: &[f32]) -> Result<Box<dyn Motion + '_>, ReplicaError> {
+        self.visit(Begin { step, beginning: Beginning::Resumed(saved) })
+    }
+
     /// Creates the observer of the firmware, which steps the model within the limits of `newton`; `angle` says for every coordinate whether
     /// its encoder loses whole turns.
     ///

@@ -124,6 +124,28 @@ fn a_step_that_cannot_be_solved_leaves_the_motion_where_it_was() {
 }
 
 #[test]
+fn a_motion_continues_from_its_numbers_with_the_same_bits() {
+    let files = [arm("taa", [9, 5, 0, 0]).file(Order::Four), GraphSample::row(2, 1, 4, 0).file(Order::Four)];
+    for (bytes, order) in files.iter().flat_map(|bytes| [(bytes, Order::Two), (bytes, Order::Four)]) {
+        let file = ModelFile::new(bytes).unwrap();
+        let chip = file.replica(None).unwrap();
+        let (q, v) = (vec![0.1; chip.n()], vec![0.3; chip.n()]);
+        let force = vec![0.5; chip.n()];
+        let mut whole = chip.motion_at(step(order).into(), &q, &v).unwrap();
+        for _ in 0..20 {
+            let mut resumed = chip.motion_resumed(step(order).into(), &whole.saved()).unwrap();
+            whole.step(Control::held(&force)).unwrap();
+            resumed.step(Control::held(&force)).unwrap();
+            assert_eq!(resumed.saved(), whole.saved());
+        }
+        let short = whole.saved().len() - 1;
+        assert!(chip.motion_resumed(step(order).into(), &whole.saved()[..short]).is_err());
+        let nan = vec![f32::NAN; whole.saved().len()];
+        assert!(chip.motion_resumed(step(order).into(), &nan).is_err());
+    }
+}
+
+#[test]
 fn the_same_motion_repeats_and_its_velocity_belongs_to_its_momentum() {
     let file = ModelFile::new(&arm("taa", [9, 5, 0, 0]).file(Order::Four)).unwrap();
     let run = || {
