@@ -37,6 +37,8 @@ pub enum FileKind {
     Page,
     /// A bag of ROS 2.
     Bag,
+    /// A functional mock-up unit, recognised as an archive that begins with a description.
+    Unit,
 }
 
 /// First words of a configuration from `leastaction look`.
@@ -44,6 +46,9 @@ pub const CONFIGURATION_HEAD: &str = "# Guessed by names";
 
 /// First words of a motion from `leastaction excite`.
 pub const MOTION_HEAD: &str = "# A motion of `leastaction excite`";
+
+/// Number of bytes of a zip archive up to the end of its first file's name, if that is `modelDescription.xml`.
+const ARCHIVE_HEAD: usize = 30 + "modelDescription.xml".len();
 
 impl FileKind {
     fn name(self) -> &'static str {
@@ -60,6 +65,7 @@ impl FileKind {
             Self::Picture => "picture (SVG)",
             Self::Page => "page (HTML)",
             Self::Bag => "bag (MCAP)",
+            Self::Unit => "functional mock-up unit",
         }
     }
 
@@ -75,7 +81,7 @@ impl FileKind {
             Self::Log if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) => {
                 Some(b"PK\x03\x04")
             }
-            Self::Log | Self::Description => None,
+            Self::Log | Self::Description | Self::Unit => None,
             Self::Table(head) => Some(head.as_bytes()),
             Self::Picture => Some(b"<svg"),
             Self::Page => Some(b"<!DOCTYPE html>"),
@@ -87,6 +93,11 @@ impl FileKind {
     fn is_of(self, path: &Path) -> io::Result<bool> {
         if self == Self::Description {
             return Ok(std::fs::read(path)?.windows(MARK.len()).any(|part| part == MARK.as_bytes()));
+        }
+        if self == Self::Unit {
+            let mut begin = Vec::new();
+            File::open(path)?.take(ARCHIVE_HEAD as u64).read_to_end(&mut begin)?;
+            return Ok(begin.ends_with(b"modelDescription.xml"));
         }
         let Some(head) = self.head(path) else { return Ok(data::read(path).is_ok()) };
         let mut begin = Vec::new();

@@ -2,10 +2,12 @@
 
 mod accuracy;
 mod description;
+mod fmu;
 
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
 use description::Description;
+use fmu::{Fmi, Fmu};
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::models::encoded;
 use leastaction_learning::atomic;
@@ -29,18 +31,24 @@ use std::path::PathBuf;
 /// (armature), viscous and Coulomb friction. The description's own text is edited where it can be, so names of meshes stay as they are: write
 /// the file beside it.
 ///
+/// With --fmu a functional mock-up unit is written, for co-simulation and model exchange with FMI 3.0 or 2.0 (OpenModelica, Simulink, FMPy).
+/// It holds the model file, and a library for this machine that computes as a chip does. Not for graphs. In place of the run a model
+/// file may be named, if nothing else is to be made.
+///
 /// Example: leastaction export run -o model.postcard --rust model.rs
 ///
 /// Example: leastaction export run -o model.postcard --weights f16
 ///
+/// Example: leastaction export model.postcard --fmu model.fmu
+///
 /// Example: leastaction export run -o model.postcard --urdf identified.urdf --mjcf identified.xml
 #[derive(Args)]
 pub struct Export {
-    /// The folder of the run.
+    /// The folder of the run, or, for --fmu, a model file.
     run: PathBuf,
     /// The model file to write.
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "fmu")]
+    output: Option<PathBuf>,
     /// A Rust source file to write as well.
     #[arg(long, value_name = "FILE")]
     rust: Option<PathBuf>,
@@ -53,6 +61,15 @@ pub struct Export {
     /// A model of MuJoCo (MJCF) to write as well, with the identified numbers.
     #[arg(long, value_name = "FILE")]
     mjcf: Option<PathBuf>,
+    /// A functional mock-up unit (FMU) to write.
+    #[arg(long, value_name = "FILE")]
+    fmu: Option<PathBuf>,
+    /// Version of FMI of the unit: 3 (3.0) or 2 (2.0).
+    #[arg(long, value_enum, requires = "fmu", default_value_t = Fmi::Three, hide_possible_values = true)]
+    fmi: Fmi,
+    /// The library of units [default: the one that was built with this command].
+    #[arg(long, value_name = "FILE", requires = "fmu")]
+    library: Option<PathBuf>,
     /// Storage format of the weights in the file.
     #[arg(long, value_enum, default_value_t = Weights::F32)]
     weights: Weights,
@@ -82,23 +99,26 @@ impl Weights {
 /// Report on the written files.
 #[derive(Serialize)]
 struct Report {
-    model: PathBuf,
+    model: Option<PathBuf>,
     bytes: usize,
     parameters: usize,
     weight_bits: u8,
     provenance: String,
     rust: Option<PathBuf>,
     descriptions: Vec<Description>,
+    fmu: Option<Fmu>,
     accuracy: Option<Accuracy>,
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { model, bytes, parameters, weight_bits, .. } = self;
-        writeln!(f, "{}: {bytes} bytes, {parameters} parameters of {weight_bits} bits", model.display())?;
+        let name = model.as_ref().map_or("the model".to_owned(), |file| file.display().to_string());
+        writeln!(f, "{name}: {bytes} bytes, {parameters} parameters of {weight_bits} bits")?;
         writeln!(f, "{}", self.provenance)?;
         self.rust.iter().try_for_each(|file| writeln!(f, "{}: the same as Rust source", file.display()))?;
         self.descriptions.iter().try_for_each(|description| write!(f, "{description}"))?;
+        self.fmu.iter().try_for_each(|unit| write!(f, "{unit}"))?;
         self.accuracy.iter().try_for_each(|accuracy| write!(f, "{accuracy}"))
     }
 }
@@ -106,17 +126,25 @@ impl fmt::Display for Report {
 impl Export {
     /// Writes the files.
     pub fn run(self, output: Output) -> Done {
+        if self.run.is_file() {
+            return self.of_model_file(output);
+        }
         let precision = self.weights.precision();
         self.check()?;
         let (trained, bytes) = encoded(&self.run, precision)?;
         let accuracy = self.accuracy(&trained, &bytes, output)?;
         let descriptions = self.descriptions(&trained, output)?;
         let source = self.rust.as_ref().map(|_| self.source(&bytes)).transpose()?;
-        atomic::write(&self.output, &bytes).map_err(|error| Failure::file(&self.output, error))?;
+        let shipped = file::decode(&bytes).map_err(|error| Failure::file(&self.run, error))?;
+        let fmu = self.unit(&shipped, &bytes, output)?;
+        if let Some(file) = &self.output {
+            atomic::write(file, &bytes).map_err(|error| Failure::file(file, error))?;
+        }
         if let (Some(file), Some(source)) = (&self.rust, source) {
             atomic::write(file, source.as_bytes()).map_err(|error| Failure::file(file, error))?;
         }
         descriptions.iter().try_for_each(Description::write)?;
+        fmu.iter().try_for_each(Fmu::write)?;
         output.report(&Report {
             model: self.output,
             bytes: bytes.len(),
@@ -125,6 +153,7 @@ impl Export {
             provenance: trained.provenance,
             rust: self.rust,
             descriptions,
+            fmu,
             accuracy,
         })
     }
@@ -134,16 +163,21 @@ impl Export {
         if self.constants {
             file::rust_constants(bytes).map_err(|error| Failure::Input(error.to_string()))
         } else {
-            file::rust_source(bytes).map_err(|error| Failure::input(&self.output, error))
+            file::rust_source(bytes).map_err(|error| Failure::input(&self.run, error))
         }
     }
 
     /// Refuses to overwrite other files.
     fn check(&self) -> Done {
-        let options = [("--rust", &self.rust), ("--urdf", &self.urdf), ("--mjcf", &self.mjcf)];
-        let named: Vec<(&str, &PathBuf)> = std::iter::once(("--output", &self.output))
-            .chain(options.into_iter().filter_map(|(option, file)| Some((option, file.as_ref()?))))
-            .collect();
+        let options = [
+            ("--output", &self.output),
+            ("--rust", &self.rust),
+            ("--urdf", &self.urdf),
+            ("--mjcf", &self.mjcf),
+            ("--fmu", &self.fmu),
+        ];
+        let named: Vec<(&str, &PathBuf)> =
+            options.into_iter().filter_map(|(option, file)| Some((option, file.as_ref()?))).collect();
         for (k, (option, file)) in named.iter().enumerate() {
             if let Some((other, _)) = named[..k].iter().find(|(_, other)| other == file) {
                 return Err(Failure::input(
@@ -152,7 +186,7 @@ impl Export {
                 ));
             }
         }
-        replaceable(&self.output, FileKind::Model)?;
+        self.output.iter().try_for_each(|file| replaceable(file, FileKind::Model))?;
         self.rust.iter().try_for_each(|file| replaceable(file, FileKind::RustModule))
     }
 
@@ -161,7 +195,7 @@ impl Export {
         if self.weights == Weights::F32 && self.data.is_none() {
             return Ok(None);
         }
-        let shipped = file::decode(bytes).map_err(|error| Failure::input(&self.output, error))?;
+        let shipped = file::decode(bytes).map_err(|error| Failure::input(&self.run, error))?;
         let compared = Compared { trained: trained.model(), shipped };
         compared.measure((&self.run, self.data.as_deref()), self.weights.precision(), output)
     }
