@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs the controller on emulated boards against the plant on this machine; every trace must equal, bit for bit, that of a run on this
 # machine alone. Scenarios: swing-up and tracking of the learned cart-pole; the swing-up of a cart-pole with friction, a weak and late drive
-# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md), and a plan of one; decisions at every tick for both; and seven
-# joints that follow a motion at 1 kHz. Prints one JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
+# and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md), and a plan of one; decisions at every tick for both, and for a
+# pendulum, an acrobot and a pendubot; and seven joints that follow a motion at 1 kHz. Prints one JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
 # cart-pole with friction from 20 starts instead of 1 on the first board.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -61,6 +61,8 @@ on_boards "${boards[*]}" cartpole-dry --scenario mpc --plan $swing_up --plan $sw
 on_boards "${boards[*]:0:2}" cartpole-dry --scenario mpc "${devices[@]}"
 on_boards "${boards[*]:0:2}" cartpole --scenario mpc
 on_boards "${boards[0]}" acrobot --scenario mpc
+on_boards "${boards[0]}" acrobot --scenario mpc --limit 8,0
+on_boards "${boards[0]}" pendulum --scenario mpc
 for ((seed = 1; seed < ${STARTS:-1}; seed++)); do
     on_boards "${boards[0]}" cartpole-dry "${dry[@]}" --seed $seed
 done

@@ -87,6 +87,11 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         &self.last
     }
 
+    /// The controller.
+    pub fn controller(&self) -> &C {
+        &self.controller
+    }
+
     /// Runs `elapsed` ticks after the last run, on the samples that arrived, towards a target.
     pub fn run(&mut self, elapsed: u32, measured: &[Option<f32>; N], target: &Target<N>) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };

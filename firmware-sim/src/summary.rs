@@ -99,6 +99,7 @@ impl<const N: usize> Squares<N> {
 }
 
 /// Recorder that builds the summary of a run from its ticks.
+#[derive(Clone)]
 pub(crate) struct Recorder<const N: usize> {
     goal: Goal<N>,
     angle: [bool; N],

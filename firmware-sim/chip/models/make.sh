@@ -9,13 +9,14 @@ folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 cp ./*.toml "$folder"
 
+leastaction generate pendulum -o "$folder/pendulum.npz"
 leastaction generate cartpole -o "$folder/cartpole.npz"
 leastaction generate n-pendulum -o "$folder/double.npz"
 leastaction generate rod-pendulum --count 2 -o "$folder/pendulums.npz"
 leastaction generate acrobot -o "$folder/acrobot.npz"
 leastaction generate cartpole --robot "$folder/logs" --trajectories 12 --samples 401 --amplitude 1,5 --frequency 0.3,2 \
     --spread 0.5 --coulomb 0.5,0 --width 0.05 --gain 0.9 --delay 8 --zeros 0.02 --noise 0.001 --grid 0.0005
-for model in cartpole cartpole-16 double pendulums acrobot cartpole-dry; do
+for model in pendulum cartpole cartpole-16 double pendulums acrobot cartpole-dry; do
     leastaction train "$folder/$model.toml" -o "$folder/$model" --quiet
     leastaction export "$folder/$model" -o "$model.postcard"
 done

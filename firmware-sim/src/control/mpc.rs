@@ -109,6 +109,11 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
         Ok(new)
     }
 
+    /// Nodes of the last decision's motion, which the model predicts under the motion's controls; none before the first decision.
+    pub fn motion(&self) -> &[Node<f32, D, N>] {
+        if self.progress.is_some() { self.nodes.as_slice() } else { &[] }
+    }
+
     /// Designs the regulator of nodes that enter, and takes its cost to go as that of the end.
     fn regulate<M: Mechanism<N>>(&mut self, model: &M) -> Result<(), SetupError> {
         let (goal, at) = (self.settings.goal, (self.horizon.ticks, &[0.0; N]));

@@ -9,6 +9,7 @@ use crate::summary::{Goal, Summary};
 use crate::tick::{Mode, Tick};
 use crate::{Mechanism, Program, Task};
 use core::f32::consts::PI;
+use leastaction_core::model::TrainedStep;
 use leastaction_core::plan::Plan;
 use leastaction_core::scalar::max_abs;
 
@@ -118,6 +119,15 @@ impl<const N: usize> MpcConfig<N> {
         self.settings.ticks = (ticks as u16).max(1);
         (self.setup.tick, self.settings.stride) = (tick, self.settings.ticks);
         self
+    }
+
+    /// The configuration for a model that learned its own step, if it did: ticks of that step and order, each stepped alone.
+    #[must_use]
+    pub fn with_trained(self, trained: Option<TrainedStep>) -> Self {
+        let Some(TrainedStep { order, h, .. }) = trained else { return self };
+        let mut own = self.with_tick(h);
+        (own.settings.stride, own.setup.observer.order) = (1, order);
+        own
     }
 
     /// Program of the firmware.

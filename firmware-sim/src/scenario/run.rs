@@ -19,8 +19,8 @@ struct World<'a, P, const N: usize> {
     actuator: Actuator<N>,
     clock: Clock,
     push: Push<N>,
-    /// Push of this run, and push of this tick.
-    pushes: [[f32; N]; 2],
+    /// Push of this run, push of this tick, and push from elsewhere.
+    pushes: [[f32; N]; 3],
     /// Force of the actuators without a command; the brakes hold the mechanism as long as the force is still this
     /// one. `None` without brakes, or after they opened.
     braked: Option<[f32; N]>,
@@ -38,7 +38,7 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
             actuator,
             clock: Clock::new(setup.devices.clock, setup.seed),
             push: setup.push,
-            pushes: [setup.push.draw(setup.seed), [0.0; N]],
+            pushes: [setup.push.draw(setup.seed), [0.0; N], [0.0; N]],
             h: setup.tick,
             errors: 0,
         }
@@ -46,7 +46,9 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
 
     /// Begins the tick at time t (s).
     fn begin(&mut self, t: f32) {
-        self.pushes[1] = if self.push.acts(t) { self.pushes[0] } else { [0.0; N] };
+        let [of_run, _, from_elsewhere] = self.pushes;
+        self.pushes[1] =
+            if self.push.acts(t) { add_scaled(&of_run, 1.0, &from_elsewhere) } else { from_elsewhere };
     }
 
     /// Lets a fraction of a tick pass under the acting forces.
@@ -72,8 +74,8 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
     }
 }
 
-/// A processor in its world, run tick by tick.
-struct Loop<'a, P, R, T, const N: usize> {
+/// A run of a processor in its world, tick by tick: [`run_on`] takes all ticks of its setup, a program with a screen takes them as time passes.
+pub struct Run<'a, P, R, T, const N: usize> {
     world: World<'a, P, N>,
     processor: R,
     trajectory: T,
@@ -81,15 +83,66 @@ struct Loop<'a, P, R, T, const N: usize> {
     delay: f32,
     recorder: Recorder<N>,
     angle: [bool; N],
+    /// Number of ticks of the run so far.
+    ticks: u32,
     /// Number of ticks since the firmware last ran.
     elapsed: u32,
     /// Time when the first command takes effect, s; `None` before.
     begun: Option<f32>,
 }
 
-impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_, P, R, T, N> {
+impl<'a, P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Run<'a, P, R, T, N> {
+    /// Creates a run of a world along a trajectory before its first tick, with `processor` for the firmware's part of its ticks.
+    ///
+    /// # Errors
+    /// A setup out of range.
+    pub fn new(plant: &'a P, processor: R, setup: &Setup<N>, trajectory: T) -> Result<Self, SetupError> {
+        setup.validate()?;
+        let angle = setup.devices.angles();
+        Ok(Self {
+            world: World::new(plant, setup),
+            processor,
+            trajectory,
+            delay: setup.observer.delay * setup.tick,
+            recorder: Recorder::new(setup.goal, angle),
+            angle,
+            ticks: 0,
+            elapsed: 0,
+            begun: None,
+        })
+    }
+
+    /// Takes the next tick. A run may go on beyond the length of its setup.
+    ///
+    /// # Errors
+    /// The processor's error if it did not run the tick.
+    pub fn tick(&mut self) -> Result<Tick<N>, R::Error> {
+        let tick = self.take(self.ticks)?;
+        self.recorder.record(&tick);
+        self.ticks = self.ticks.saturating_add(1);
+        Ok(tick)
+    }
+
+    /// Pushes the mechanism from the next tick on, beside the push of the setup and until it is pushed otherwise: a force on every
+    /// coordinate, N or N m, unknown to the firmware. With brakes, nothing moves until they open.
+    pub fn push(&mut self, force: [f32; N]) {
+        self.world.pushes[2] = force;
+    }
+
+    /// Summary of the ticks so far.
+    pub fn summary(&self) -> Summary<N> {
+        let mut recorder = self.recorder.clone();
+        recorder.errors(0, self.world.errors);
+        recorder.finish()
+    }
+
+    /// The processor.
+    pub fn processor(&self) -> &R {
+        &self.processor
+    }
+
     /// One tick of world and firmware.
-    fn tick(&mut self, index: u32) -> Result<Tick<N>, R::Error> {
+    fn take(&mut self, index: u32) -> Result<Tick<N>, R::Error> {
         let (arrival, true_state) = (self.world.clock.tick(), *self.world.plant.state());
         let time = index as f32 * self.world.h;
         self.world.begin(time);
@@ -196,25 +249,12 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
     trajectory: impl Trajectory<N>,
     mut sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, RunError<R::Error>> {
-    setup.validate().map_err(RunError::Setup)?;
-    let angle = setup.devices.angles();
-    let mut looped = Loop {
-        world: World::new(plant, setup),
-        processor,
-        trajectory,
-        delay: setup.observer.delay * setup.tick,
-        recorder: Recorder::new(setup.goal, angle),
-        angle,
-        elapsed: 0,
-        begun: None,
-    };
+    let mut run = Run::new(plant, processor, setup, trajectory).map_err(RunError::Setup)?;
     for index in 0..setup.ticks() {
-        let tick = looped.tick(index).map_err(|error| RunError::Processor { tick: index, error })?;
-        looped.recorder.record(&tick);
+        let tick = run.tick().map_err(|error| RunError::Processor { tick: index, error })?;
         sink(&tick);
     }
-    looped.recorder.errors(0, looped.world.errors);
-    Ok(looped.recorder.finish())
+    Ok(run.summary())
 }
 
 /// Runs a world with a firmware that always runs.

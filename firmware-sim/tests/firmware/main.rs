@@ -15,5 +15,6 @@ mod predict;
 mod regulator;
 mod replay;
 mod setup;
+mod steps;
 mod swing_up;
 mod track;

@@ -60,9 +60,12 @@ where
     if let Some(plan) = plans.first() {
         config = config.with_plans(plan, drive(request, plan.file().header().h)?);
     }
-    let trained = request.model.facts.trained_step.map(|step| step.h);
-    let own = if plans.is_empty() { trained } else { None };
-    config = config.with_tick(request.tick.or(own).unwrap_or(config.setup.tick));
+    let trained = request.model.facts.trained_step;
+    config = match request.tick {
+        Some(tick) => config.with_tick(tick),
+        None if plans.is_empty() => config.with_trained(trained),
+        None => config,
+    };
     if trained.is_some() {
         config.settings.stride = 1;
     }

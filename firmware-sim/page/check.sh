@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Builds the page and checks it: the module's traces of every machine from two starts, run by Node, have the hashes of this machine; the file
+# has at most 300 KB; Chromium, if it is installed or can be, shows frames without an error, verifies every machine, is dragged, and refuses a
+# broken model. Prints one JSON line per trace, and one of the page.
+#   check.sh [PICTURES]     PICTURES is a folder for pictures of the page
+# `LEASTACTION` names the command if it is already built.
+set -euo pipefail
+pictures=${1:+$(realpath -m "$1")}
+cd "$(dirname "$0")"
+source ./tools.sh
+command_of_host
+export LEASTACTION=$leastaction
+
+install() {
+    echo "installing $1" >&2
+    { apt-get update -qq && apt-get install -y -qq --no-install-recommends "$1"; } >&2
+}
+command -v node >/dev/null || install nodejs
+
+page=$folder/live.html
+./build.sh -o "$page"
+build_module
+for number in "${!machines[@]}"; do
+    machine=${machines[number]}
+    for seed in 0 1; do
+        line=$(node trace.mjs "$module" "$number" "../chip/models/${model[$machine]}.postcard" "$seed")
+        expected=$(hash_of_host "$machine" "$seed")
+        if [[ $line != *"\"trace_hash\":\"$expected\""* ]]; then
+            printf '%s, seed %s: on this machine %s, in WebAssembly %s\n' "$machine" "$seed" "$expected" "$line" >&2
+            exit 1
+        fi
+        printf '{"machine":"%s","seed":%s,%s\n' "$machine" "$seed" "${line#\{}"
+    done
+done
+
+bytes=$(stat -c %s "$page")
+if [ "$bytes" -gt 300000 ]; then
+    echo "the page has $bytes bytes, more than 300,000" >&2
+    exit 1
+fi
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+if [ -z "$chromium" ] && command -v apt-get >/dev/null; then
+    install chromium || true
+    chromium=$(command -v chromium || true)
+fi
+if [ -z "$chromium" ]; then
+    echo "skipped: no Chromium to show the page" >&2
+    exit 0
+fi
+measured=$(timeout 120 node browser.mjs "$chromium" "$page" ${pictures:+"$pictures"})
+printf '{"bytes":%s,%s\n' "$bytes" "${measured#\{}"
