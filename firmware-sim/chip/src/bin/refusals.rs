@@ -34,7 +34,7 @@ fn damaged<const N: usize>(
 }
 
 fn run() -> Result<(), &'static [u8]> {
-    if let Some(file) = board::flash().model {
+    if let Some(file) = board::flash().model() {
         let name = |error: ModelError| entry_of(error.coded().code).map_or("refused", |reason| reason.name);
         let outcome = Cartpole::load(file).map_or_else(name, |_| "accepted");
         print::line(b"flash", outcome.as_bytes());
