@@ -54,16 +54,8 @@ impl Model {
         if slopes.evaluate(&self.weights, [&q, &v, &tau], &mut a, &mut columns).any(1) {
             return Ok(None);
         }
-        let compliance = slopes.compliance();
-        let inverse_mass = DMatrix::from_fn(n, n, |i, j| compliance[i * n + j].0[0]);
-        let mut through = DMatrix::identity(n, n);
-        if let Some(load) = system.load_derivatives() {
-            let mut workspace = load.workspace();
-            load.run_outputs(&self.weights, &[&q, &v, &tau], &mut workspace);
-            through += DMatrix::from_fn(n, n, |i, j| workspace.output(j)[i].0[0]);
-        }
-        let gain = DMatrix::from_fn(n, n, |i, j| if i == j { actuator.gain(i) } else { 0.0 });
-        let by_control = inverse_mass * through * gain;
+        let of_force = slopes.of_control(&self.weights, [&q, &v, &tau]);
+        let by_control = DMatrix::from_fn(n, n, |i, j| of_force[j * n + i].0[0] * actuator.gain(j));
         let [by_q, by_v] =
             [0, n * n].map(|first| DMatrix::from_fn(n, n, |i, j| columns[first + j * n + i].0[0]));
         let Some(inverse) = by_control.clone().try_inverse() else { return Ok(None) };

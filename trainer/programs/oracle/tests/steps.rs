@@ -224,14 +224,17 @@ fn derivatives_are_in_learned_weights_alone() {
 }
 
 #[test]
-fn accelerations_move_with_the_state_as_differences_do() {
+fn accelerations_move_with_state_and_control_as_differences_do() {
     let system = System::new(&model());
     let Numbers { weights, start, control, .. } = Numbers::random(system.parameters());
+    let start: State = start.iter().chain(&control[0][0]).copied().collect();
     let mut of = AccelerationSlopes::new(&system);
-    let mut evaluate = |state: &State| {
+    let mut evaluate = |at: &State| {
         let (mut a, mut slopes) = (vec![Row::default(); N], vec![Row::default(); 2 * N * N]);
-        let failures = of.evaluate(&weights, [&state[..N], &state[N..], &control[0][0]], &mut a, &mut slopes);
+        let at = [&at[..N], &at[N..2 * N], &at[2 * N..]];
+        let failures = of.evaluate(&weights, at, &mut a, &mut slopes);
         assert!(!failures.any(WIDTH));
+        slopes.extend(of.of_control(&weights, at));
         (a, slopes)
     };
     let (_, slopes) = evaluate(&start);
@@ -248,6 +251,27 @@ fn accelerations_move_with_the_state_as_differences_do() {
                 assert!((slope.0[lane] - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{j} {lane}");
             }
         }
+    }
+}
+
+#[test]
+fn velocities_after_a_beginning_are_those_of_the_start() {
+    let system = System::new(&model());
+    let Numbers { weights, start, .. } = Numbers::random(system.parameters());
+    let mut steps = VariationalSteps::new(&system, H, Order::Four);
+    let (mut state, known) = (start.clone(), Tangents::at_start(N, system.parameters(), 1));
+    let mut tangents = known.clone();
+    steps.begin(&weights, &mut state, Some(&mut tangents));
+    let far = |one: &[Row], other: &[Row]| {
+        let pairs = one.iter().zip(other).flat_map(|(one, other)| one.0.into_iter().zip(other.0));
+        pairs.fold(0.0f64, |most, (one, other)| most.max((one - other).abs()))
+    };
+    let moved = |one: &Tangents| one.each().zip(known.each()).any(|(one, other)| far(one, other) > 0.1);
+    assert!(far(&state, &start) > 0.1 && moved(&tangents));
+    assert!(!steps.finish(&weights, &mut state, Some(&mut tangents)).any(WIDTH));
+    assert!(far(&state, &start) < 1e-13);
+    for (found, known) in tangents.each().zip(known.each()) {
+        assert!(far(found, known) < 1e-13);
     }
 }
 

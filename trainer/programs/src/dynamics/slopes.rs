@@ -8,6 +8,8 @@ use crate::system::System;
 pub struct AccelerationSlopes {
     accelerations: Accelerations,
     columns: (Program, Workspace),
+    /// Derivative ∂Q/∂τ, if a force depends on the control.
+    load: Option<(Program, Workspace)>,
     /// Compliance M⁻¹, row by row.
     compliance: Vec<Row>,
 }
@@ -19,6 +21,7 @@ impl AccelerationSlopes {
         Self {
             accelerations: Accelerations::new(system),
             columns: system.residual_derivatives().with_workspace(),
+            load: system.load_derivatives().map(Program::with_workspace),
             compliance: vec![Row::default(); n * n],
         }
     }
@@ -42,8 +45,19 @@ impl AccelerationSlopes {
         failures
     }
 
-    /// Compliance M⁻¹ of the last evaluation, \[n\]\[n\].
-    pub fn compliance(&self) -> &[Row] {
-        &self.compliance
+    /// Jacobian ∂v̇/∂τ = M⁻¹(1 + ∂Q/∂τ) at the state of the last evaluation, column by column: n rows for every coordinate.
+    pub fn of_control(&mut self, weights: &[f64], at: [&[Row]; 3]) -> Vec<Row> {
+        let n = at[0].len();
+        if let Some((program, workspace)) = &mut self.load {
+            program.run_outputs(weights, &at, workspace);
+        }
+        let force = |j: usize, i: usize| {
+            let mut own = Row::splat(if i == j { 1.0 } else { 0.0 });
+            self.load.iter().for_each(|(_, load)| own.add_scaled(1.0, &load.output(j)[i]));
+            own
+        };
+        (0..n)
+            .flat_map(|j| times(&self.compliance, &(0..n).map(|i| force(j, i)).collect::<Vec<_>>()))
+            .collect()
     }
 }

@@ -18,22 +18,22 @@ const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-9 };
 /// G_x⁻¹ (the implicit function theorem). Both terms are sums over the Gauss points of δF and δL_v, so the rows ∂/∂θ
 /// \[F·δq + L_v·δv\] of all 2n numbers of the end give its derivatives with respect to the weights.
 pub struct VariationalSteps {
-    n: usize,
-    del: Del,
+    pub(super) n: usize,
+    pub(super) del: Del,
     /// Positions of the weights whose derivatives are carried.
-    learned: Vec<usize>,
+    pub(super) learned: Vec<usize>,
     /// Derivative ∂Q/∂τ, if a force depends on the control.
     load: Option<(Program, Workspace)>,
     /// Gradients of L_v along n directions, and of F and L_v along 2n directions.
     momentum: (Program, Workspace),
     pulls: (Program, Workspace),
     /// Derivatives ∂e/∂θ at constant (q₀, p₀): for each of the 2n numbers, rows of the length of the weight block.
-    gradients: Vec<Vec<Row>>,
+    pub(super) gradients: Vec<Vec<Row>>,
     sums: Sums,
-    lu: Lu,
+    pub(super) lu: Lu,
     /// Last states, from which paths are extrapolated.
     last: DelState,
-    moved: Vec<Row>,
+    pub(super) moved: Vec<Row>,
 }
 
 /// Derivatives of the equations of a step (those of momenta, then those of bubbles) and of its impulse, row by row.
@@ -257,7 +257,7 @@ impl VariationalSteps {
     }
 
     /// Computes ∂L_v/∂θ, row by row.
-    fn pull_momenta(&mut self, weights: &[f64], at: [&[Row]; 3]) {
+    pub(super) fn pull_momenta(&mut self, weights: &[f64], at: [&[Row]; 3]) {
         let n = self.n;
         self.gradients[..n].iter_mut().for_each(|row| row.fill(Row::default()));
         let axis = |k: usize| Row::splat(f64::from(u8::from(k / n == k % n)));

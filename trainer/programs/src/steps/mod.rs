@@ -5,6 +5,7 @@ mod implicit;
 mod runge_kutta;
 mod stages;
 mod tangents;
+mod velocities;
 
 pub use explicit::ExplicitSteps;
 pub use implicit::VariationalSteps;
