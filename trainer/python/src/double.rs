@@ -1,14 +1,17 @@
 //! Evaluation of states side by side in double precision, for models of any size.
 
+use crate::arguments;
 use crate::arrays::Table;
 use crate::blocks::fill;
 use crate::single::Quantity;
+use leastaction_core::discrete;
 use leastaction_core::model::ModelError;
 use leastaction_models::accelerations::Forced;
 use leastaction_models::parallel::Pool;
 use leastaction_models::{Model, NEWTON};
 use leastaction_programs::dynamics::{Accelerations, Del, InverseDynamics, Order};
 use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
+use pyo3::PyResult;
 use std::convert::Infallible;
 
 /// Evaluator of a block of states.
@@ -104,8 +107,27 @@ fn graph(forced: &Forced, inputs: &[Table<f64>], (numbers, width): (&mut [f64], 
     let Ok(()) = fill((numbers, width, 1), work);
 }
 
+/// The order of a step, from its number 2 or 4.
+pub fn order(number: u8) -> PyResult<Order> {
+    Ok(match arguments::order(number)? {
+        discrete::Order::Two => Order::Two,
+        discrete::Order::Four => Order::Four,
+    })
+}
+
+/// Refuses a model with rods, of which `what` does not exist in double precision.
+///
+/// # Errors
+/// [`ModelError`] for rods, or if the shape is inconsistent.
+pub fn without_rods(model: &Model, what: &'static str) -> Result<(), ModelError> {
+    match model.architecture.rods()?.count() {
+        0 => Ok(()),
+        found => Err(ModelError::Shape { what, found, compiled: 0 }),
+    }
+}
+
 /// States from `first` on, side by side; lanes beyond the last state repeat it.
-fn side_by_side(table: &Table<f64>, first: usize, n: usize) -> Vec<Row> {
+pub fn side_by_side(table: &Table<f64>, first: usize, n: usize) -> Vec<Row> {
     let last = table.count.saturating_sub(1);
     let at = |lane: usize, i: usize| table.row((first + lane).min(last)).get(i).copied().unwrap_or(0.0);
     (0..n).map(|i| Row(std::array::from_fn(|lane| at(lane, i)))).collect()
@@ -142,14 +164,7 @@ impl Rollout {
     /// [`ModelError`] if the shape is inconsistent or has rods.
     pub fn run(&self, model: &Model) -> Result<Vec<f64>, ModelError> {
         let Model { architecture, weights, .. } = model;
-        architecture.rods().and_then(|rods| match rods.count() {
-            0 => Ok(()),
-            found => Err(ModelError::Shape {
-                what: "rods of a model that is stepped in double precision",
-                found,
-                compiled: 0,
-            }),
-        })?;
+        without_rods(model, "rods of a model that is stepped in double precision")?;
         let (system, (h, order)) = (model.system()?, self.step);
         let pool = Pool::new(move || Del::new(&system, h, order, NEWTON));
         let width = (self.steps + 1) * 2 * architecture.n();

@@ -3,7 +3,7 @@
 //! ```text
 //! arrays of Python ─► arrays ─► single  (the chip's arithmetic, Replica of leastaction-replica) ─► arrays of Python
 //!                             ├► motion  (the same, step by step), observer
-//!                             └► double  (programs of any size, in f64)
+//!                             └► double, derivatives  (programs of any size, in f64)
 //! files ─► training, tools (what the command does, by its library)
 //! files, models ─► planning, controller, regulators (plans, policies and linear regulators, of leastaction-planning)
 //! ```
@@ -18,6 +18,7 @@ mod attend;
 
 mod blocks;
 mod controller;
+mod derivatives;
 mod double;
 mod errors;
 mod facts;
@@ -67,6 +68,7 @@ fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<observer::Observer>()?;
     module.add_class::<controller::Controller>()?;
     module.add_class::<planning::Plan>()?;
+    module.add_function(wrap_pyfunction!(derivatives::jacobians, module)?)?;
     module.add_function(wrap_pyfunction!(planning::plan_motion, module)?)?;
     module.add_function(wrap_pyfunction!(regulators::linearize, module)?)?;
     module.add_function(wrap_pyfunction!(regulators::linearize_step, module)?)?;

@@ -8,13 +8,11 @@ use crate::facts;
 use crate::motion::{Flight, Motions};
 use crate::single;
 use leastaction::models::{Loaded as Read, chip_file, of_part, read, refused};
-use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::FORMAT_VERSION;
 use leastaction_learning::data::control_name;
 use leastaction_models as models;
 use leastaction_models::file::{Precision, c_source, rust_source};
-use leastaction_programs::dynamics;
 use leastaction_replica::{ModelFile, Replica, Step};
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -242,11 +240,7 @@ impl Model {
         let count = common([first.count, second.count, tau[0].count, tau[1].count].into_iter())?;
         let start = [first, second];
         let start = if positions { Start::Positions(start) } else { Start::State(start) };
-        let order = match order(step.1)? {
-            Order::Two => dynamics::Order::Two,
-            Order::Four => dynamics::Order::Four,
-        };
-        let rollout = Rollout { count, steps, step: (step.0, order), start, tau };
+        let rollout = Rollout { count, steps, step: (step.0, double::order(step.1)?), start, tau };
         let found = py.detach(|| rollout.run(&self.host)).map_err(input)?;
         let width = 2 * n * (steps + 1);
         let lost =

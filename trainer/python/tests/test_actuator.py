@@ -52,3 +52,18 @@ def test_rollouts_know_the_actuator(driven, control):
             now = own.step(*now, given[0][k], u_end=given[1][k], h=H)
             assert np.allclose(now[0], found.q[k + 1], rtol=0, atol=steps_within)
             assert np.allclose(now[1], found.v[k + 1], rtol=0, atol=100 * steps_within)
+
+
+def test_actions_on_an_environment_are_commands(driven):
+    model, delay = driven
+    environment = la.Environment(model, max_u=1.0, start=([0.1, -0.2], [0.3, 0.1]), h=H, commands=True)
+    before = int(np.ceil(delay / H))
+    actions = 0.5 * np.sin(3 * H * np.arange(12)[:, None] + [1, 2])
+    start, end = naive_forces(np.vstack([np.zeros((before, 2)), actions]), delay, "held")
+    for _ in range(2):
+        now = environment.reset()[0]
+        for k, action in enumerate(actions, before):
+            now = np.concatenate(model.step(now[:2], now[2:], start[k], u_end=end[k], h=H))
+            found = environment.step(action)[0]
+            assert np.allclose(found, now, rtol=0, atol=1e-4)
+            now = found

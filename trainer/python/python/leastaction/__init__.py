@@ -21,13 +21,14 @@ from ._errors import Error, InputError, SolveError, WorkError
 from ._interop import from_lgnn, from_modlanet, from_symo
 from ._leastaction import __version__, defaults
 from ._logs import Evaluation, Log, Look, evaluate, look, report
-from ._model import Model, Motion, StepReport, Trajectory, from_bytes, load
+from ._model import AccelerationJacobians, Model, Motion, StepJacobians, StepReport, Trajectory, from_bytes, load
 from ._observer import Observer
 from ._planning import Plan, PlanProgress, Start, plan
 from ._regulators import Linearization, LinearStep, Regulator, RestRegulator, lqr
 from ._training import Progress, Run, open_run, train
 
 __all__ = [
+    "AccelerationJacobians",
     "Controller",
     "Environment",
     "Error",
@@ -49,6 +50,7 @@ __all__ = [
     "Run",
     "SolveError",
     "Start",
+    "StepJacobians",
     "StepReport",
     "Trajectory",
     "WorkError",

@@ -54,9 +54,10 @@ class Environment:
     done       function done(q, v) that says whether the task has ended
     max_steps  number of steps after which an episode is truncated; None: never
     h, order   step size (s) and order of the integrator; by default those of training
+    commands   whether an action is the command to the drives, which the file's gain, offset and delay turn into forces
 
     Observations are (q, v), 2n numbers: m or rad, m/s or rad/s. An action has one force for each actuated coordinate; it is clipped to
-    the bounds and held over a step.
+    the bounds and held over a step. Before an episode, all commands were 0.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -74,19 +75,28 @@ class Environment:
         max_steps: int | None = 500,
         h: float | None = None,
         order: int | None = None,
+        commands: bool = False,
     ) -> None:
         self.model = model.single
         self.h, self.order = self.model._step(h, order)
         self._actuated = np.arange(model.n) if actuated is None else np.asarray(actuated, int)
         if len(self._actuated) and not (0 <= self._actuated.min() and self._actuated.max() < model.n):
-            raise InputError(f"actuated={actuated}: the model has the coordinates 0 to {model.n - 1}")
+            raise InputError(f"actuated={actuated!r}: the model has the coordinates 0 to {model.n - 1}")
         self._start, self._reward, self._done, self._max_steps = start, reward, done, max_steps
-        bound = np.broadcast_to(self._bounds(max_u), self._actuated.shape).astype(np.float32)
+        bound = np.asarray(self._bounds(max_u), np.float32)
+        if bound.shape not in ((), self._actuated.shape) or not (bound > 0.0).all():
+            count = len(self._actuated)
+            raise InputError(f"the largest force is {max_u!r}; it must be positive, one number or one for each of {count} coordinates")
+        bound = np.broadcast_to(bound, self._actuated.shape)
         self.action_space = _box(-bound, bound)
         wide = np.full(2 * model.n, np.inf, np.float32)
         self.observation_space = _box(-wide, wide)
         self._random = np.random.default_rng()
         self._motion: Motion | None = None
+        delay = self.model.actuator["delay"] if commands and self.model.actuator else 0.0
+        self._commands = commands
+        # A delay's last part of a step needs the command before it.
+        self._past = np.zeros((int(np.ceil(delay / self.h)) + 2, model.n), np.float32)
         self._count = 0
 
     @property
@@ -111,6 +121,7 @@ class Environment:
         start = self._start(self._random) if callable(self._start) else self._start or (zero, zero)
         q, v = ((options or {}).get(name, x) for name, x in zip("qv", start))
         self._motion, self._count = self.model.motion(q, v, h=self.h, order=self.order), 0
+        self._past[:] = 0.0
         return self._observed(), {}
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
@@ -119,10 +130,11 @@ class Environment:
         if self._motion is None:
             raise InputError("begin an episode with reset()")
         u = np.zeros(self.model.n, np.float32)
-        u[self._actuated] = np.clip(np.asarray(action, np.float32), self.action_space.low, self.action_space.high)
+        u[self._actuated] = np.clip(self._checked(action), self.action_space.low, self.action_space.high)
         info: dict[str, Any] = {}
         try:
-            report = self._motion.step(u)
+            start, end = self._forces(u)
+            report = self._motion.step(start, u_end=end)
             info["newton_iterations"] = int(report.iterations)
         except SolveError as error:
             info["error"] = str(error)
@@ -132,6 +144,22 @@ class Environment:
         terminated = "error" in info or bool(self._done and self._done(q, v))
         truncated = self._max_steps is not None and self._count >= self._max_steps
         return self._observed(), reward, terminated, truncated, info
+
+    def _checked(self, action: ArrayLike) -> Array:
+        numbers = np.asarray(action, np.float32)
+        if numbers.shape != self._actuated.shape or np.isnan(numbers).any():
+            count = len(self._actuated)
+            raise InputError(f"the action is {action!r}; it must have a number for each of {count} actuated coordinates")
+        return numbers
+
+    def _forces(self, u: Array) -> tuple[Array, Array]:
+        """The forces at the start and the end of the step over which u is held."""
+        if not self._commands:
+            return u, u
+        self._past[:-1] = self._past[1:]
+        self._past[-1] = u
+        start, end = self.model.forces(self._past, h=self.h)
+        return start[-1], end[-1]
 
     def render(self) -> None:
         """Does nothing; plot the observations instead."""

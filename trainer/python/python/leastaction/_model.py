@@ -43,6 +43,26 @@ class StepReport(NamedTuple):
     """Largest remaining relative residual, […]."""
 
 
+class AccelerationJacobians(NamedTuple):
+    """Derivatives of accelerations a(q, v, u). Row i, column j is the derivative of number i by number j."""
+
+    q: Array
+    """∂a/∂q, […, n, n]."""
+    v: Array
+    """∂a/∂v, […, n, n]."""
+    u: Array
+    """∂a/∂u, […, n, n]."""
+
+
+class StepJacobians(NamedTuple):
+    """Derivatives of the state x = (q, v) after a step. Row i, column j is the derivative of number i by number j."""
+
+    x: Array
+    """By the state before the step, […, 2n, 2n]."""
+    u: Array
+    """By the force held over the step, […, 2n, n]."""
+
+
 class Model:
     """A learned Lagrangian L = T − V with its forces: a model file in memory.
 
@@ -312,6 +332,38 @@ class Model:
         return Observer(self, **settings)
 
     # Linear approximations and regulators.
+
+    def acceleration_jacobians(
+        self, q: ArrayLike, v: ArrayLike, u: ArrayLike | None = None, *, errors: str = "raise"
+    ) -> AccelerationJacobians:
+        """Exact derivatives of the acceleration under the force u, […, n, n] each, for any size without rods, in double precision.
+        Where they do not exist, SolveError is raised, or with errors="nan" they are NaN."""
+        n, found = self._n, self._jacobians((q, v, u), None, errors)
+        return AccelerationJacobians(found[..., :n], found[..., n : 2 * n], found[..., 2 * n :])
+
+    def step_jacobians(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        u: ArrayLike | None = None,
+        *,
+        h: float | None = None,
+        order: int | None = None,
+        errors: str = "raise",
+    ) -> StepJacobians:
+        """Exact derivatives of `double.step` from (q, v) under the held force u, for any size without rods, in double precision. h (s)
+        and order are by default those of training; errors as for `acceleration_jacobians`."""
+        found = self._jacobians((q, v, u), self._step(h, order), errors)
+        return StepJacobians(found[..., : 2 * self._n], found[..., 2 * self._n :])
+
+    def _jacobians(
+        self, state: tuple[ArrayLike, ArrayLike, ArrayLike | None], step: tuple[float, int] | None, errors: str
+    ) -> Array:
+        q, v, u = state
+        arrays = [np.asarray(x, np.float64) for x in (q, v, self._or_zero(u))]
+        lead, rows = _side_by_side(arrays, self._n, "qvu")
+        found = _core.jacobians(self._core, rows, step, _gives_nan(errors))
+        return found.reshape(lead + found.shape[1:])
 
     def linearize(self, q: ArrayLike, v: ArrayLike, u: ArrayLike | None = None) -> Linearization:
         """Derivatives of acceleration and inverse dynamics at a single state, q, v and u [n], in double precision. u is the command
