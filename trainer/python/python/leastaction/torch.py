@@ -18,14 +18,13 @@ from typing import Any, Optional
 
 try:
     import torch  # type: ignore[import-not-found,unused-ignore]
+    from torch import Tensor  # type: ignore[import-not-found,unused-ignore]
 except ImportError:
     raise ImportError("leastaction.torch needs PyTorch: pip install torch") from None
 
 from . import _differentiable
 from ._differentiable import Map
 from ._model import Model
-
-Tensor = torch.Tensor
 
 
 def acceleration(model: Model) -> Callable[..., Tensor]:
