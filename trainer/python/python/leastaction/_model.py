@@ -55,12 +55,12 @@ class AccelerationJacobians(NamedTuple):
 
 
 class StepJacobians(NamedTuple):
-    """Derivatives of the state x = (q, v) after a step. Row i, column j is the derivative of number i by number j."""
+    """Derivatives of the state x′ = (q′, v′) after a step. Row i, column j is the derivative of number i by number j."""
 
     x: Array
-    """By the state before the step, […, 2n, 2n]."""
+    """∂x′/∂x, x being the state before the step, […, 2n, 2n]."""
     u: Array
-    """By the force held over the step, […, 2n, n]."""
+    """∂x′/∂u, u being the force held over the step, […, 2n, n]."""
 
 
 class Model:
