@@ -7,6 +7,13 @@ const int32_t machine_zero[MACHINE_N] = {0, 0};
 /* Encoders that forget whole turns: none here, as counters keep them. */
 static const uint8_t forgets_turns[MACHINE_N] = {0};
 
+int32_t machine_count(int32_t total, int32_t reading, int32_t range) {
+    int32_t moved = (reading - total) % range;
+    if (moved < -range / 2) moved += range;
+    if (moved >= range / 2) moved -= range;
+    return total + moved;
+}
+
 leastaction_status machine_begin(machine *it) {
     leastaction_status status =
         leastaction_load(&it->model, sizeof it->model, LEASTACTION_ABI, machine_model, machine_model_bytes, NULL, NULL);

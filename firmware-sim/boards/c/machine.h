@@ -32,6 +32,9 @@ typedef struct {
     uint32_t readings, tick;
 } machine;
 
+/* All counts of an encoder whose counter forgets rounds of `range` counts, from those before and a reading: it moved by less than half a round. */
+int32_t machine_count(int32_t total, int32_t reading, int32_t range);
+
 /* Loads model and plan; a status says what is wrong with them, leastaction_message in words. */
 leastaction_status machine_begin(machine *it);
 

@@ -37,7 +37,8 @@ pub const fn blank_nodes<const N: usize, const D: usize>() -> Nodes<N, D> {
 ///
 /// A control is a command minus the one that holds the mechanism at the goal, so that holding costs nothing. A coordinate whose limit is 0
 /// has no control. Every decision begins with the last motion and takes another one that costs less: the regulator at the goal, the rest of
-/// a plan, and commands at random. Among several plans, the one that passes nearest to the state is taken, from its nearest point. The motion ends with the regulator's cost to go.
+/// a plan, and commands at random. Among several plans, the one that passes nearest to the state is taken, from its nearest point. The motion
+/// ends with the regulator's cost to go.
 ///
 /// From a state from which no motion can be computed, the last one is followed by its gains to its end ([`Mode::Track`]); after it, or
 /// without one, the mechanism is held against gravity with damping ([`Mode::Float`]); if the model cannot do that either, the firmware
@@ -53,8 +54,6 @@ pub struct Mpc<'p, const N: usize, const D: usize> {
     cost: Cost<f32, D, N>,
     horizon: Horizon<f32, D, N>,
     plans: Plans<'p, N>,
-    /// Conversion between the plans' commands and forces.
-    planned: Drive<N>,
     nodes: &'p mut Nodes<N, D>,
     progress: Option<Progress<f32, D>>,
     /// Number of ticks since the last decision.
@@ -74,8 +73,8 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
     /// # Errors
     /// Settings out of range ([`SetupError::OutOfRange`]), also a goal that takes more than the actuators' limits, or at which the held model
     /// accelerates by more than a quarter of the tolerance of velocities in a second, and a stride that a model does not have that learned
-    /// its own step; [`SetupError::SingularInertia`]; [`SetupError::NotStabilisable`] if no feedback holds
-    /// the model at the goal; [`SetupError::NoPlan`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
+    /// its own step; [`SetupError::SingularInertia`]; [`SetupError::NotStabilisable`] if no feedback holds the model at the goal;
+    /// [`SetupError::NoPlan`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
     pub fn new<M: Mechanism<N>>(
         model: &M,
         settings: MpcSettings<N>,
@@ -98,8 +97,7 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
             hold,
             cost: settings.cost(tick, program.angle, &actuator.drive),
             horizon: Horizon { ticks, iterations, trials, penalty: 1.0, terminal: None },
-            plans: if settings.plan.is_some() { plans } else { Plans::new() },
-            planned: settings.plan.unwrap_or(Drive::ideal()),
+            plans,
             nodes,
             progress: None,
             elapsed: 0,
@@ -210,13 +208,14 @@ impl<'p, const N: usize, const D: usize> Mpc<'p, N, D> {
 
     /// Controls of a plan from the point nearest to the state, in deviations of equal weight, and the number of nodes up to its end.
     fn rest_of_plan(&self, x: &[f32; D]) -> Option<([[f32; N]; NODES], usize)> {
+        let planned = self.settings.plan?;
         let points = self.plans.iter().flat_map(|plan| starts(plan).map(move |tick| (plan, tick)));
         let distances = points.map(|(plan, tick)| (plan, tick, self.distance(x, plan, tick)));
         let (plan, nearest, _) = distances.min_by(|a, b| a.2.total_cmp(&b.2))?;
         let at = |k: usize| nearest.saturating_add(k as u32 * u32::from(self.settings.ticks));
         let known = &self.actuator.drive;
         let control = |k: usize| {
-            let force = self.planned.force(&plan.planned_force(at(k)));
+            let force = planned.force(&plan.planned_force(at(k)));
             add_scaled(&known.command(&force), -1.0, &self.hold)
         };
         let left = (0..NODES).take_while(|k| at(*k) < plan.ticks()).count();

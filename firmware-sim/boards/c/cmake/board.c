@@ -71,11 +71,6 @@ static void drive(float duty) {
     REGISTER(TIM1 + 0x34) = (uint32_t)((duty < 0 ? -duty : duty) * TOP);
 }
 
-/* All counts of an encoder whose counter has 16 bits. */
-static int32_t total(uint32_t timer, int32_t last) {
-    return last + (int16_t)(uint16_t)(REGISTER(timer + 0x24) - (uint32_t)last);
-}
-
 static void start_ticks(float period) {
     REGISTER(SYSTICK + 4) = (uint32_t)(period * clock) - 1;
     REGISTER(SYSTICK + 8) = 0;
@@ -100,8 +95,8 @@ _Noreturn void run(void) {
         while (now == last) __asm__ volatile("wfi");
         uint32_t elapsed = now - last;
         last += elapsed;
-        counts[0] = total(TIM3, counts[0]);
-        counts[1] = total(TIM4, counts[1]);
+        counts[0] = machine_count(counts[0], (int32_t)REGISTER(TIM3 + 0x24), 1 << 16);
+        counts[1] = machine_count(counts[1], (int32_t)REGISTER(TIM4 + 0x24), 1 << 16);
         leastaction_status status = machine_tick(&loop, elapsed, counts, &duty);
         drive(duty);
         write(GPIOA, 5, status == LEASTACTION_STATUS_OK);

@@ -1,5 +1,5 @@
 /* The templates' loop around a simulated machine, on a desk and on an emulated Cortex-M4F: the model itself, stepped by the library, with
- * encoders that count, a drive that acts one tick late, and a start 2 cm and 0.02 rad off the plan's. Prints a hash of all numbers. */
+ * encoders whose counters have 16 bits, a drive that acts one tick late, and a start 2 cm and 0.02 rad off the plan's. Prints a hash of all numbers. */
 #include "../machine.h"
 #include "example.h"
 
@@ -37,14 +37,14 @@ static leastaction_status begin(void) {
 
 int main(void) {
     float q[MACHINE_N], goal[MACHINE_N], v[MACHINE_N], u[MACHINE_N] = {0}, duty = 0, worst = 0;
-    int32_t counts[MACHINE_N];
+    int32_t counts[MACHINE_N] = {0};
     uint64_t hash = HASH;
     leastaction_status status = begin();
     if (status != LEASTACTION_STATUS_OK) return refused("begin", status);
     uint32_t ticks = (uint32_t)(SECONDS / machine_period(&loop));
     for (uint32_t tick = 0; tick < ticks; tick++) {
         if ((status = leastaction_state_q(&simulated, MACHINE_N, q, NULL))) return refused("state", status);
-        for (int i = 0; i < MACHINE_N; i++) counts[i] = count(q[i] / machine_unit[i]) + machine_zero[i];
+        for (int i = 0; i < MACHINE_N; i++) counts[i] = machine_count(counts[i], (count(q[i] / machine_unit[i]) + machine_zero[i]) & 0xffff, 1 << 16);
         u[MACHINE_DRIVEN] = machine_full * duty;
         if ((status = machine_tick(&loop, 1, counts, &duty))) return refused("tick", status);
         if ((status = leastaction_step4(&loop.model, &simulated, machine_period(&loop), u, u, MACHINE_N, NULL, NULL, NULL)))

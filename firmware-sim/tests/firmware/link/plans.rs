@@ -63,23 +63,25 @@ fn a_plan_is_followed_as_it_is_in_place() {
     assert!(firmware.last().command.u.iter().all(|u| *u != 0.0));
 }
 
+/// The refusal of a program over the cart-pole's model and some plans, if it is refused.
+fn refused(program: Program<2>, plans: &[&[u8]]) -> Option<Refusal> {
+    let sent = bytes(&request(&Request::Begin(program)).unwrap());
+    let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
+    let words = in_flash(&[&[&CARTPOLE_FILE.0[..]], plans].concat());
+    assert_eq!(
+        serve::<_, 32, 2>(&mut script, Flash(Files(&words)), &mut Workspace::new(), "tester"),
+        Err(Silence)
+    );
+    match parse_answer::<2>(frames(&script.said)[0].as_ref().unwrap()) {
+        Ok(Answer::Refused(refusal)) => Some(refusal),
+        _ => None,
+    }
+}
+
 #[test]
 fn plans_that_cannot_be_followed_are_refused_with_their_reason() {
     let program = following(program());
     let model = fingerprint(&CARTPOLE_FILE.0).unwrap();
-    let refused = |program: Program<2>, plans: &[&[u8]]| {
-        let sent = bytes(&request(&Request::Begin(program)).unwrap());
-        let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
-        let words = in_flash(&[&[&CARTPOLE_FILE.0[..]], plans].concat());
-        assert_eq!(
-            serve::<_, 32, 2>(&mut script, Flash(Files(&words)), &mut Workspace::new(), "tester"),
-            Err(Silence)
-        );
-        match parse_answer::<2>(frames(&script.said)[0].as_ref().unwrap()) {
-            Ok(Answer::Refused(refusal)) => Some(refusal),
-            _ => None,
-        }
-    };
     let plan = |model: u32, h: f32, angle: bool| resting((model, h), ([0.0; 2], angle), &[0, 1], [0.0; 3]);
     let whole = plan(model, program.tick, false);
     assert_eq!(refused(program, &[whole.bytes()]), None);
@@ -147,14 +149,7 @@ fn decisions_choose_from_several_plans_as_they_do_in_place() {
 fn plans_of_decisions_are_refused_with_their_reason() {
     let refused = |plans: &[Written]| {
         let files: Vec<_> = plans.iter().map(Written::bytes).collect();
-        let words = in_flash(&[&[&CARTPOLE_FILE.0[..]], &files[..]].concat());
-        let heard = bytes(&request(&Request::Begin(deciding())).unwrap());
-        let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
-        let _ = serve::<_, 32, 2>(&mut script, Flash(Files(&words)), &mut Workspace::new(), "tester");
-        match parse_answer::<2>(frames(&script.said)[0].as_ref().unwrap()) {
-            Ok(Answer::Refused(refusal)) => Some(refusal),
-            _ => None,
-        }
+        self::refused(deciding(), &files)
     };
     let many = |count: usize| (0..count).map(|_| pushed(0.0, 0.0)).collect::<Vec<_>>();
     assert_eq!(refused(&[]), Some(Refusal::NoPlan));

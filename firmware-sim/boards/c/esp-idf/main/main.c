@@ -30,10 +30,7 @@ static bool read(i2c_master_dev_handle_t encoder, int32_t *total) {
     const uint8_t angle = 0x0e;
     uint8_t bytes[2];
     if (i2c_master_transmit_receive(encoder, &angle, 1, bytes, 2, 2) != ESP_OK) return false;
-    int32_t moved = (((bytes[0] & 0xf) << 8 | bytes[1]) - *total) % TURN;
-    if (moved < -TURN / 2) moved += TURN;
-    if (moved >= TURN / 2) moved -= TURN;
-    *total += moved;
+    *total = machine_count(*total, (bytes[0] & 0xf) << 8 | bytes[1], TURN);
     return true;
 }
 

@@ -24,11 +24,7 @@ static bool read(const struct device *encoder, int32_t *total) {
     struct sensor_value angle;
     if (sensor_sample_fetch(encoder) || sensor_channel_get(encoder, SENSOR_CHAN_ROTATION, &angle)) return false;
     const float degrees = (float)angle.val1 + (float)angle.val2 * 1e-6f;
-    const int32_t count = (int32_t)(degrees * (float)turn / 360 + 0.5f);
-    int32_t moved = (count - *total) % turn;
-    if (moved < -turn / 2) moved += turn;
-    if (moved >= turn / 2) moved -= turn;
-    *total += moved;
+    *total = machine_count(*total, (int32_t)(degrees * (float)turn / 360 + 0.5f), turn);
     return true;
 }
 
