@@ -185,7 +185,7 @@ tool header | diff include/leastaction.h - ||
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 checked=${families/ graph / graph graph,rods }
-checked=${checked/ bodies / bodies bodies,friction bodies,networks }
+checked=${checked/ bodies / bodies bodies,friction bodies,networks,servo }
 checked=${checked/ arm / arm arm,friction arm,networks }
 for family in ${checked/ inertia-network / inertia-network inertia-network,friction inertia-network,friction,networks }; do
     features=(--no-default-features --features "$family")

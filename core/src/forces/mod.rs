@@ -2,7 +2,8 @@
 //! the actuator between a command and the acting force.
 //!
 //! The equation of motion is M v̇ = L_q − L_vq v + τ + Q(q, v, τ). τ is the control force at the actuator's output, an input of the
-//! solvers; [`Actuator`] computes it from the commands u. Q may depend on τ: friction grows with the load.
+//! solvers; [`Actuator`] computes it from the commands u. Q may depend on τ: friction grows with the load, and a [`Servo`] takes τ for a
+//! position.
 //!
 //! Several laws act together as a pair `(A, B)`, which is again a law: Q = Q_A + Q_B. Beside friction by formula there are corrections by
 //! networks: [`Dissipation`], which only takes energy away, and [`PotentialCorrection`], which only stores it.
@@ -14,6 +15,7 @@ mod coulomb;
 mod dissipation;
 mod pair;
 mod seen;
+mod servo;
 mod viscous;
 
 pub use actuator::{Actuator, ControlKind};
@@ -22,6 +24,7 @@ pub use correction::PotentialCorrection;
 pub use coulomb::{Coulomb, DryFriction};
 pub use dissipation::Dissipation;
 pub use seen::Seen;
+pub use servo::Servo;
 pub use viscous::Viscous;
 
 use crate::lagrangian::{Energies, Lagrangian};

@@ -19,6 +19,8 @@ pub enum Law {
     Dissipation = 2,
     /// [`PotentialCorrection`](crate::forces::PotentialCorrection): the network's numbers.
     Potential = 3,
+    /// [`Servo`](crate::forces::Servo): k ≥ 0 of each group.
+    Servo = 4,
 }
 
 /// Parameters of dry friction, in the order of a model file; every group has all of them.
@@ -73,7 +75,8 @@ impl FrictionNumber {
 
 impl Law {
     /// All laws, in the order of a file.
-    pub const ALL: [Self; 4] = [Self::Viscous, Self::Coulomb, Self::Dissipation, Self::Potential];
+    pub const ALL: [Self; 5] =
+        [Self::Viscous, Self::Coulomb, Self::Dissipation, Self::Potential, Self::Servo];
 
     /// Name of the law.
     pub const fn name(self) -> &'static str {
@@ -82,6 +85,7 @@ impl Law {
             Self::Coulomb => "coulomb",
             Self::Dissipation => "dissipation",
             Self::Potential => "potential",
+            Self::Servo => "servo",
         }
     }
 
@@ -120,6 +124,12 @@ impl<'a> Laws<'a> {
     #[must_use]
     pub const fn with_potential(self, network: LawNetwork<'a>) -> Self {
         Self { present: self.present | Law::Potential.bit(), potential: Some(network), ..self }
+    }
+
+    /// Adds position servos.
+    #[must_use]
+    pub const fn with_servo(self) -> Self {
+        Self { present: self.present | Law::Servo.bit(), ..self }
     }
 
     /// Reads the laws of a model file: one byte per law, in ascending order. The shape of the law's network, if any,
@@ -174,7 +184,7 @@ impl<'a> Laws<'a> {
         match law {
             Law::Dissipation => self.dissipation,
             Law::Potential => self.potential,
-            Law::Viscous | Law::Coulomb => None,
+            Law::Viscous | Law::Coulomb | Law::Servo => None,
         }
     }
 
@@ -182,7 +192,7 @@ impl<'a> Laws<'a> {
     #[inline(always)]
     pub(super) fn parameters_of(&self, law: Law, groups: usize) -> Option<usize> {
         match law {
-            Law::Viscous => Some(groups),
+            Law::Viscous | Law::Servo => Some(groups),
             Law::Coulomb => groups.checked_mul(FrictionNumber::ALL.len()),
             Law::Dissipation | Law::Potential => self.network(law)?.parameters(law),
         }
@@ -229,6 +239,7 @@ impl<'a> Laws<'a> {
                     require(scales.all(|scale| scale.wide() > 0.0), "scale of a velocity")?;
                 }
                 Law::Potential => {}
+                Law::Servo => require(own.iter().all(|k| k.wide() >= 0.0), "stiffness of a servo")?,
             }
             numbers = rest;
         }

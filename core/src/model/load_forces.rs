@@ -2,7 +2,7 @@
 
 use super::{Law, LawNetwork, Laws, ModelError};
 use crate::expected::expected;
-use crate::forces::{Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Viscous};
+use crate::forces::{Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Servo, Viscous};
 use crate::scalar::{Scalar, WeightFormat};
 
 /// The laws of a file with their numbers; a program takes them one by one.
@@ -128,6 +128,19 @@ impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForce
         let Some(numbers) = laws.take(Law::Coulomb) else { return Ok(Self::none()) };
         let (numbers, _) = numbers.as_chunks();
         Ok(Self { coordinates: groups.map(|group| dry_friction(numbers.get(usize::from(group)))) })
+    }
+}
+
+impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
+    for Servo<S, N>
+{
+    #[inline(always)]
+    fn knows(law: Law) -> bool {
+        law == Law::Servo
+    }
+
+    fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError> {
+        Ok(Self { stiffness: laws.take(Law::Servo).map(|numbers| of_groups(numbers, groups)) })
     }
 }
 

@@ -14,4 +14,5 @@ mod graph_union;
 mod inertia_network;
 mod modular;
 mod network_laws;
+mod servo;
 mod trigonometric;

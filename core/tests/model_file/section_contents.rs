@@ -7,7 +7,7 @@ use crate::common::file::{
 use crate::common::forces::Dry;
 use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
 use leastaction_core::discrete::{Galerkin, Midpoint, Order};
-use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Viscous};
+use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Servo, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{
     ActuatorBytes, FrictionNumber, GraphModel, Header, InertiaNetworkModel, Law, LawNumbers, Laws,
@@ -53,7 +53,7 @@ impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForce
 fn laws_are_known_rising_and_compiled() {
     let file = file::golden();
     let with = |laws: &[u8]| with_content(&file, Section::Forces, laws);
-    for number in [4, 7, 255] {
+    for number in [5, 7, 255] {
         assert_eq!(refusal(&with(&[number])), ModelError::Law { number });
         assert_eq!(refusal(&with(&[0, number])), ModelError::Law { number });
     }
@@ -106,6 +106,27 @@ fn dry_friction_is_what_was_written() {
         DryCartpole::load(alone.bytes()).unwrap().system.forces,
         (Viscous::none(), model.system.forces.1)
     );
+}
+
+/// Servos follow every other law in the file; a program without them refuses it.
+#[test]
+fn servos_are_what_was_written() {
+    let header = Header { laws: HEADER.laws.with_servo(), ..HEADER };
+    let write =
+        |k: [f32; 2]| Aligned::new(&file::write(header, &[&file::weights(&CARTPOLE), &k[..]].concat()));
+    type Driven<'a> = CartpoleUnder<'a, (Viscous<f32, 2>, Servo<f32, 2>)>;
+    let whole = write([17.0, 3.5]);
+    let model = Driven::load(whole.bytes()).unwrap();
+    assert_eq!(model.system.forces.1.stiffness, Some([17.0, 3.5]));
+    assert_eq!(model.system.forces.0.coefficients, [0.125; 2]);
+    assert_eq!(Cartpole::load(whole.bytes()).map(|_| ()), Err(ModelError::Law { number: 4 }));
+    assert!(ModelError::Law { number: 4 }.to_string().contains("servo"));
+    let damped = Aligned::new(&file::golden());
+    assert_eq!(Driven::load(damped.bytes()).unwrap().system.forces.1, Servo::none());
+    for wrong in [-1.0, -1e-30] {
+        let refused = Driven::load(write([2.0, wrong]).bytes()).map(|_| ());
+        assert_eq!(refused, Err(ModelError::OutOfRange { what: "stiffness of a servo" }));
+    }
 }
 
 /// Dry friction of the modular family has its numbers per element type.

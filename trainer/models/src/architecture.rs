@@ -2,7 +2,7 @@
 
 use crate::bounds::{Bounds, Range};
 use crate::family::Parts;
-use crate::laws::{CoordinateFriction, Corrections, FrictionArchitecture, dry_friction};
+use crate::laws::{CoordinateFriction, Corrections, FrictionArchitecture, Servo, dry_friction};
 use crate::registry::AnyFamily;
 use leastaction_core::model::{Family as FamilyHeader, FrictionNumber, Header, Law, Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
@@ -18,6 +18,9 @@ pub struct Architecture {
     pub friction: FrictionArchitecture,
     /// Correction networks.
     pub corrections: Corrections,
+    /// Servos, whose commands are positions.
+    #[serde(default)]
+    pub servo: Servo,
 }
 
 impl<F: Into<AnyFamily>> From<F> for Architecture {
@@ -26,6 +29,7 @@ impl<F: Into<AnyFamily>> From<F> for Architecture {
             family: family.into(),
             friction: FrictionArchitecture::default(),
             corrections: Corrections::default(),
+            servo: Servo::default(),
         }
     }
 }
@@ -42,10 +46,12 @@ impl Architecture {
         if let Some(law) = laws.iter().next().filter(|_| family.groups() == 0) {
             return Err(ModelError::Law { number: law as u8 });
         }
+        let servo = Servo::from_laws(laws, family.groups(), weights);
+        let weights = without_last(weights, servo.count());
         let corrections = Corrections::from_laws(laws, weights);
-        let weights = weights.get(..weights.len().saturating_sub(corrections.count())).unwrap_or_default();
+        let weights = without_last(weights, corrections.count());
         let friction = FrictionArchitecture::from_laws(laws, family.laws(), family.groups(), weights);
-        Ok(Self { family, friction, corrections })
+        Ok(Self { family, friction, corrections, servo })
     }
 
     /// The word for the mechanisms of the model (tree or graph), and the name of the selected one; `None` for a family
@@ -116,7 +122,7 @@ impl Architecture {
 
     /// Laws of force beside the energies; their numbers are at the end of the weight block.
     pub fn laws(&self) -> Laws<'_> {
-        self.corrections.laws(self.friction_laws())
+        self.servo.laws(self.corrections.laws(self.friction_laws()))
     }
 
     /// Laws of force without a network.
@@ -134,6 +140,11 @@ impl Architecture {
         self.friction_start() + self.friction.count()
     }
 
+    /// Position of the first number of the servos in the weight block.
+    pub fn servo_start(&self) -> usize {
+        self.corrections_start() + self.corrections.count()
+    }
+
     /// Number of entries of the weight block that training changes.
     ///
     /// # Errors
@@ -147,20 +158,20 @@ impl Architecture {
         self.with_laws(self.family.initial_weights(seed), seed)
     }
 
-    /// Appends the given friction numbers and random weights of the correction networks to the family's weights.
+    /// Appends the given numbers of friction and servos and random weights of the correction networks to the family's weights.
     pub fn with_laws(&self, mut weights: Vec<f64>, seed: u64) -> Vec<f64> {
         weights.extend(self.friction.numbers().map(|number| number.value));
         weights.extend(self.corrections.initial_weights(seed));
+        weights.extend(self.servo.stiffness.iter().map(|number| number.value));
         weights
     }
 
     /// Friction of every coordinate at these weights, including the family's own damping; empty if there is no law.
     pub fn friction_of_coordinates(&self, weights: &[f64]) -> Vec<CoordinateFriction> {
         let (laws, groups) = (self.friction_laws(), self.family.groups());
-        let end = weights.len().saturating_sub(self.corrections.count());
-        let start = end.saturating_sub(laws.parameters(groups).unwrap_or(0));
-        let numbers = weights.get(start..end).unwrap_or_default();
-        let mut rest = numbers;
+        let weights = without_last(weights, self.corrections.count() + self.servo.count());
+        let start = weights.len().saturating_sub(laws.parameters(groups).unwrap_or(0));
+        let mut rest = weights.get(start..).unwrap_or_default();
         let mut of_law = |law: Law, each: usize| {
             let count = if laws.contains(law) { each * groups } else { 0 };
             let (own, others) = rest.split_at(count.min(rest.len()));
@@ -177,17 +188,39 @@ impl Architecture {
         coordinates.into_iter().map(of).collect()
     }
 
+    /// Stiffness of the servo of every coordinate at these weights, N/m or N m/rad; empty if commands are forces.
+    pub fn stiffness_of_coordinates(&self, weights: &[f64]) -> Vec<f64> {
+        let numbers = &weights[weights.len().saturating_sub(self.servo.count())..];
+        if numbers.is_empty() {
+            return Vec::new();
+        }
+        let groups = self.family.group_of_coordinates();
+        groups.into_iter().map(|group| numbers.get(group).copied().unwrap_or_default()).collect()
+    }
+
+    /// Unit of the force on a coordinate, or of its command if that is a position.
+    pub fn command_unit(&self, i: usize) -> &'static str {
+        match (self.servo.is_none(), self.coordinates().as_bytes().get(i) == Some(&b't')) {
+            (true, true) => "N",
+            (true, false) => "N m",
+            (false, true) => "m",
+            (false, false) => "rad",
+        }
+    }
+
     /// Positions of the numbers in the weight block that training must leave unchanged.
     pub fn fixed_positions(&self) -> Vec<usize> {
         let friction = self.friction.fixed_positions(self.friction_start());
         let networks = self.corrections.fixed_positions(self.corrections_start());
-        self.family.fixed_positions().into_iter().chain(friction).chain(networks).collect()
+        let servo = self.servo.fixed_positions(self.servo_start());
+        self.family.fixed_positions().into_iter().chain(friction).chain(networks).chain(servo).collect()
     }
 
     /// Ranges, with positions, of the numbers that are learned through free parameters ([`Bounds`]).
     pub fn ranges(&self) -> Vec<(usize, Range)> {
         let friction = self.friction.ranges(self.friction_start());
-        self.family.ranges().into_iter().chain(friction).collect()
+        let servo = self.servo.ranges(self.servo_start());
+        self.family.ranges().into_iter().chain(friction).chain(servo).collect()
     }
 
     /// Ranges of all learned numbers, as the optimisers see them.
@@ -205,15 +238,19 @@ impl Architecture {
     /// # Errors
     /// [`ModelError`] if the shape is inconsistent.
     pub fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
-        let family = self.family.energies()?;
+        let corrected = self.corrections.energies(self.with_friction(self.family.energies()?)?)?;
+        self.servo.energies(corrected, self.family.group_of_coordinates())
+    }
+
+    fn with_friction(&self, family: Box<dyn Energies>) -> Result<Box<dyn Energies>, ModelError> {
         if self.friction.is_none() {
-            return self.corrections.energies(family);
+            return Ok(family);
         }
         let groups = self.family.groups();
         self.friction.check(self.family.laws(), groups)?;
         let beside = self.family.group_of_coordinates();
         let all = WithFriction::new(family, self.friction.laws_beside(), groups, beside);
-        self.corrections.energies(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
+        Ok(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
     }
 
     /// Rods of the selected graph; none for any other family.
@@ -234,4 +271,9 @@ impl Architecture {
             found => Err(ModelError::Shape { what, found, compiled: 0 }),
         }
     }
+}
+
+/// The numbers without the last `count`.
+fn without_last(weights: &[f64], count: usize) -> &[f64] {
+    weights.get(..weights.len().saturating_sub(count)).unwrap_or_default()
 }

@@ -38,22 +38,32 @@ impl Architecture {
         let count = self.parameters().unwrap_or(0);
         let mut names = self.family.number_names();
         let friction = self.friction_names();
-        let networks = self.corrections.count();
-        names.resize(count.saturating_sub(friction.len() + networks), None);
+        let servo = self.servo_names();
+        let beside = self.corrections.count() + servo.len();
+        names.resize(count.saturating_sub(friction.len() + beside), None);
         names.extend(friction.into_iter().map(Some));
-        names.resize(count, None);
+        names.resize(count.saturating_sub(servo.len()), None);
+        names.extend(servo.into_iter().map(Some));
         names
+    }
+
+    /// Names of the stiffnesses of servos.
+    fn servo_names(&self) -> Vec<NumberName> {
+        let unit = |group| if self.letter_of(group) == Some('t') { "N/m" } else { "N m/rad" };
+        let name = |group| named(&self.family.group_name(group), "stiffness of the servo", unit(group));
+        (0..self.servo.count()).map(name).collect()
+    }
+
+    /// Kind of the first coordinate of a group.
+    fn letter_of(&self, group: usize) -> Option<char> {
+        let first = self.family.group_of_coordinates().iter().position(|of| *of == group)?;
+        self.coordinates().chars().nth(first)
     }
 
     /// Names of all friction numbers, the family's own included.
     fn friction_names(&self) -> Vec<NumberName> {
         let (laws, groups) = (self.friction_laws(), self.family.groups());
-        let letters: Vec<char> = self.coordinates().chars().collect();
-        let of_coordinates = self.family.group_of_coordinates();
-        let group = |group: usize| {
-            let first = of_coordinates.iter().position(|of| *of == group);
-            of_friction(&self.family.group_name(group), first.and_then(|first| letters.get(first)).copied())
-        };
+        let group = |group: usize| of_friction(&self.family.group_name(group), self.letter_of(group));
         let all: Vec<[NumberName; 5]> = (0..groups).map(group).collect();
         let mut names = Vec::new();
         if laws.contains(Law::Viscous) {

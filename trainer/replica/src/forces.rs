@@ -1,7 +1,7 @@
 //! Forces of a file, in addition to its Lagrangian.
 
 use crate::{LAYERS, UNITS};
-use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Viscous};
+use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Servo, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
 use std::f32::consts::FRAC_PI_2;
@@ -11,8 +11,10 @@ pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
 /// Dissipation and a potential by networks.
 pub type Networks<'f, const N: usize> =
     (Dissipation<'f, f32, N, UNITS, LAYERS>, PotentialCorrection<'f, f32, N, UNITS, LAYERS>);
+/// Friction and networks.
+pub type WithNetworks<'f, const N: usize> = (Friction<N>, Networks<'f, N>);
 /// Every law that a file can have.
-pub type AllForces<'f, const N: usize> = (Friction<N>, Networks<'f, N>);
+pub type AllForces<'f, const N: usize> = (WithNetworks<'f, N>, Servo<f32, N>);
 
 /// The laws of force of any file, computed exactly as by a program that is compiled only for the laws of that file.
 #[derive(Clone, Debug)]
@@ -22,6 +24,10 @@ pub enum ForcesOf<'f, const N: usize> {
     /// Viscous damping and dry friction.
     Friction(Friction<N>),
     /// Damping, dry friction and networks.
+    Networks(Box<WithNetworks<'f, N>>),
+    /// Damping, dry friction and servos.
+    Servo(Box<(Friction<N>, Servo<f32, N>)>),
+    /// Damping, dry friction, networks and servos.
     All(Box<AllForces<'f, N>>),
 }
 
@@ -31,6 +37,14 @@ macro_rules! with_law {
         match $self {
             Self::Viscous($law) => $do,
             Self::Friction($law) => $do,
+            Self::Networks(all) => {
+                let $law = &**all;
+                $do
+            }
+            Self::Servo(all) => {
+                let $law = &**all;
+                $do
+            }
             Self::All(all) => {
                 let $law = &**all;
                 $do
@@ -44,7 +58,9 @@ impl<const N: usize> ForcesOf<'_, N> {
     pub fn damping(&self) -> [f32; N] {
         match self {
             Self::Viscous(viscous) | Self::Friction((viscous, _)) => viscous.coefficients,
-            Self::All(all) => all.0.0.coefficients,
+            Self::Networks(all) => all.0.0.coefficients,
+            Self::Servo(all) => all.0.0.coefficients,
+            Self::All(all) => all.0.0.0.coefficients,
         }
     }
 
@@ -59,7 +75,9 @@ impl<const N: usize> ForcesOf<'_, N> {
         let dry = match &mut spread_forces {
             Self::Viscous(_) => return spread_forces,
             Self::Friction((_, dry)) => dry,
-            Self::All(all) => &mut all.0.1,
+            Self::Networks(all) => &mut all.0.1,
+            Self::Servo(all) => &mut all.0.1,
+            Self::All(all) => &mut all.0.0.1,
         };
         for (friction, spread) in dry.coordinates.iter_mut().zip(spread) {
             friction.width = friction.width.hypot(FRAC_PI_2.sqrt() * spread);
@@ -75,8 +93,12 @@ impl<'f, const N: usize> LoadForces<'f, f32, f32, N> for ForcesOf<'f, N> {
 
     fn take(laws: &mut LawNumbers<'_, 'f, f32>, groups: &[u8; N]) -> Result<Self, ModelError> {
         let present = laws.laws();
-        if present.contains(Law::Dissipation) || present.contains(Law::Potential) {
-            return Ok(Self::All(Box::new(AllForces::take(laws, groups)?)));
+        let networks = present.contains(Law::Dissipation) || present.contains(Law::Potential);
+        match (networks, present.contains(Law::Servo)) {
+            (true, true) => return Ok(Self::All(Box::new(LoadForces::take(laws, groups)?))),
+            (true, false) => return Ok(Self::Networks(Box::new(LoadForces::take(laws, groups)?))),
+            (false, true) => return Ok(Self::Servo(Box::new(LoadForces::take(laws, groups)?))),
+            (false, false) => {}
         }
         if present.contains(Law::Coulomb) {
             return Ok(Self::Friction(Friction::take(laws, groups)?));

@@ -35,7 +35,7 @@ pub use control::{Control, Step};
 pub use error::ReplicaError;
 pub use evaluator::Evaluator;
 pub use file::ModelFile;
-pub use forces::{AllForces, ForcesOf, Friction, Networks};
+pub use forces::{AllForces, ForcesOf, Friction, Networks, WithNetworks};
 pub use motion::Motion;
 pub use particles::ParticleSystem;
 pub use replica::Replica;

@@ -53,10 +53,16 @@ type Friction = leastaction_core::forces::Viscous<f32, N>;
 type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
 
 /// Laws of force that the library is built for.
+#[cfg(not(any(feature = "servo", feature = "graph")))]
+type Laws = Beside;
+#[cfg(feature = "servo")]
+type Laws = (Beside, leastaction_core::forces::Servo<f32, N>);
+
+/// Laws beside servos.
 #[cfg(not(any(feature = "networks", feature = "graph")))]
-type Laws = Friction;
+type Beside = Friction;
 #[cfg(feature = "networks")]
-type Laws = (
+type Beside = (
     Friction,
     (
         leastaction_core::forces::Dissipation<'static, Weight, N, H, L>,

@@ -19,7 +19,7 @@ use crate::data::{Dataset, MIN_SAMPLES};
 use crate::torques::SplitErrors;
 use crate::training::{LossKind, Progress};
 use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, first_guess};
-use checks::{check_coordinates, check_gauge, check_state_noise, check_torque_calibration};
+use checks::{check_coordinates, check_gauge, check_servo, check_state_noise, check_torque_calibration};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::config::{Origin, Source};
@@ -90,6 +90,7 @@ impl Plan {
         let loss = settle_loss(&mut config, &architecture, &data, &mut notices);
         check_state_noise(&config.training, loss)?;
         check_torque_calibration(&config, &architecture, loss)?;
+        check_servo(&architecture, loss)?;
         let mut given = initial.clone();
         let training = match scope {
             Scope::Whole => {
@@ -224,7 +225,9 @@ impl Plan {
 
 /// Whether a known force acts; known friction counts as a known force.
 pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
-    data.is_forced() || architecture.friction.shows_scale()
+    // The force of a servo of unknown stiffness is not known.
+    let is_known = architecture.servo.is_none() && data.is_forced();
+    is_known || architecture.servo.shows_scale() || architecture.friction.shows_scale()
 }
 
 /// Least number of samples of a trajectory that the loss can learn from: those of a window.
@@ -262,7 +265,7 @@ fn begin_windows(
     (stages, windows, mut initial): (&[Stage], &Windowed, Vec<f64>),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<f64>, PlanError> {
-    if let Some(arm) = architecture.family.arm() {
+    if let Some(arm) = architecture.family.arm().filter(|_| architecture.servo.is_none()) {
         let fitted = torques::fitted((architecture, arm), &initial, (data, training), config)?;
         initial = fitted.weights;
         notices.push(Notice::Torques(fitted.report));
@@ -305,7 +308,9 @@ fn loss_of(config: &Config, architecture: &Architecture, data: &Dataset) -> (Tra
     let training = &config.training;
     let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);
     let of_torques = architecture.family.arm().map(|_| TrainingLoss::Torque);
-    if let Some(loss) = training.loss.or(of_noise).or(of_torques) {
+    // Nothing tells the force of a servo at a sample, only where it moves the joints.
+    let of_servos = (!architecture.servo.is_none()).then_some(TrainingLoss::Windows);
+    if let Some(loss) = training.loss.or(of_noise).or(of_servos).or(of_torques) {
         return (loss, None);
     }
     let takes_windows = architecture.has_steps() && training.optimiser == OptimiserKind::LevenbergMarquardt;

@@ -34,8 +34,8 @@ pub struct LinearStart {
     pub shows_scale: bool,
 }
 
-/// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Any other
-/// family keeps its initial weights.
+/// Weights of planar bodies or of an arm that balance logged torques: at every state M v̇ + L_vq v − L_q − Q ≈ τ. Any other family keeps
+/// its initial weights. For an arm, whose scale must be known, these are Gauss–Newton iterations alone.
 ///
 /// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in the
 /// friction numbers b, c and c_load. These are fitted with lengths and the width of friction held fixed, and then
@@ -49,7 +49,14 @@ pub struct LinearStart {
 pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<LinearStart, ModelError> {
     let initial = architecture.initial_weights(0);
     let Some(bodies) = architecture.family.bodies() else {
-        return Ok(LinearStart { weights: initial, shows_scale: true });
+        let weights = match architecture.family.arm() {
+            Some(_) => {
+                let objective = balance(architecture, states)?;
+                Levenberg::new(&objective, initial).run(&objective, ROUNDS * ITERATIONS, |_, _| {}).weights
+            }
+            None => initial,
+        };
+        return Ok(LinearStart { weights, shows_scale: true });
     };
     let objective = with_held_scale(balance(architecture, states)?, (architecture, bodies), &initial);
     let mut state = Levenberg::new(&objective, initial);
@@ -228,16 +235,16 @@ impl Body {
     }
 }
 
-/// All numbers in which the balance is linear: those of the bodies, then those of friction.
+/// All numbers in which the balance is linear: those of the bodies, then those of friction and servos.
 fn linear_numbers(architecture: &Architecture, bodies: &BodiesArchitecture, weights: &[f64]) -> Vec<Linear> {
     let mut linear: Vec<Linear> = Body::all(bodies, weights).iter().flat_map(Body::linear).collect();
     let of = |(at, size): (usize, f64)| Linear { slopes: vec![(at, 1.0)], value: weights[at], size };
-    linear.extend(of_friction(architecture).into_iter().map(of));
+    linear.extend(of_laws(architecture).into_iter().map(of));
     linear
 }
 
-/// Positions and initial values of the learned b, c and c_load of friction.
-fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
+/// Positions and initial values of the learned b, c and c_load of friction, then of the learned k of servos.
+fn of_laws(architecture: &Architecture) -> Vec<(usize, f64)> {
     let (laws, start) = (architecture.laws(), architecture.friction_start());
     let viscous = if laws.contains(Law::Viscous) { architecture.friction.viscous.len() } else { 0 };
     let is_linear = |i: usize| {
@@ -246,7 +253,9 @@ fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     };
     let learned = architecture.friction.numbers().enumerate().filter(|(_, number)| number.learned);
     let linear = learned.filter(|(i, _)| is_linear(*i));
-    linear.map(|(i, number)| (start + i, number.value)).collect()
+    let servo = (architecture.servo_start()..).zip(&architecture.servo.stiffness);
+    let servo = servo.filter(|(_, number)| number.learned).map(|(at, number)| (at, number.value));
+    linear.map(|(i, number)| (start + i, number.value)).chain(servo).collect()
 }
 
 /// Weights after one Gauss–Newton step in the linear numbers, which solves the linear problem exactly; `None` if the
@@ -258,13 +267,13 @@ fn linear_fit(
     weights: &[f64],
 ) -> Option<Vec<f64>> {
     let step = solved(objective, weights, &linear_numbers(architecture, bodies, weights))?;
-    let (bodies, friction) = (Body::all(bodies, weights), of_friction(architecture));
+    let (bodies, laws) = (Body::all(bodies, weights), of_laws(architecture));
     let (mut steps, mut weights) = (step.into_iter(), weights.to_vec());
     for body in &bodies {
         let moved = body.moved(&mut steps).into_array();
         weights.get_mut(body.start..)?.first_chunk_mut::<BODY_PARAMETERS>()?.copy_from_slice(&moved);
     }
-    for ((at, _), step) in friction.into_iter().zip(steps) {
+    for ((at, _), step) in laws.into_iter().zip(steps) {
         let number = weights.get_mut(at)?;
         *number = (*number + step).max(LEAST_PART * *number);
     }

@@ -5,8 +5,8 @@ use crate::training::{LinearStart, Objective, linear_start};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
 
-/// For rigid bodies, the least-squares fit to smoothed states if it predicts these windows better than `initial`.
-/// Otherwise, and for all other models, `initial`.
+/// For planar bodies, and for arms whose commands are positions, the least-squares fit to smoothed states if it predicts these windows
+/// better than `initial`. Otherwise, and for all other models, `initial`.
 ///
 /// # Errors
 /// See [`linear_start`].
@@ -16,7 +16,8 @@ pub fn first_guess(
     initial: Vec<f64>,
     windows: &dyn Objective,
 ) -> Result<LinearStart, ModelError> {
-    if architecture.family.bodies().is_none() {
+    let is_servo_arm = architecture.family.arm().is_some() && !architecture.servo.is_none();
+    if architecture.family.bodies().is_none() && !is_servo_arm {
         return Ok(LinearStart { weights: initial, shows_scale: true });
     }
     let guess = linear_start(architecture, logs.smoothed().each_ref().map(Vec::as_slice))?;

@@ -21,7 +21,7 @@ const N: usize = 3;
 const H: f64 = 0.01;
 
 /// Three links, the second on an oblique axis, the last on a sliding joint; `mass` is that of the first.
-fn description(mass: f64) -> String {
+pub fn description(mass: f64) -> String {
     let link = |k: usize, mass: f64, i: f64| {
         format!(
             "<link name=\"link{k}\"><inertial><origin xyz=\"0.05 0.02 0.1\"/><mass value=\"{mass}\"/><inertia ixx=\"{i}\" \
@@ -43,7 +43,7 @@ fn description(mass: f64) -> String {
     format!("<robot name=\"r\"><link name=\"link0\"/>{links}{joints}</robot>")
 }
 
-fn write(folder: &Path, text: &str) {
+pub fn write(folder: &Path, text: &str) {
     std::fs::write(folder.join("robot.urdf"), text).unwrap();
 }
 

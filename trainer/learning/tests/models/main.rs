@@ -16,6 +16,7 @@ mod graphs;
 mod next_state;
 mod page;
 mod rods;
+mod servo;
 mod start_from;
 mod trees;
 mod windows;

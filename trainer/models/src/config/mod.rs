@@ -17,7 +17,9 @@ pub use crate::graph::config::{
 pub use crate::inertia_network::config::{InertiaKind, InertiaNetworkConfig};
 pub use crate::inertia_network::coordinates::Coordinates;
 pub use crate::laws::corrections::config::{DissipationConfig, PotentialConfig, ScaleConfig};
-pub use crate::laws::friction::config::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
+pub use crate::laws::friction::config::FrictionConfig;
+pub use crate::laws::numbers::{GroupNumber, GroupNumbers};
+pub use crate::laws::servo::config::ServoConfig;
 pub use crate::modular::config::{
     Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig,
 };

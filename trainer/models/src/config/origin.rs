@@ -3,6 +3,7 @@
 use super::place::ShapeError;
 use super::problem::Problem;
 use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
+use crate::laws::servo::Servo;
 use crate::model::Model;
 use crate::number::Number;
 use leastaction_core::model::FrictionNumber;
@@ -71,8 +72,19 @@ impl Origin {
         )
     }
 
-    /// Sets the learned friction numbers to those of this model, if it has any.
-    pub fn set_friction(&self, friction: &mut FrictionArchitecture) {
+    /// Sets the learned numbers of friction and servos to those of this model, if it has any.
+    pub fn set_laws(&self, friction: &mut FrictionArchitecture, servo: &mut Servo) {
+        self.set_friction(friction);
+        let stiffness =
+            &self.0.weights[self.0.weights.len().saturating_sub(self.0.architecture.servo.count())..];
+        for (number, before) in servo.stiffness.iter_mut().zip(stiffness) {
+            if number.learned && *before > 0.0 {
+                number.value = *before;
+            }
+        }
+    }
+
+    fn set_friction(&self, friction: &mut FrictionArchitecture) {
         let set = |number: &mut Number, value: f64| {
             if number.learned && value > 0.0 {
                 number.value = value;

@@ -132,9 +132,9 @@ pub enum Problem {
         /// Number of dimensions of space.
         needed: usize,
     },
-    /// A number of friction entries other than the number of groups of coordinates.
+    /// A number of entries of a law other than the number of groups of coordinates.
     #[error("`{key}` has {found} numbers; it must have {needed}, one for each {what}, or one alone for all")]
-    FrictionCount {
+    GroupCount {
         /// The key.
         key: &'static str,
         /// Number of entries given.
@@ -150,6 +150,11 @@ pub enum Problem {
         /// The key.
         key: &'static str,
     },
+    /// Friction that grows with the load in a model whose commands are positions.
+    #[error(
+        "friction that grows with the load needs forces as commands, and with `servo` they are positions; leave `load` out"
+    )]
+    LoadOfServo,
     /// Viscous damping given by two keys.
     #[error("viscous damping is given by `{key}` too; leave one of them out")]
     DampingTwice {

@@ -56,6 +56,9 @@ fn constant_type(model: &Model) -> Result<ConstantType, ConstantsError> {
     if laws.contains(Law::Dissipation) || laws.contains(Law::Potential) {
         return Err(ConstantsError::Unsupported { what: "a law of force with a network" });
     }
+    if laws.contains(Law::Servo) {
+        return Err(ConstantsError::Unsupported { what: "a servo" });
+    }
     model.architecture.family.constant_type().map_err(|what| ConstantsError::Unsupported { what })
 }
 

@@ -125,7 +125,16 @@ impl ForcesType {
 
     /// Name of the type.
     pub(super) fn name(&self) -> &'static str {
-        if self.has_networks() { "Forces" } else { "Friction" }
+        if self.has_networks() || self.has(Law::Servo) { "Forces" } else { "Friction" }
+    }
+
+    /// Laws without networks, in words.
+    fn words(&self) -> &'static str {
+        match (self.has(Law::Coulomb), self.has(Law::Servo)) {
+            (_, false) => "Viscous damping and dry friction",
+            (true, true) => "Viscous damping, dry friction and servos",
+            (false, true) => "Viscous damping and servos",
+        }
     }
 
     pub(super) fn imports(&self) -> String {
@@ -133,6 +142,7 @@ impl ForcesType {
             (self.has(Law::Coulomb), "Coulomb"),
             (self.has(Law::Dissipation), "Dissipation"),
             (self.has(Law::Potential), "PotentialCorrection"),
+            (self.has(Law::Servo), "Servo"),
             (true, "Viscous"),
         ];
         names
@@ -153,6 +163,9 @@ impl ForcesType {
         for (_, name) in networks.into_iter().filter(|(law, _)| self.has(*law)) {
             text = format!("({text}, {name}<'static, {}, M, LAW_H, LAW_L>)", self.weight);
         }
+        if self.has(Law::Servo) {
+            text = format!("({text}, Servo<f32, M>)");
+        }
         text
     }
 }
@@ -161,7 +174,7 @@ impl ForcesType {
 pub(super) fn write_forces(to: &mut String, model: &Model) -> fmt::Result {
     let Some(forces) = ForcesType::of(model) else { return Ok(()) };
     if !forces.has_networks() {
-        writeln!(to, "\n/// Viscous damping and dry friction of M coordinates.")?;
+        writeln!(to, "\n/// {} of M coordinates.", forces.words())?;
     } else {
         let corrections = &model.architecture.corrections;
         let widest = corrections.widths().max().unwrap_or(0);

@@ -13,6 +13,8 @@ use crate::laws::corrections::Corrections;
 use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
 use crate::laws::friction::FrictionArchitecture;
 use crate::laws::friction::config::FrictionConfig;
+use crate::laws::servo::Servo;
+use crate::laws::servo::config::ServoConfig;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -60,6 +62,9 @@ pub struct InertiaNetworkConfig {
     /// Friction of the coordinates, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// Servos, whose commands are positions. By default commands are forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoConfig>,
     /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
@@ -93,6 +98,7 @@ impl InertiaNetworkConfig {
             damping: false,
             start_from: None,
             friction: FrictionConfig::default(),
+            servo: None,
             dissipation: None,
             potential: None,
         }
@@ -114,7 +120,7 @@ impl InertiaNetworkConfig {
                 Inertia::Factor { rows, epsilon: self.epsilon }
             }
         };
-        let (friction, corrections) = self.laws()?;
+        let (friction, corrections, servo) = self.laws()?;
         let family = InertiaNetworkArchitecture {
             widths: hidden.clone(),
             activation: *activation,
@@ -122,29 +128,30 @@ impl InertiaNetworkConfig {
             damped: *damping,
             ..plain
         };
-        Ok(Architecture { family: family.into(), friction, corrections })
+        Ok(Architecture { family: family.into(), friction, corrections, servo })
     }
 
     /// Returns the shape with the friction numbers of the model to start from. If the configuration has neither a
     /// `friction` nor a `damping` key, the kind of friction is taken from that model, too.
     fn begun(&self, mut architecture: Architecture, origin: Option<&Origin>) -> Architecture {
         match origin {
-            Some(origin) if self.friction.is_none() && !self.damping => {
+            Some(origin) if self.friction.is_none() && !self.damping && self.servo.is_none() => {
                 architecture.friction = origin.friction_to_learn();
             }
-            Some(origin) => origin.set_friction(&mut architecture.friction),
+            Some(origin) => origin.set_laws(&mut architecture.friction, &mut architecture.servo),
             None => {}
         }
         architecture
     }
 
-    /// Returns the friction of the coordinates and the correction networks.
-    fn laws(&self) -> Result<(FrictionArchitecture, Corrections), ShapeError> {
+    /// Returns the friction of the coordinates, the correction networks and the servos.
+    fn laws(&self) -> Result<(FrictionArchitecture, Corrections, Servo), ShapeError> {
         self.friction.check_damping("damping", self.damping)?;
         let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
         let known = Known { letters: &letters, common: letters.len() };
-        let friction = self.friction.assemble(letters.len(), "coordinate")?;
-        Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
+        let mut friction = self.friction.assemble(letters.len(), "coordinate")?;
+        let servo = ServoConfig::assemble(self.servo.as_ref(), (letters.len(), "coordinate"), &mut friction)?;
+        Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?, servo))
     }
 
     /// Returns the inertia with the requested number of rows.

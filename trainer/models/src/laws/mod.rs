@@ -3,8 +3,11 @@
 mod actuator;
 pub mod corrections;
 pub mod friction;
+pub(crate) mod numbers;
+pub mod servo;
 
 pub use actuator::Actuator;
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 pub(crate) use friction::dry_friction;
 pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTHS};
+pub use servo::Servo;

@@ -52,10 +52,11 @@ impl<'m> Words<'m> {
 
     /// Unit of the command of coordinate i. Commands that an actuator turns into forces have a unit of their own.
     pub fn force_unit(&self, i: usize) -> &'static str {
-        match (self.machine.model.facts.actuator.gain(i) == 1.0, self.is_translation(i)) {
-            (false, _) => "units of the command",
-            (true, true) => "N",
-            (true, false) => "N m",
+        let model = &self.machine.model;
+        if model.facts.actuator.gain(i) == 1.0 {
+            model.architecture.command_unit(i)
+        } else {
+            "units of the command"
         }
     }
 

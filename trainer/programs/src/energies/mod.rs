@@ -9,6 +9,7 @@ mod law_networks;
 mod modular;
 mod network;
 mod offsets;
+mod servo;
 
 pub use arm::{ArmEnergies, ArmJoint};
 pub use bodies::BodiesEnergies;
@@ -19,6 +20,7 @@ pub use law_networks::{LawNetwork, WithNetworks};
 pub use modular::ModularEnergies;
 pub use network::Network;
 pub use offsets::WithOffsets;
+pub use servo::WithServo;
 
 use crate::builder::Builder;
 use crate::function::Function;

@@ -14,8 +14,8 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    BodiesHeader, Family, GraphHeader, GraphLayout, Header, InertiaNetworkHeader, Law, LawNetwork, Laws,
-    MAX_GRAPHS, MAX_TREES, ModularHeader, Rod, TrainedStep, TreeHeader, write,
+    BodiesHeader, Family, FrictionNumber, GraphHeader, GraphLayout, Header, InertiaNetworkHeader, Law,
+    LawNetwork, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
@@ -60,7 +60,9 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
     }
     if laws.contains(Law::Coulomb) {
         let each = random.vector(4 * groups, 0.5).into_iter().map(|x| x.abs() + 0.0625);
-        numbers.extend(each);
+        // Friction cannot grow with a position.
+        let is_load = |k: usize| laws.contains(Law::Servo) && k % 4 == FrictionNumber::Load as usize;
+        numbers.extend(each.enumerate().map(|(k, x)| if is_load(k) { 0.0 } else { x }));
     }
     for law in [Law::Dissipation, Law::Potential] {
         let Some(network) = laws.network(law) else { continue };
@@ -69,6 +71,9 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
         }
         let count = network.network(law).unwrap().parameters().unwrap();
         numbers.extend(random.vector(count, 0.5));
+    }
+    if laws.contains(Law::Servo) {
+        numbers.extend(random.vector(groups, 2.0).into_iter().map(f32::abs));
     }
     numbers
 }

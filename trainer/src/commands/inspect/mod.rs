@@ -56,6 +56,9 @@ struct Report {
     /// The network that is added to the potential, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     potential: Option<NetworkReport>,
+    /// Stiffness of the servo of every coordinate, N/m or N m/rad, if commands are positions; else empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    servo: Vec<f64>,
     /// The actuator between command and force; `None` if it is ideal.
     #[serde(skip_serializing_if = "Option::is_none")]
     actuator: Option<ActuatorReport>,
@@ -124,6 +127,7 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
             .as_ref()
             .map(|of| NetworkReport::of(&of.network, &of.scales)),
         potential: architecture.corrections.potential.as_ref().map(|of| NetworkReport::of(of, &[])),
+        servo: architecture.stiffness_of_coordinates(&model.weights),
         actuator: ActuatorReport::of(&model),
         parameters: model.weights.len(),
         weight_bits: model.precision.bits(),
@@ -236,6 +240,10 @@ impl fmt::Display for Report {
         for (name, network) in [("dissipation", &self.dissipation), ("potential beside it", &self.potential)]
         {
             network.iter().try_for_each(|network| line(f, name, &network.to_string()))?;
+        }
+        if !self.servo.is_empty() {
+            line(f, "commands", "positions, m or rad: the force of the drive is k (u - q)")?;
+            line(f, "stiffness k", &format!("{:.4?} N/m or N m/rad", self.servo))?;
         }
         self.actuator.iter().try_for_each(|actuator| line(f, "actuator", &actuator.to_string()))?;
         line(f, "parameters", &format!("{} of {} bits", self.parameters, self.weight_bits))?;

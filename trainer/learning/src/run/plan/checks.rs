@@ -32,10 +32,17 @@ pub(super) fn check_torque_calibration(
     if is_fit && is_learned { Err(PlanError::TorqueCalibration) } else { Ok(()) }
 }
 
+/// Refuses a loss of torques for a model whose commands are positions.
+pub(super) fn check_servo(architecture: &Architecture, loss: TrainingLoss) -> Result<(), PlanError> {
+    let takes = architecture.servo.is_none() || loss != TrainingLoss::Torque;
+    if takes { Ok(()) } else { Err(PlanError::ServoTorque) }
+}
+
 /// Refuses numbers that free motion does not determine.
 pub(super) fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
     match architecture.family.open_gauge().filter(|_| !forced) {
         None => Ok(()),
+        Some(_) if !architecture.servo.is_none() => Err(PlanError::ServoScale),
         Some(OpenGauge::Masses { types, of }) => Err(PlanError::Masses { types, of }),
         Some(OpenGauge::Torques) => Err(PlanError::NoTorques),
     }

@@ -22,6 +22,19 @@ pub enum PlanError {
          add them under [data.columns]"
     )]
     NoTorques,
+    /// A loss of torques for a model whose commands are positions.
+    #[error(
+        "loss = \"torque\" needs the torques of the drives, and with `servo` the commands are positions; set loss = \"windows\", \
+         which needs positions alone"
+    )]
+    ServoTorque,
+    /// Servos of unknown stiffness move bodies of unknown mass.
+    #[error(
+        "`servo` learns the stiffness and the model learns every body, but positions show only their ratio: a log without torques moves \
+         alike if all masses, friction and stiffnesses are doubled; give one of them, as bodies = \"known\" (of an arm), a known mass, or \
+         servo = {{ stiffness = 17.0, damping = \"learned\" }}"
+    )]
+    ServoScale,
     /// An arm cannot be fitted to the torques.
     #[error("{0}")]
     Fit(#[from] FitError),

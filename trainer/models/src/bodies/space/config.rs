@@ -12,6 +12,7 @@ use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
 use crate::laws::friction::config::FrictionConfig;
+use crate::laws::servo::config::ServoConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use crate::tree::{Body, Joint, LogCholesky, Tree};
@@ -86,6 +87,9 @@ pub struct ArmConfig {
     /// Friction of the joints.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// Servos, whose commands are positions. By default commands are forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoConfig>,
     /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
@@ -115,6 +119,7 @@ impl ArmConfig {
             bodies: LearnedBodies::default(),
             rotors: Learning::Learned,
             friction: FrictionConfig::default(),
+            servo: None,
             dissipation: None,
             potential: None,
         }
@@ -220,10 +225,11 @@ impl ArmConfig {
         notes.extend(thickened);
         let family = self.family(&tree, &learned)?;
         let mut friction = self.friction.assemble(family.n(), "joint")?;
-        origin.iter().for_each(|origin| origin.set_friction(&mut friction));
+        let mut servo = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "joint"), &mut friction)?;
+        origin.iter().for_each(|origin| origin.set_laws(&mut friction, &mut servo));
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
-        Ok((Architecture { family: family.into(), friction, corrections }, notes))
+        Ok((Architecture { family: family.into(), friction, corrections, servo }, notes))
     }
 }
 

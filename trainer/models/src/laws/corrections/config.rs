@@ -110,7 +110,7 @@ impl DissipationConfig {
         };
         if scales.len() != needed {
             let (found, what) = (scales.len(), "coordinate of the network");
-            return Err(Problem::FrictionCount { key: KEY, found, needed, what });
+            return Err(Problem::GroupCount { key: KEY, found, needed, what });
         }
         let checked = scales.iter().map(|scale| Range::ABOVE.number(KEY, *scale, false));
         checked.map(|number| number.map(|number| number.value)).collect()

@@ -78,10 +78,14 @@ impl FrictionArchitecture {
         }
     }
 
+    /// Whether dry friction may grow with the load.
+    pub(crate) fn grows(&self) -> bool {
+        self.dry.iter().any(|[_, load, ..]| load.learned || load.value != 0.0)
+    }
+
     /// Laws of this friction for the host's programs; the load is left out if it is known to have no effect.
     pub(crate) fn laws_beside(&self) -> FrictionLaws {
-        let grows = |[_, load, ..]: &[Number; DRY_NUMBERS]| load.learned || load.value != 0.0;
-        let dry = match (self.dry.is_empty(), self.dry.iter().any(grows)) {
+        let dry = match (self.dry.is_empty(), self.grows()) {
             (true, _) => DryLaw::None,
             (false, false) => DryLaw::Unloaded,
             (false, true) => DryLaw::Loaded,

@@ -76,6 +76,6 @@ impl Assembled {
 
 impl From<Assembled> for Architecture {
     fn from(Assembled { architecture, friction, corrections, .. }: Assembled) -> Self {
-        Self { family: architecture.into(), friction, corrections }
+        Self { friction, corrections, ..Self::from(architecture) }
     }
 }

@@ -23,7 +23,11 @@ impl Source {
     /// known.
     pub fn read(path: &Path, open: Open) -> Result<Self, Problem> {
         let Model { architecture, weights, .. } = open(path).map_err(|message| Problem::From { message })?;
-        let Architecture { family, friction, corrections } = architecture;
+        let Architecture { family, friction, corrections, servo } = architecture;
+        if !servo.is_none() {
+            let message = "its commands are positions, which a model of elements does not take".into();
+            return Err(Problem::From { message });
+        }
         let of_networks = weights.len().saturating_sub(corrections.count());
         let friction = friction.with_numbers(weights.get(..of_networks).unwrap_or_default());
         match family {

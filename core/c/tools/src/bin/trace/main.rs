@@ -33,17 +33,22 @@ type Friction = leastaction_core::forces::Viscous<f32, N>;
 #[cfg(feature = "friction")]
 type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
 
-/// Laws of force that the program is built for.
-#[cfg(not(any(feature = "networks", feature = "graph")))]
-type Laws = Friction;
+/// Laws with networks.
 #[cfg(feature = "networks")]
-type Laws<'w> = (
-    Friction,
-    (
-        leastaction_core::forces::Dissipation<'w, Weight, N, LH, LL>,
-        leastaction_core::forces::PotentialCorrection<'w, Weight, N, LH, LL>,
-    ),
+type Networks<'w> = (
+    leastaction_core::forces::Dissipation<'w, Weight, N, LH, LL>,
+    leastaction_core::forces::PotentialCorrection<'w, Weight, N, LH, LL>,
 );
+
+/// Laws of force that the program is built for.
+#[cfg(not(any(feature = "networks", feature = "servo", feature = "graph")))]
+type Laws = Friction;
+#[cfg(all(feature = "servo", not(feature = "networks")))]
+type Laws = (Friction, leastaction_core::forces::Servo<f32, N>);
+#[cfg(all(feature = "networks", not(feature = "servo")))]
+type Laws<'w> = (Friction, Networks<'w>);
+#[cfg(all(feature = "networks", feature = "servo"))]
+type Laws<'w> = ((Friction, Networks<'w>), leastaction_core::forces::Servo<f32, N>);
 
 type Vector = [f32; N];
 

@@ -8,6 +8,7 @@ use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::laws::corrections::config::{Known, assemble};
+use crate::laws::servo::config::ServoConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
@@ -96,11 +97,12 @@ impl BodiesConfig {
     /// [`ShapeError`]: what is invalid, and where.
     pub(super) fn assemble(&self) -> Result<Architecture, ShapeError> {
         let family = self.tree()?;
-        let friction = self.friction.assemble(family.n(), "body")?;
+        let mut friction = self.friction.assemble(family.n(), "body")?;
+        let servo = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "body"), &mut friction)?;
         let letters = family.coordinates();
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
-        Ok(Architecture { family: family.into(), friction, corrections })
+        Ok(Architecture { family: family.into(), friction, corrections, servo })
     }
 
     /// Returns the tree of these bodies.

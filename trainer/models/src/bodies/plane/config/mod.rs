@@ -11,6 +11,7 @@ use crate::config::origin::Open;
 use crate::config::place::ShapeError;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
+use crate::laws::servo::config::ServoConfig;
 use serde::{Deserialize, Serialize};
 
 /// A tree of rigid bodies on joints, or a chain as a shorthand.
@@ -32,6 +33,9 @@ pub struct BodiesConfig {
     /// Friction of the joints.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// Servos, whose commands are positions. By default commands are forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoConfig>,
     /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
@@ -97,6 +101,7 @@ impl BodiesConfig {
             gear: None,
             bodies: Vec::new(),
             friction: FrictionConfig::default(),
+            servo: None,
             dissipation: None,
             potential: None,
         }

@@ -1,0 +1,97 @@
+//! `servo` of a model whose commands are positions.
+
+use crate::config::parts::Range;
+use crate::config::place::ShapeError;
+use crate::config::problem::Problem;
+use crate::laws::friction::FrictionArchitecture;
+use crate::laws::numbers::{GroupNumber, GroupNumbers, LEARNED, Rule};
+use crate::laws::servo::Servo;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Servos whose commands u are positions: τ = k (u − q) − d v. `servo = "learned"` means that both numbers are learned.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ServoConfig {
+    /// Stiffness k, N/m or N m/rad. (Default: learned, starting at 10.)
+    pub stiffness: GroupNumbers,
+    /// Damping d, N s/m or N m s/rad, which is viscous friction. (Start if learned: 1. Default of a table: that of `friction`.)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<GroupNumbers>,
+}
+
+const STIFFNESS: Rule = rule("stiffness", 10.0);
+const DAMPING: Rule = rule("damping", 1.0);
+
+const fn rule(key: &'static str, default: f64) -> Rule {
+    Rule { table: "servo", key, known: Range::NOT_BELOW, start: Rule::ABOVE, default }
+}
+
+impl ServoConfig {
+    /// Stiffness and damping, both learned.
+    pub fn learned() -> Self {
+        let learned = || GroupNumbers::All(GroupNumber::Learned);
+        Self { stiffness: learned(), damping: Some(learned()) }
+    }
+
+    /// Returns the servos of `groups` groups of coordinates, and adds their damping to the friction; `what` is the word for a group.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: a number out of its range, a list of the wrong length, damping that is also given as friction, or friction that
+    /// grows with the load, which positions as commands do not give.
+    pub(crate) fn assemble(
+        config: Option<&Self>,
+        (groups, what): (usize, &'static str),
+        friction: &mut FrictionArchitecture,
+    ) -> Result<Servo, ShapeError> {
+        let Some(Self { stiffness, damping }) = config else { return Ok(Servo::default()) };
+        if friction.grows() {
+            return Err(STIFFNESS.at(None, Problem::LoadOfServo));
+        }
+        if let Some(damping) = damping {
+            if !friction.viscous.is_empty() {
+                return Err(DAMPING.at(None, Problem::DampingTwice { key: "friction.viscous" }));
+            }
+            friction.viscous = damping.assemble(&DAMPING, groups, what)?;
+        }
+        Ok(Servo { stiffness: stiffness.assemble(&STIFFNESS, groups, what)? })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    stiffness: Option<GroupNumbers>,
+    damping: Option<GroupNumbers>,
+}
+
+struct ConfigVisitor;
+
+impl<'de> Visitor<'de> for ConfigVisitor {
+    type Value = ServoConfig;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("\"learned\", or a table with stiffness and damping")
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<Self::Value, E> {
+        if word == LEARNED {
+            Ok(ServoConfig::learned())
+        } else {
+            Err(E::invalid_value(Unexpected::Str(word), &self))
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        let Table { stiffness, damping } = Table::deserialize(MapAccessDeserializer::new(map))?;
+        let stiffness = stiffness.unwrap_or(GroupNumbers::All(GroupNumber::Learned));
+        Ok(ServoConfig { stiffness, damping })
+    }
+}
+
+impl<'de> Deserialize<'de> for ServoConfig {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(ConfigVisitor)
+    }
+}
