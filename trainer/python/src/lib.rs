@@ -5,7 +5,7 @@
 //!                             ├► motion  (the same, step by step), observer
 //!                             └► double, derivatives  (programs of any size, in f64)
 //! files ─► training, tools (what the command does, by its library)
-//! files, models ─► planning, controller, regulators (plans, policies and linear regulators, of leastaction-planning)
+//! files, models ─► planning, controller, regulators, viewer (plans, policies, linear regulators and drawings, of leastaction-planning)
 //! ```
 //!
 //! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size, so
@@ -15,7 +15,6 @@
 mod arguments;
 mod arrays;
 mod attend;
-
 mod blocks;
 mod controller;
 mod derivatives;
@@ -30,6 +29,7 @@ mod regulators;
 mod single;
 mod tools;
 mod training;
+mod viewer;
 
 use pyo3::prelude::*;
 
@@ -81,6 +81,8 @@ fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tools::model_of_run, module)?)?;
     module.add_function(wrap_pyfunction!(tools::write_file, module)?)?;
     module.add_function(wrap_pyfunction!(tools::read_log, module)?)?;
+    module.add_function(wrap_pyfunction!(viewer::scene, module)?)?;
+    module.add_function(wrap_pyfunction!(viewer::model_of_description, module)?)?;
     module.add_function(wrap_pyfunction!(tools::import_symo, module)?)?;
     module.add_function(wrap_pyfunction!(tools::import_modlanet, module)?)?;
     module.add_function(wrap_pyfunction!(tools::import_lgnn, module)?)?;

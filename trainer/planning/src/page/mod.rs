@@ -5,6 +5,8 @@ mod drawing;
 mod facts;
 mod margins;
 mod motion;
+mod particles;
+mod scene;
 mod schematic;
 mod skeleton;
 mod starts;
@@ -13,6 +15,9 @@ mod words;
 
 use crate::{Machine, Plan};
 use leastaction_plot::{NotDrawn, page as html};
+pub use scene::Scene;
+pub use skeleton::Part;
+pub use view::View;
 use words::Words;
 
 /// Returns a self-contained HTML page that shows a plan.

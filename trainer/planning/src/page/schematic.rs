@@ -3,11 +3,15 @@
 use leastaction_models::Model;
 use leastaction_models::tree::{Body, Inertia, Joint, Limits, Pose, Tree};
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::FRAC_PI_2;
 
 /// Length of a rod, m.
 const ROD: f64 = 1.0;
 /// Change of an angle in which the forces of gravity are compared, rad.
 const CHANGE: f64 = 0.1;
+
+/// Largest relative change of a cart's inertia, as networks learn it.
+const EVEN: f64 = 0.1;
 
 /// A tree that stands for a model.
 pub struct Schematic {
@@ -20,12 +24,14 @@ pub struct Schematic {
 }
 
 impl Schematic {
-    /// Schematic of a model with one angle, a translation and an angle, or two angles; `None` for any other.
+    /// Schematic of a model with one angle, a translation and an angle, or two angles; `None` for any other. A cyclic coordinate before an
+    /// angle is a cart if its inertia is the same whatever the angle, as that of a rotating arm is not.
     pub fn new(model: &Model) -> Option<Self> {
         let letters = model.architecture.coordinates();
         let (slides, rods) = match letters.as_str() {
             "a" => (false, 1),
             "ta" => (true, 1),
+            "ca" if has_even_inertia(model) => (true, 1),
             "aa" => (false, 2),
             _ => return None,
         };
@@ -96,6 +102,18 @@ fn stiffness(model: &Model, (i, j): (usize, usize)) -> Option<f64> {
     Some((at(CHANGE)? - at(-CHANGE)?) * gain / (2.0 * CHANGE)).filter(|slope| slope.is_finite())
 }
 
+/// Whether the inertia of the first of two coordinates does not depend on the second, an angle.
+fn has_even_inertia(model: &Model) -> bool {
+    let rest = [0.0; 2];
+    let force =
+        |angle: f64, a: f64| Some(*model.inverse_dynamics([&[0.0, angle], &rest, &[a, 0.0]]).ok()?.first()?);
+    let inertia = |turn: f64| Some(force(FRAC_PI_2 * turn, 1.0)? - force(FRAC_PI_2 * turn, 0.0)?);
+    let Some(inertias) = [0.0, 1.0, 2.0].map(inertia).into_iter().collect::<Option<Vec<f64>>>() else {
+        return false;
+    };
+    inertias.iter().all(|inertia| (inertia / inertias[0] - 1.0).abs() < EVEN)
+}
+
 /// Whether gravity on the first of two rods does not feel the second angle, which is then measured from the vertical.
 fn is_apart(model: &Model) -> bool {
     let [own, cross] = [(1, 1), (0, 1)].map(|pair| stiffness(model, pair).unwrap_or_default().abs());
@@ -109,7 +127,7 @@ mod tests {
     use leastaction_core::energy::bodies::{BodyParameters, Joint as PlanarJoint, TreeBody};
     use leastaction_core::energy::modular::{ModularShape, TransformShape, TypeShape};
     use leastaction_models::modular::{ModularArchitecture, NamedTree, NamedType};
-    use leastaction_models::{Architecture, BodiesArchitecture, Number};
+    use leastaction_models::{Architecture, BodiesArchitecture, InertiaNetworkArchitecture, Number};
     use std::path::Path;
 
     fn described(name: &str) -> Option<Schematic> {
@@ -151,6 +169,20 @@ mod tests {
     fn hanging() -> (TreeBody, BodyParameters<Number>) {
         let numbers = [0.0, 0.0, 0.0, 1.0, 0.0, -0.5, 0.1, 0.0, 1.0].map(Number::known);
         (TreeBody { joint: PlanarJoint::Revolute, parent: None }, BodyParameters::from_array(numbers))
+    }
+
+    #[test]
+    fn a_cyclic_coordinate_is_a_cart_if_its_inertia_is_even() {
+        use leastaction_core::energy::inertia_network::Coordinate::{Angle, Cyclic};
+        let file =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../firmware-sim/chip/models/cartpole.postcard");
+        let cart = leastaction_models::file::decode(&std::fs::read(file).unwrap()).unwrap();
+        assert_eq!(cart.architecture.coordinates(), "ca");
+        assert!(Schematic::new(&cart).is_some());
+        // A network with random weights has an inertia that depends on the angle.
+        let architecture = Architecture::from(InertiaNetworkArchitecture::new(&[Cyclic, Angle], 8));
+        let weights = architecture.initial_weights(3).iter().map(|weight| 4.0 * weight).collect();
+        assert!(Schematic::new(&Model::new(architecture, weights)).is_none());
     }
 
     #[test]

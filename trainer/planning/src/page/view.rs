@@ -14,8 +14,10 @@ const FLAT: f64 = 0.25;
 /// A direction of sight with a scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    right: Vector3<f64>,
-    up: Vector3<f64>,
+    /// Direction that is drawn to the right, of length 1.
+    pub right: Vector3<f64>,
+    /// Direction that is drawn upwards, of length 1.
+    pub up: Vector3<f64>,
     /// Whether the motion is seen from above.
     pub from_above: bool,
     /// Least coordinates to the right and upwards, m.

@@ -21,11 +21,12 @@ from ._errors import Error, InputError, SolveError, WorkError
 from ._interop import from_lgnn, from_modlanet, from_symo
 from ._leastaction import __version__, defaults
 from ._logs import Evaluation, Log, Look, evaluate, look, report
-from ._model import AccelerationJacobians, Model, Motion, StepJacobians, StepReport, Trajectory, from_bytes, load
+from ._model import AccelerationJacobians, Model, Motion, StepJacobians, StepReport, Trajectory, from_bytes, from_description, load
 from ._observer import Observer
 from ._planning import Plan, PlanProgress, Start, plan
 from ._regulators import Linearization, LinearStep, Regulator, RestRegulator, lqr
 from ._training import Progress, Run, open_run, train
+from . import viewer
 
 __all__ = [
     "AccelerationJacobians",
@@ -58,6 +59,7 @@ __all__ = [
     "defaults",
     "evaluate",
     "from_bytes",
+    "from_description",
     "from_lgnn",
     "from_modlanet",
     "from_symo",
@@ -68,4 +70,5 @@ __all__ = [
     "plan",
     "report",
     "train",
+    "viewer",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
@@ -589,6 +590,15 @@ def load(path: str | os.PathLike[str], part: str | None = None) -> Model:
 def from_bytes(data: bytes, part: str | None = None) -> Model:
     """Reads a model from the bytes of a model file."""
     return Model(_core.Model.from_bytes(bytes(data), part))
+
+
+def from_description(path: str | os.PathLike[str]) -> Model:
+    """Reads a robot description, URDF (.urdf, .xacro) or MuJoCo's MJCF (.xml, .mjcf), whose masses and inertias are all known, as an
+    exact model. Coordinates are in the order of the description's joints; friction is not part of it. Remarks are warnings."""
+    core, _, notes = _core.model_of_description(os.fspath(path))
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return Model(core)
 
 
 def _restored(data: bytes, part: str | None, path: str | None, double: bool) -> Model:
