@@ -3,6 +3,7 @@
 use crate::cli::Failure;
 use crate::notes;
 use leastaction_learning::config::Config;
+use leastaction_learning::report::NamedEstimate;
 use leastaction_learning::run::{ChoiceError, Chosen, Ending, Monitor, Plan, PlanError, Run, choose};
 use leastaction_learning::torques::SplitErrors;
 use serde::Serialize;
@@ -36,6 +37,9 @@ pub struct Report {
     /// Torque errors of the best weights, if torques are the loss.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torques: Option<SplitErrors>,
+    /// Learned numbers of bodies, friction and drives with their standard errors, if windows were learned from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<NamedEstimate>,
     /// Number of starts from which the model was fitted, if the first ended badly.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<u64>,
@@ -133,6 +137,7 @@ pub fn train(
     let best = run.best();
     let torques = run.torque_errors();
     let poor = if ending == Ending::Interrupted { None } else { run.poor(torques.as_ref()) };
+    let numbers = if ending == Ending::Interrupted { Vec::new() } else { run.numbers() };
     let report = Report {
         run: folder.to_owned(),
         ending: ending.name(),
@@ -145,6 +150,7 @@ pub fn train(
         train_loss: best.train,
         validation_loss: best.validation,
         torques,
+        numbers,
         starts: Some(run.starts()).filter(|starts| *starts > 1),
         warnings: run.warnings().to_vec(),
         poor: poor.map(|poor| poor.to_string()),

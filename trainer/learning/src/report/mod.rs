@@ -16,6 +16,8 @@ use leastaction_plot::page::{cell, escaped, folded, list, number, paragraph, pic
 use leastaction_plot::{NotDrawn, Stroke};
 use thiserror::Error;
 
+pub use numbers::{NamedEstimate, named};
+
 /// A report that cannot be made.
 #[derive(Debug, Error)]
 pub enum ReportError {

@@ -5,6 +5,7 @@ use crate::training::Combination;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
 use leastaction_models::{Architecture, NumberName};
 use leastaction_plot::page::{escaped, folded, list, number, paragraph, section, table};
+use serde::Serialize;
 
 /// Relative standard error above which a number counts as poorly determined.
 const HARDLY: f64 = 0.5;
@@ -48,6 +49,42 @@ impl Names {
     fn is_zero(&self, position: usize) -> bool {
         position >= self.zeros
     }
+}
+
+/// A named number that was learned over windows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedEstimate {
+    /// Name of the number.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Learned value.
+    pub value: f64,
+    /// Standard error; `None` if the logs show the number only together with others, or if it is at an end of its range.
+    pub standard_error: Option<f64>,
+    /// Half-width of the 95% interval around the value.
+    pub interval: Option<f64>,
+    /// Degrees of freedom of the standard error, by Student's t distribution: the logs, or parts of logs, taken as independent, less one.
+    pub degrees_of_freedom: usize,
+}
+
+/// The named numbers of a fit, network weights and zero offsets of encoders left out.
+pub fn named(
+    certainty: &Certainty,
+    (architecture, layout): (&Architecture, &CalibrationLayout),
+) -> Vec<NamedEstimate> {
+    let names = Names::of_windows(architecture, layout);
+    let row = |of: &LearnedNumber| {
+        let (name, unit) = names.of(of.position).filter(|_| !names.is_zero(of.position))?;
+        let standard_error = match of.shown {
+            Shown::Within(error) => Some(error),
+            Shown::Together | Shown::AtBound => None,
+        };
+        let interval = standard_error.map(|error| certainty.interval() * error);
+        let degrees_of_freedom = certainty.clusters.saturating_sub(1);
+        Some(NamedEstimate { name, unit, value: of.value, standard_error, interval, degrees_of_freedom })
+    };
+    certainty.numbers.iter().filter_map(row).collect()
 }
 
 /// The sections on the numbers that a log of torques determines by itself.

@@ -4,7 +4,7 @@ use super::doubt::{self, ran_away};
 use super::error::stuck;
 use super::{Monitor, Notice, Poor, Run, RunError, report, ringing, verdict, within};
 use crate::checkpoint::{Checkpoint, Trained};
-use crate::report::ReportError;
+use crate::report::{NamedEstimate, ReportError, named};
 use crate::torques::SplitErrors;
 use crate::training::Objective;
 use crate::windows::Certainty;
@@ -88,6 +88,14 @@ impl Run {
     /// Precision of the best numbers, as the report states it; `None` if the run does not learn over windows.
     pub fn certainty(&self) -> Option<Certainty> {
         within(self.pool.as_ref(), || report::certainty(&self.plan, &self.state))
+    }
+
+    /// Named numbers of the best model with their standard errors, as the report states them; empty if the run does not learn over windows,
+    /// or learns from torques.
+    pub fn numbers(&self) -> Vec<NamedEstimate> {
+        let layout = self.plan.calibration().filter(|_| self.plan.torques().is_none());
+        let of = |layout| Some(named(&self.certainty()?, (&self.plan.architecture, &layout)));
+        layout.and_then(of).unwrap_or_default()
     }
 
     /// Moves the best numbers along what the logs leave free, back to where the run begins.

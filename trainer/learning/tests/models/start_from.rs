@@ -112,6 +112,39 @@ fn a_network_learns_faster_from_where_bodies_are() {
     assert!(own < random, "{own} and {random}");
 }
 
+/// Bodies whose numbers are those of a fit of the same bodies, but for one that is given.
+#[test]
+fn bodies_start_from_bodies() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = logs(NOISE, 3);
+    let first = trained(BODIES, folder.path(), &data);
+    let file = encode(&first.architecture, &first.best.weights, None, "bodies").unwrap();
+    std::fs::write(folder.path().join("bodies.postcard"), file).unwrap();
+    let from = BODIES.replace("chain = 2", "chain = 2\nstart_from = \"bodies.postcard\"");
+    let begun = trained(&from.replace("iterations = 6", "iterations = 0"), folder.path(), &data);
+    for (own, theirs) in begun.best.weights.iter().zip(&first.best.weights) {
+        assert!((own - theirs).abs() <= 1e-6 * theirs.abs(), "{own} {theirs}");
+    }
+    let heavy = from.replace("chain = 2", "gravity = [9.0, 0.0]\nchain = 2");
+    let (architecture, weights) = beginning(&heavy, folder.path());
+    let theirs = first.architecture.number_names().len();
+    assert_eq!((architecture.number_names().len(), weights[0]), (theirs, 9.0));
+    assert!((weights[5] - first.best.weights[5]).abs() < 1e-6 * weights[5].abs(), "{weights:?}");
+
+    let side_by_side = from.replace("chain = 2", "bodies = [{}, {}]");
+    let file = folder.path().join("other.toml");
+    std::fs::write(&file, side_by_side).unwrap();
+    let refused = Config::read(&file).unwrap_err().to_string();
+    assert!(refused.contains("bodies.postcard holds another model than these bodies"), "{refused}");
+}
+
+/// Shape and weights that training of a configuration begins with.
+fn beginning(text: &str, folder: &Path) -> (Architecture, Vec<f64>) {
+    let file = folder.join("beginning.toml");
+    std::fs::write(&file, text).unwrap();
+    Config::read(&file).unwrap().beginning().unwrap()
+}
+
 fn masses(of: &Trained) -> Vec<f64> {
     let positions: [&[f64]; 3] = [&[0.2, -0.4], &[-0.5, 0.3], &[0.1, 0.8]];
     of.model().at_rest(&positions).unwrap().into_iter().flat_map(|at| at.mass).collect()

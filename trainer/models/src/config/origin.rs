@@ -2,6 +2,7 @@
 
 use super::place::ShapeError;
 use super::problem::Problem;
+use crate::architecture::Architecture;
 use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
 use crate::laws::servo::Servo;
 use crate::model::Model;
@@ -46,6 +47,16 @@ impl Origin {
 
     fn friction(&self) -> Vec<CoordinateFriction> {
         self.0.architecture.friction_of_coordinates(&self.0.weights)
+    }
+
+    /// Weights of the correcting networks of a shape: those of this model if its networks are the same, else numbers without an effect.
+    pub fn corrections(&self, architecture: &Architecture) -> Vec<f64> {
+        let own = &self.0.architecture;
+        let start = own.corrections_start();
+        match self.0.weights.get(start..start + own.corrections.count()) {
+            Some(weights) if own.corrections == architecture.corrections => weights.to_vec(),
+            _ => architecture.corrections.without_effect(),
+        }
     }
 
     /// Viscous damping b of every coordinate.

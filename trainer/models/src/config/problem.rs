@@ -277,6 +277,12 @@ pub enum Problem {
         /// The robot description.
         urdf: PathBuf,
     },
+    /// A model of other bodies.
+    #[error("{} holds another model than these bodies: start from bodies on the same joints", file.display())]
+    OtherBodies {
+        /// Run or model file.
+        file: PathBuf,
+    },
     /// No node types.
     #[error("no node types: add a [[model.node_types]] with a name and a mass")]
     NoNodeTypes,

@@ -75,6 +75,17 @@ impl BodiesArchitecture {
         self.header().bodies().flatten()
     }
 
+    /// The shape with learned numbers taken from a weight block of the same bodies.
+    #[must_use]
+    pub fn with_learned_of(&self, weights: &[f64]) -> Self {
+        let mut own = self.clone();
+        let numbers = own.gravity.iter_mut().chain(own.numbers.iter_mut().flatten());
+        for (number, value) in numbers.zip(weights).filter(|(number, _)| number.learned) {
+            number.value = *value;
+        }
+        own
+    }
+
     /// All numbers, in the order of the weight block.
     pub fn all_numbers(&self) -> impl Iterator<Item = Number> {
         self.gravity.iter().chain(self.numbers.iter().flatten()).copied()

@@ -3,6 +3,7 @@
 use super::{BodiesConfig, BodyConfig, BodyNumber, LEARNED, ZERO};
 use crate::architecture::Architecture;
 use crate::bodies::plane::BodiesArchitecture;
+use crate::config::origin::{Open, Origin};
 use crate::config::parts::Range;
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
@@ -103,6 +104,22 @@ impl BodiesConfig {
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
         Ok(Architecture { family: family.into(), friction, corrections, servo })
+    }
+
+    /// Returns the shape, its learned numbers being those of the model to start from, and this model.
+    pub(super) fn begun(&self, open: Open) -> Result<(Architecture, Option<Origin>), ShapeError> {
+        let mut own = self.assemble()?;
+        let Some(origin) = Origin::start_from(self.start_from.as_ref(), &own.coordinates(), open)? else {
+            return Ok((own, None));
+        };
+        let same = own.family.bodies().zip(origin.0.architecture.family.bodies());
+        let Some((tree, _)) = same.filter(|(own, other)| own.bodies().eq(other.bodies())) else {
+            let file = self.start_from.clone().unwrap_or_default();
+            return Err(Problem::OtherBodies { file }.at(["start_from".into()]));
+        };
+        own.family = tree.with_learned_of(&origin.0.weights).into();
+        origin.set_laws(&mut own.friction, &mut own.servo);
+        Ok((own, Some(origin)))
     }
 
     /// Returns the tree of these bodies.

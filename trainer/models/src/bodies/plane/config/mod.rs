@@ -6,13 +6,14 @@ mod values;
 pub use values::{BodyNumber, JointKind};
 
 use crate::architecture::Architecture;
-use crate::config::family::{FamilyConfig, NetworksBeside};
+use crate::config::family::{FamilyConfig, NetworksBeside, Source};
 use crate::config::origin::Open;
 use crate::config::place::ShapeError;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
 use crate::laws::servo::config::ServoConfig;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// A tree of rigid bodies on joints, or a chain as a shorthand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,9 @@ pub struct BodiesConfig {
     /// Bodies in the order of q, parents first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyConfig>,
+    /// Run or model file of the same bodies, with whose numbers training begins in place of those given here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_from: Option<PathBuf>,
     /// Friction of the joints.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
@@ -100,6 +104,7 @@ impl BodiesConfig {
             chain: Some(n),
             gear: None,
             bodies: Vec::new(),
+            start_from: None,
             friction: FrictionConfig::default(),
             servo: None,
             dissipation: None,
@@ -117,7 +122,27 @@ impl FamilyConfig for BodiesConfig {
         Some((&mut self.dissipation, &mut self.potential))
     }
 
-    fn architecture(&self, _open: Open) -> Result<Architecture, ShapeError> {
-        self.assemble()
+    fn files(&mut self) -> Vec<&mut PathBuf> {
+        self.start_from.iter_mut().collect()
+    }
+
+    fn source(&self) -> Source {
+        if self.start_from.is_some() { Source::Weights } else { Source::Nothing }
+    }
+
+    fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
+        Ok(self.begun(open)?.0)
+    }
+
+    /// Learned numbers and networks are those of the model to start from.
+    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let (architecture, origin) = self.begun(open)?;
+        let mut weights = architecture.initial_weights(seed);
+        if let Some(origin) = origin {
+            let start = architecture.corrections_start();
+            weights
+                .splice(start..start + architecture.corrections.count(), origin.corrections(&architecture));
+        }
+        Ok((architecture, weights))
     }
 }
