@@ -1,4 +1,4 @@
-"""Runs the ten lines of the README, its first Python block, and then the blocks for other packages that are installed:
+"""Runs the ten lines of the README, its first Python block, that of the viewer, and then the blocks for other packages that are installed:
 python run_readme.py PAGE."""
 
 import importlib.util
@@ -25,6 +25,8 @@ def run(block):
 
 run(blocks[0])
 assert Path("fit.png").stat().st_size > 1000 and Path("m.postcard").exists()
+run(next(block for block in blocks if "la.viewer" in block))
+assert "predicted" in Path("motion.html").read_text(encoding="utf-8")
 for module, package in PACKAGES.items():
     found = [block for block in blocks if module in block]
     assert len(found) == 1, f"{module} has {len(found)} blocks"
