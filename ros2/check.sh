@@ -76,7 +76,11 @@ for test in plain/test/solver plain/test/controller cartpole/test/cartpole; do "
 rm -rf "$out/installed"
 cmake --install "$out/plain" >"$out/installed.log"
 if find "$out/installed" -name '*.hpp' | grep .; then echo "headers were installed" >&2 && exit 1; fi
-AMENT_PREFIX_PATH=$out/installed "$out/plain/test/plugins"
+# The index must also name the packages of the base classes, which are not installed here.
+index=$out/upstream/share/ament_index/resource_index/packages
+mkdir -p "$index"
+touch "$index/inverse_dynamics_solver" "$index/controller_interface"
+AMENT_PREFIX_PATH=$out/installed:$out/upstream "$out/plain/test/plugins"
 ! nm -D --defined-only "$out/installed/lib/libleastaction_ros2.so" | grep ' leastaction_load$' ||
     { echo "the C library's names are visible" >&2 && exit 1; }
 xmllint --noout leastaction_ros2/*.xml
