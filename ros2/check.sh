@@ -85,7 +85,7 @@ AMENT_PREFIX_PATH=$out/installed:$out/upstream "$out/plain/test/plugins"
     { echo "the C library's names are visible" >&2 && exit 1; }
 xmllint --noout leastaction_ros2/*.xml
 
-# Sizes are needed, and rods refused, with words.
+# Sizes are needed, rods and position servos refused, with words.
 refused() {
     local said
     said=$(cmake -S leastaction_ros2 -B "$out/refused" -DLEASTACTION_ROS2_STATED=ON "${@:2}" 2>&1) && { echo "accepted: $1" >&2 && exit 1; }
@@ -94,6 +94,7 @@ refused() {
 }
 refused "LEASTACTION_COORDINATES"
 refused "feature rods" -DLEASTACTION_COORDINATES=6 "-DLEASTACTION_FEATURES=graph;rods"
+refused "feature servo" -DLEASTACTION_COORDINATES=6 "-DLEASTACTION_FEATURES=arm;servo"
 python3 - leastaction_ros2/launch/*.py <<'END'
 import ast, sys
 for path in sys.argv[1:]:
