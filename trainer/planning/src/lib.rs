@@ -41,7 +41,7 @@ pub use linearise::{NodeStep, linearise};
 pub use lqr::{LinearRegulator, LinearSystem, LqrError, MAX_DELAY};
 pub use machine::Machine;
 pub use nalgebra::DMatrix;
-pub use page::{Part, Scene, View, page};
+pub use page::{Part, Scene, View, moving_picture, page};
 pub use plan::{Plan, PlanNode, StartReport, Tube};
 pub(crate) use problem::ACCEPTED;
 pub use search::{Progress, plan};

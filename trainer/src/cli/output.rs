@@ -1,20 +1,31 @@
 //! Output on stdout and stderr, and exit codes.
 
+use anstyle::AnsiColor;
 use leastaction_learning::config::ConfigError;
 use leastaction_learning::data::{DataError, Problem};
 use leastaction_learning::run::RunError;
 use serde::Serialize;
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Output of a command.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Output {
     /// Whether to print one JSON object instead of text.
     pub json: bool,
+    /// Whether to leave out progress and the command that comes next.
+    pub quiet: bool,
 }
+
+/// Beginnings of messages, with the colours of the word before the colon on a terminal.
+const KINDS: [(&str, AnsiColor); 4] = [
+    ("error", AnsiColor::Red),
+    ("warning", AnsiColor::Yellow),
+    ("note", AnsiColor::Cyan),
+    ("next", AnsiColor::Green),
+];
 
 /// The reason why a command did not succeed.
 pub enum Failure {
@@ -46,10 +57,18 @@ impl Output {
         if self.json { object(report) } else { print(&report.to_string()) }
     }
 
-    /// Prints a message for people on stderr.
+    /// Prints a message for people on stderr: in lines and colours of the terminal, if it is one (`NO_COLOR` is obeyed).
     pub fn note(self, message: &str) {
+        let message = if io::stderr().is_terminal() { in_lines(message) } else { message.to_owned() };
         // If stderr is closed, the message cannot be shown to anybody.
-        let _closed = writeln!(io::stderr(), "{message}");
+        let _closed = writeln!(anstream::stderr(), "{}", coloured(&message));
+    }
+
+    /// Prints the command that usually comes next.
+    pub fn next(self, command: &str) {
+        if !self.json && !self.quiet {
+            self.note(&format!("next: leastaction {command}"));
+        }
     }
 
     /// Prints notes, each a sentence.
@@ -67,6 +86,25 @@ impl Output {
         };
         self.note(&format!("error: {message}"));
         ExitCode::from(code)
+    }
+}
+
+/// A message in lines as wide as the terminal; further lines are indented.
+fn in_lines(message: &str) -> String {
+    let options = textwrap::Options::with_termwidth().subsequent_indent("  ").break_words(false);
+    let options = options.word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(message, options)
+}
+
+/// A message with the word before its colon in the colour of its kind.
+fn coloured(message: &str) -> String {
+    let kind = KINDS.iter().find_map(|(kind, colour)| Some((kind, colour, message.strip_prefix(kind)?)));
+    match kind.filter(|(.., rest)| rest.starts_with(':')) {
+        None => message.to_owned(),
+        Some((kind, colour, rest)) => {
+            let style = colour.on_default().bold();
+            format!("{style}{kind}{style:#}{rest}")
+        }
     }
 }
 

@@ -45,6 +45,9 @@ impl Look {
             proposal.note.iter().for_each(|note| output.note(&format!("note: {note}")));
             atomic::write(file, proposal.text.as_bytes()).map_err(|error| Failure::file(file, error))?;
         }
-        output.report(&look::Report { configuration: self.output, ..report })
+        let written = self.output.clone();
+        output.report(&look::Report { configuration: self.output, ..report })?;
+        written.iter().for_each(|file| output.next(&format!("train {} -o run", file.display())));
+        Ok(())
     }
 }

@@ -35,6 +35,9 @@ struct Cli {
     /// Print one JSON object on stdout and nothing else there.
     #[arg(long, global = true)]
     json: bool,
+    /// Show no progress, and not which command comes next.
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -64,7 +67,7 @@ enum Command {
 /// Reads the command line and runs the command.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    let output = Output { json: cli.json };
+    let output = Output { json: cli.json, quiet: cli.quiet };
     let done = match cli.command {
         Command::Generate(command) => command.run(output),
         Command::Look(command) => command.run(output),

@@ -36,9 +36,6 @@ pub struct Plan {
     /// Commands to begin with, instead of start guesses: a log with the columns u1, u2, … and one row a node.
     #[arg(long, value_name = "LOG")]
     guess: Option<PathBuf>,
-    /// Show no progress.
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 /// Files of a plan.
@@ -138,7 +135,7 @@ impl fmt::Display for Report {
 impl Plan {
     /// The plan of a configuration, with its files in a folder, made without progress.
     pub fn of(config: PathBuf, output: PathBuf) -> Self {
-        Self { config, output, guess: None, quiet: true }
+        Self { config, output, guess: None }
     }
 
     /// Plans and writes the files.
@@ -157,7 +154,7 @@ impl Plan {
         let given = self.guess.as_deref().map(|file| commands(file, &machine)).transpose()?;
         self.check_files()?;
         let stop = interrupt::flag()?;
-        let shown = Shown::new(self.quiet);
+        let shown = Shown::new(output.quiet);
         let found = plan(&machine, &task, given, (stop as &AtomicBool, &shown));
         shown.finish();
         let found = found.map_err(|error| Failure::Work(error.to_string()))?;
@@ -333,7 +330,7 @@ impl Progress for Shown {
             && last.elapsed() >= PAUSE
         {
             *last = Instant::now();
-            Output { json: false }.note(&line());
+            Output::default().note(&line());
         }
     }
 }

@@ -11,7 +11,7 @@ const PAUSE: Duration = Duration::from_secs(2);
 
 /// Shows the rows of a run.
 pub enum Progress {
-    /// Only warnings.
+    /// Warnings alone.
     Quiet,
     /// A bar that is redrawn in place.
     Bar(ProgressBar),
@@ -26,9 +26,9 @@ pub enum Progress {
 
 impl Progress {
     /// The display that suits stderr.
-    pub fn new(quiet: bool, run: &Run) -> Self {
+    pub fn new(output: Output, run: &Run) -> Self {
         let iterations = run.plan().iterations();
-        if quiet {
+        if output.quiet {
             Self::Quiet
         } else if stderr().is_terminal() {
             Self::Bar(bar(iterations, run.iteration()))
@@ -60,6 +60,8 @@ impl Monitor for Progress {
         match self {
             Self::Quiet => {}
             Self::Bar(bar) => {
+                // Further starts take iterations that were not planned.
+                bar.set_length(bar.length().unwrap_or_default().max(row.iteration));
                 bar.set_position(row.iteration);
                 bar.set_message(losses(row));
             }
@@ -67,18 +69,15 @@ impl Monitor for Progress {
                 if last.is_none_or(|last| last.elapsed() >= PAUSE) {
                     *last = Some(Instant::now());
                     let rate = row.iteration as f64 / row.seconds.max(1e-9);
-                    Output { json: false }.note(&format!(
-                        "{}/{iterations} {} {rate:.1}/s",
-                        row.iteration,
-                        losses(row)
-                    ));
+                    let of = (*iterations).max(row.iteration);
+                    Output::default().note(&format!("{}/{of} {} {rate:.1}/s", row.iteration, losses(row)));
                 }
             }
         }
     }
 
     fn warning(&mut self, message: &str) {
-        let print = || Output { json: false }.note(&format!("warning: {message}"));
+        let print = || Output::default().note(&format!("warning: {message}"));
         match self {
             Self::Bar(bar) => bar.suspend(print),
             _ => print(),

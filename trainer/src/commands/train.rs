@@ -38,9 +38,6 @@ pub struct Train {
     /// Exit with 0 even if the model is no better than a trivial one (a constant velocity, or the mean of the torques), or its numbers ran away.
     #[arg(long)]
     accept_poor: bool,
-    /// Show no progress.
-    #[arg(short, long)]
-    quiet: bool,
     /// Only print a configuration of a family, with every key explained.
     #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "inertia-network", value_parser = PossibleValuesParser::new(ModelConfig::FAMILIES))]
     print_defaults: Option<String>,
@@ -57,18 +54,18 @@ impl Train {
         let plan = plan(file, config, output)?;
         let stop = interrupt::flag()?;
         let run = if self.resume { Run::resume(plan, folder) } else { Run::begin(plan, folder, self.force) }?;
-        let (report, ending) = train(run, folder, self.quiet, stop)?;
+        let (report, ending) = train(run, folder, output, stop)?;
         if ending == Ending::Interrupted {
             return Err(Failure::Interrupted(interrupted(file, folder, report.saved)));
         }
         output.report(&report)?;
         match report.poor {
             Some(poor) if !self.accept_poor => Err(Failure::Work(worthless(&poor, folder))),
-            Some(poor) => {
-                output.note(&format!("warning: {poor}"));
+            poor => {
+                poor.iter().for_each(|poor| output.note(&format!("warning: {poor}")));
+                output.next(&format!("export {} -o model.postcard", folder.display()));
                 Ok(())
             }
-            None => Ok(()),
         }
     }
 }
@@ -104,10 +101,10 @@ pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure
 pub fn train(
     mut run: Run,
     folder: &Path,
-    quiet: bool,
+    output: Output,
     stop: &AtomicBool,
 ) -> Result<(Report, Ending), Failure> {
-    let mut progress = Progress::new(quiet, &run);
+    let mut progress = Progress::new(output, &run);
     let trained = training::train(&mut run, folder, &mut progress, stop);
     progress.finish();
     trained

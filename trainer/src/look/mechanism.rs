@@ -44,6 +44,11 @@ impl Mechanism {
         Self(vec![Joint::Link; n])
     }
 
+    /// A body that slides level.
+    pub fn slide() -> Self {
+        Self(vec![Joint::Slide { back: false }])
+    }
+
     /// All mechanisms with n joints; the chain of links comes first. For a single slide only one direction is listed,
     /// since both give the same motion.
     pub fn all(n: usize) -> Vec<Self> {

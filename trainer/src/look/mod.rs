@@ -98,9 +98,18 @@ impl Look {
         if n > MOST_JOINTS || self.guess.u.is_empty() {
             return Ok(Proposal { text: text(at, None)?, note: self.refusal(&text(Path::new(""), None)?) });
         }
+        let links = Mechanism::links(n);
+        if n == 1 && self.guess.u.iter().all(|name| is_force(name)) {
+            // A long heavy link moves as a slide does: only the name tells them apart.
+            let slide = Mechanism::slide();
+            let said = "u is named a force, not a torque, so that the joint slides: [[model.bodies]] says so, check it";
+            let refusal = self.refusal(&text(Path::new(""), Some(&slide))?);
+            let note =
+                [Some(said.to_owned()), refusal].into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
+            return Ok(Proposal { text: text(at, Some(&slide))?, note });
+        }
         let all = Mechanism::all(n).into_iter().filter(|own| own.turns_where(&self.angles(report))).collect();
         let Some(found) = Found::among(all, |own| text(Path::new(""), Some(own)).ok()) else {
-            let links = Mechanism::links(n);
             let note = self.refusal(&text(Path::new(""), Some(&links))?);
             return Ok(Proposal { text: text(at, Some(&links))?, note });
         };
@@ -206,6 +215,12 @@ struct Found {
 
 /// Ratio of the error to that of the chain of links, below which another mechanism is proposed.
 const BETTER: f64 = 0.7;
+
+/// Whether a column's name says that it is a force on something that slides.
+fn is_force(name: &str) -> bool {
+    let name = name.to_lowercase();
+    name.contains("force") && !name.contains("torque")
+}
 
 impl Found {
     /// Chooses among several mechanisms, of which the first is the chain of links; `text` gives the configuration of

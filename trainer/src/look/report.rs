@@ -128,12 +128,9 @@ impl fmt::Display for Report {
             writeln!(f, "no numbers: {}", self.others.join(", "))?;
         }
         match &self.configuration {
-            Some(file) => writeln!(
-                f,
-                "\nwritten: {}; check its columns and kinds of coordinates, then: leastaction train {}",
-                file.display(),
-                file.display()
-            ),
+            Some(file) => {
+                writeln!(f, "\nwritten: {}; check its columns and kinds of coordinates", file.display())
+            }
             None => Ok(()),
         }
     }

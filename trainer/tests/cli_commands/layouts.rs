@@ -44,6 +44,17 @@ fn logs_of_many_layouts_are_looked_at_and_learned_from() {
     assert!(!shown.stderr.contains("time goes back"), "{}", shown.stderr);
 }
 
+/// A force tells of an axis that slides, a torque of a joint that turns.
+#[test]
+fn a_force_acts_on_what_slides() {
+    let bench = Bench::new();
+    let axis = |head: &str| log(head, |t, q, u| format!("{t:.2},{q},{u}"));
+    let slides = trains(&bench, "axis.csv", &axis("time,position,force\n"), "");
+    assert!(slides.contains("joint = \"prismatic\""), "{slides}");
+    let turns = trains(&bench, "joint.csv", &axis("time,position,torque\n"), "");
+    assert!(turns.contains("chain = 1"), "{turns}");
+}
+
 #[test]
 fn a_log_without_a_header_is_read_by_numbers() {
     let bench = Bench::new();

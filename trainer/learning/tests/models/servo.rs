@@ -40,6 +40,8 @@ fn one_word_learns_stiffness_and_damping() {
     assert_eq!(shape.servo.stiffness, [Number::learned(10.0); 2]);
     assert_eq!(shape.friction.viscous, [Number::learned(1.0); 2]);
     assert_eq!(weights[weights.len() - 4..], [1.0, 1.0, 10.0, 10.0]);
+    let both = parse(&format!("{NETWORK}servo = \"learned\"\nfriction = \"learned\"\n")).unwrap();
+    assert_eq!(both.beginning().unwrap().0.friction.viscous, [Number::learned(0.01); 2], "friction says it");
     let names = shape.number_names();
     let last = |k: usize| names[names.len() - k].clone().unwrap();
     assert_eq!((&*last(2).name, last(2).unit), ("coordinate 0: stiffness of the servo", "N/m"));
@@ -75,7 +77,7 @@ fn errors_name_line_and_key() {
         ("servo = { stiffness = -1.0 }\n", "0 or above"),
         ("servo = { stiffness = { learn = 0 } }\n", "above 0 where it is learned"),
         ("servo = { stiffness = [1.0, 2.0, 3.0] }\n", "one for each coordinate"),
-        ("servo = \"learned\"\nfriction = \"learned\"\n", "given by `friction.viscous` too"),
+        ("servo = { damping = 2.0 }\nfriction = \"learned\"\n", "given by `friction.viscous` too"),
         ("servo = { gain = 2.0 }\n", "gain"),
         ("servo = {}\nfriction = { load = \"learned\" }\n", "commands"),
     ];

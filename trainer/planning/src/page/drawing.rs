@@ -21,24 +21,26 @@ pub fn svg(view: &View, inside: &str) -> String {
 
 /// Parts of a pose. Each states the numbers of its points, by which a script moves it.
 pub fn pose(parts: &[Part], places: &Places) -> String {
-    parts.iter().map(|part| drawn(*part, places)).collect()
+    parts.iter().map(|part| dressed(*part, places, "")).collect()
 }
 
-fn drawn(part: Part, places: &Places) -> String {
+/// A part of a pose with further elements inside.
+pub fn dressed(part: Part, places: &Places, inside: &str) -> String {
     match part {
-        Part::Link(a, b) => line((a, b), places, "#0072b2", 5),
-        Part::Rail(a, b) => line((a, b), places, "#999", 2),
+        Part::Link(a, b) => line((a, b), places, ("#0072b2", 5), inside),
+        Part::Rail(a, b) => line((a, b), places, ("#999", 2), inside),
         Part::Pivot(at) => {
             let [x, y] = places[at];
             format!(
-                "<circle data-p=\"{at}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"#fff\" stroke=\"#333\" stroke-width=\"1.5\"/>"
+                "<circle data-p=\"{at}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"#fff\" stroke=\"#333\" stroke-width=\"1.5\">\
+                 {inside}</circle>"
             )
         }
         Part::Block(at, [a, b]) => {
             let ([x, y], angle, [half, high]) = (places[at], slope(places[a], places[b]), BLOCK);
             format!(
                 "<rect data-p=\"{at} {a} {b}\" x=\"{:.0}\" y=\"{:.0}\" width=\"{:.0}\" height=\"{:.0}\" rx=\"2\" fill=\"#d55e00\" \
-                 transform=\"translate({x:.1} {y:.1}) rotate({angle:.1})\"/>",
+                 transform=\"translate({x:.1} {y:.1}) rotate({angle:.1})\">{inside}</rect>",
                 -half,
                 -high,
                 2.0 * half,
@@ -48,16 +50,16 @@ fn drawn(part: Part, places: &Places) -> String {
     }
 }
 
-fn line((a, b): (usize, usize), places: &Places, colour: &str, width: u8) -> String {
+fn line((a, b): (usize, usize), places: &Places, (colour, width): (&str, u8), inside: &str) -> String {
     let ([x, y], [to_x, to_y]) = (places[a], places[b]);
     format!(
         "<line data-p=\"{a} {b}\" x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{to_x:.1}\" y2=\"{to_y:.1}\" stroke=\"{colour}\" \
-         stroke-width=\"{width}\"/>"
+         stroke-width=\"{width}\">{inside}</line>"
     )
 }
 
 /// Angle of a line, degrees clockwise.
-fn slope([x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> f64 {
+pub fn slope([x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> f64 {
     (to_y - y).atan2(to_x - x).to_degrees()
 }
 

@@ -5,6 +5,7 @@ mod drawing;
 mod facts;
 mod margins;
 mod motion;
+mod moving;
 mod particles;
 mod scene;
 mod schematic;
@@ -15,6 +16,7 @@ mod words;
 
 use crate::{Machine, Plan};
 use leastaction_plot::{NotDrawn, page as html};
+pub use moving::moving_picture;
 pub use scene::Scene;
 pub use skeleton::Part;
 pub use view::View;

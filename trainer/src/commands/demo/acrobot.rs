@@ -52,8 +52,8 @@ impl Report {
     }
 
     /// Pictures and pages to look at.
-    pub fn pictures(&self) -> [&Path; 2] {
-        [self.plan.page(), &self.swing_up.picture]
+    pub fn pictures(&self) -> impl Iterator<Item = &Path> {
+        [self.plan.page(), &self.swing_up.picture].into_iter().chain(self.swing_up.moving.as_deref())
     }
 }
 

@@ -45,9 +45,6 @@ pub struct Demo {
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
-    /// Show no progress.
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 /// Machines with a demo.
@@ -176,7 +173,7 @@ impl Demo {
     fn train(&self, file: &Path, folder: &Path, output: Output) -> Result<train::Report, Failure> {
         let plan = train::plan(file, Config::read(file)?, output)?;
         let run = Run::begin(plan, folder, true)?;
-        let (report, ending) = train::train(run, folder, self.quiet, interrupt::flag()?)?;
+        let (report, ending) = train::train(run, folder, output, interrupt::flag()?)?;
         if ending == Ending::Interrupted {
             return Err(Failure::Interrupted("interrupted; run the demo again".to_owned()));
         }

@@ -145,6 +145,7 @@ impl Export {
         }
         descriptions.iter().try_for_each(Description::write)?;
         fmu.iter().try_for_each(Fmu::write)?;
+        let model = self.output.clone();
         output.report(&Report {
             model: self.output,
             bytes: bytes.len(),
@@ -155,7 +156,11 @@ impl Export {
             descriptions,
             fmu,
             accuracy,
-        })
+        })?;
+        let inspect =
+            |file: &PathBuf| output.next(&format!("inspect {} --target cortex-m4f", file.display()));
+        model.iter().for_each(inspect);
+        Ok(())
     }
 
     /// The Rust module.

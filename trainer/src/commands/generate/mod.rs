@@ -160,7 +160,10 @@ impl Generate {
         };
         let Self { output: file, seed, .. } = self;
         let (robot, truth, hidden) = (None, None, None);
-        output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })
+        let written = file.clone();
+        output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })?;
+        written.iter().for_each(|file| output.next(&format!("look {} -o robot.toml", file.display())));
+        Ok(())
     }
 
     /// The log to write; without --robot there is always one.
@@ -197,7 +200,10 @@ impl Generate {
         let ((trajectories, each, h), hidden) = robot.run(&common)?;
         let (samples, hidden) = (trajectories * each, Some(hidden));
         let (system, robot, truth) = (system.name(), robot.robot, robot.truth);
-        output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })
+        let written = file.clone();
+        output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })?;
+        written.iter().for_each(|file| output.next(&format!("look {} -o robot.toml", file.display())));
+        Ok(())
     }
 
     fn symo(&self, mechanism: Mechanism) -> Result<Size, Failure> {

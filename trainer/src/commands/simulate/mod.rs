@@ -19,6 +19,7 @@ pub use follow::{PlanArgs, of_model};
 pub use gravity::Floats;
 pub use mpc::MpcArgs;
 pub use picture::draw;
+use picture::{draw_moving, moving_beside};
 pub use plant::Plant;
 pub use remote::{Emulated, Target};
 pub use report::Report;
@@ -42,8 +43,8 @@ use std::time::Duration;
 /// Run a model in the fixed-step firmware loop against a mechanism: an exact one, or that of another model file.
 ///
 /// The loop has quantised, noisy encoders and an actuator with one tick of delay; the firmware knows only the model. Writes trace.csv (one
-/// line per tick) and run.svg; the same seed gives the same trace, bit for bit. The exit code is 1 if the goal of the scenario is not
-/// reached.
+/// line per tick), run.svg and, if the mechanism can be drawn, run-moving.svg; the same seed gives the same trace, bit for bit. The exit code
+/// is 1 if the goal of the scenario is not reached.
 ///
 /// With --on, the firmware is an image for an emulated board, which holds the model in its flash and is asked tick by tick over its serial
 /// line; the trace is the same, bit for bit. This needs QEMU, and images built by firmware-sim/chip/run.sh --build.
@@ -200,6 +201,7 @@ impl Simulate {
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;
         replaceable(&files[1], FileKind::Picture)?;
+        replaceable(&moving_beside(&files[1]), FileKind::Picture)?;
         let (report, _) = simulate(&self.model, &request, files)?;
         output.report(&report)?;
         report.judge()
@@ -213,7 +215,7 @@ impl Simulate {
     }
 }
 
-/// Runs a scenario, and writes its trace, which it also returns, and its picture.
+/// Runs a scenario, and writes its trace, which it also returns, its picture, and a moving one beside it.
 pub fn simulate(
     file: &Path,
     request: &Request,
@@ -223,6 +225,7 @@ pub fn simulate(
     let mut report = scenario::run(request, &mut rows).map_err(|failure| cut(failure, &rows, &trace))?;
     rows.write(&trace).map_err(|error| Failure::file(&trace, error))?;
     draw(&picture, request, &rows)?;
+    report.moving = draw_moving(moving_beside(&picture), request, &rows)?;
     (report.model, report.trace, report.picture) = (file.to_owned(), trace, picture);
     Ok((report, rows))
 }

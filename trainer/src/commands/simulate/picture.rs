@@ -5,8 +5,10 @@ use leastaction::cli::Failure;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_firmware_sim::wrap;
 use leastaction_ground_truth::Mechanism;
+use leastaction_learning::atomic;
+use leastaction_planning::moving_picture;
 use leastaction_plot::{Panel, Series, Stroke, Vertical, time_series};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Plots positions (true, model, reference) and forces over time.
 pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure> {
@@ -21,6 +23,24 @@ pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure
         .chain([Panel::new(&force_label, &forces)])
         .collect();
     time_series(file, &title(request), &panels).map_err(|error| Failure::Work(error.to_string()))
+}
+
+/// File of the moving picture beside a plot.
+pub fn moving_beside(picture: &Path) -> PathBuf {
+    let mut name = picture.file_stem().unwrap_or_default().to_owned();
+    name.push("-moving.svg");
+    picture.with_file_name(name)
+}
+
+/// Draws the motion with the geometry of the model; `None` if the mechanism cannot be drawn.
+pub fn draw_moving(file: PathBuf, request: &Request, trace: &Trace) -> Result<Option<PathBuf>, Failure> {
+    let path: Vec<Vec<f64>> =
+        trace.rows.iter().map(|row| row.q.iter().map(|q| f64::from(*q)).collect()).collect();
+    let time = |row: Option<&Row>| row.map_or(0.0, |row| f64::from(row.time));
+    let h = (time(trace.rows.last()) - time(trace.rows.first())) / (path.len().max(2) - 1) as f64;
+    let Some(picture) = moving_picture(request.model, &path, h) else { return Ok(None) };
+    atomic::write(&file, picture.as_bytes()).map_err(|error| Failure::file(&file, error))?;
+    Ok(Some(file))
 }
 
 fn title(request: &Request) -> String {

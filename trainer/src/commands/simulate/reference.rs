@@ -116,7 +116,7 @@ fn logged<const N: usize>(request: &Request, path: &Path) -> Result<Course<N>, F
     let config = request.config.map(Config::read).transpose()?.map(|config| config.data);
     let config = DataConfig { file: path.into(), ..config.unwrap_or_else(|| DataConfig::new(path)) };
     let (mut log, read) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
-    let output = Output { json: false };
+    let output = Output::default();
     output.notes(&notes::sentences(&read));
     if log.n != N {
         let n = log.n;

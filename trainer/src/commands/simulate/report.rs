@@ -74,6 +74,9 @@ pub struct Report {
     pub trace: PathBuf,
     /// File of the plot.
     pub picture: PathBuf,
+    /// File of the moving picture, if the mechanism can be drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moving: Option<PathBuf>,
 }
 
 impl Report {
@@ -109,6 +112,7 @@ impl Report {
             trace_hash: format!("{:016x}", summary.hash),
             trace: PathBuf::new(),
             picture: PathBuf::new(),
+            moving: None,
         }
     }
 
@@ -203,7 +207,8 @@ impl fmt::Display for Report {
         let (iterations, residual) = (self.newton_iterations, self.newton_residual);
         line(f, "Newton", &format!("{iterations} iterations at most, residual {residual:.1e}"))?;
         line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))?;
-        line(f, "picture", &self.picture.display().to_string())
+        line(f, "picture", &self.picture.display().to_string())?;
+        self.moving.iter().try_for_each(|file| line(f, "moving picture", &file.display().to_string()))
     }
 }
 

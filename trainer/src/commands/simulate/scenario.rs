@@ -107,8 +107,7 @@ impl Request<'_> {
         self.world.adapt(setup, (self.plant, self.model))?;
         setup.observer.other_step = OtherStep::Accepted;
         if let Err(other) = setup.observer.require_step(setup.tick, self.model.facts.trained_step) {
-            Output { json: false }
-                .note(&format!("warning: the model is less accurate than it could be: {other}"));
+            Output::default().note(&format!("warning: the model is less accurate than it could be: {other}"));
         }
         Ok(())
     }

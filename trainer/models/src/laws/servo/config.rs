@@ -16,7 +16,7 @@ use std::fmt;
 pub struct ServoConfig {
     /// Stiffness k, N/m or N m/rad. (Default: learned, starting at 10.)
     pub stiffness: GroupNumbers,
-    /// Damping d, N s/m or N m s/rad, which is viscous friction. (Start if learned: 1. Default of a table: that of `friction`.)
+    /// Damping d, N s/m or N m s/rad, which is viscous friction. (Default: that of `friction`; without it learned, starting at 1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<GroupNumbers>,
 }
@@ -31,8 +31,7 @@ const fn rule(key: &'static str, default: f64) -> Rule {
 impl ServoConfig {
     /// Stiffness and damping, both learned.
     pub fn learned() -> Self {
-        let learned = || GroupNumbers::All(GroupNumber::Learned);
-        Self { stiffness: learned(), damping: Some(learned()) }
+        Self { stiffness: GroupNumbers::All(GroupNumber::Learned), damping: None }
     }
 
     /// Returns the servos of `groups` groups of coordinates, and adds their damping to the friction; `what` is the word for a group.
@@ -49,11 +48,15 @@ impl ServoConfig {
         if friction.grows() {
             return Err(STIFFNESS.at(None, Problem::LoadOfServo));
         }
-        if let Some(damping) = damping {
-            if !friction.viscous.is_empty() {
+        match (damping, friction.viscous.is_empty()) {
+            (Some(_), false) => {
                 return Err(DAMPING.at(None, Problem::DampingTwice { key: "friction.viscous" }));
             }
-            friction.viscous = damping.assemble(&DAMPING, groups, what)?;
+            (None, false) => {}
+            (damping, true) => {
+                let learned = GroupNumbers::All(GroupNumber::Learned);
+                friction.viscous = damping.as_ref().unwrap_or(&learned).assemble(&DAMPING, groups, what)?;
+            }
         }
         Ok(Servo { stiffness: stiffness.assemble(&STIFFNESS, groups, what)? })
     }
