@@ -34,6 +34,8 @@ mod import;
 mod interrupt;
 #[path = "cli_commands/layouts.rs"]
 mod layouts;
+#[path = "cli_commands/lerobot.rs"]
+mod lerobot;
 #[path = "cli_commands/logs.rs"]
 mod logs;
 #[path = "cli_commands/named_columns.rs"]

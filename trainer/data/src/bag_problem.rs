@@ -71,7 +71,8 @@ pub enum BagProblem {
     },
     /// A folder without files of a bag.
     #[error(
-        "no bag is in this folder: it has neither .mcap nor .db3 files; name logs one by one, or as FOLDER/*.csv"
+        "no bag is in this folder: it has neither .mcap nor .db3 files, nor a data set of LeRobot, which has meta/info.json; name logs one by one, \
+         or as FOLDER/*.csv"
     )]
     NoBag,
     /// A folder that lacks a file of its bag.

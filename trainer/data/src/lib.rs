@@ -1,4 +1,4 @@
-//! Logged motion: trajectories in memory and in `.npz`, `.csv`, `.mat`, `.mcap` and `.db3` files.
+//! Logged motion: trajectories in memory, in `.npz`, `.csv`, `.mat`, `.mcap` and `.db3` files, and in data sets of LeRobot.
 //!
 //! | name | `.npz` array | `.csv` columns | unit |
 //! |---|---|---|---|
@@ -27,6 +27,10 @@
 //! of several files of one recording ([`Join`]), are joined at the samples of the first coordinate. Positions,
 //! velocities and linear controls of other clocks are interpolated linearly; held controls are averaged from sample to
 //! sample. Samples are left out if another clock has a gap there, or does not run.
+//!
+//! **Data sets of LeRobot** (a folder with `meta/info.json`; version 2.0, 2.1 and 3.0) are read with the cargo feature `lerobot`, and only with
+//! named columns: `observation.state.shoulder_pan.pos`, or `observation.state[0]`, is an element of a feature, and without an index the feature
+//! gives all of them. Every episode is a trajectory. `t` need not be named: it is `timestamp`, and the step is 1/fps if the stamps say so too.
 //!
 //! **Columns with other names and units** are read through a [`Reading`] that names them ([`Columns`]); all other columns are then ignored.
 //! [`read_logs`] makes one log of several files. Both resample uneven stamps, and all stamps if a step is given. The
@@ -79,6 +83,8 @@ mod intervals;
 mod join;
 mod layout_note;
 mod left_out;
+mod lerobot;
+mod lerobot_problem;
 pub mod lock;
 mod logs;
 mod mat;
@@ -112,6 +118,7 @@ pub use dataset::{Dataset, MIN_SAMPLES, Trajectory};
 pub use doubts::Doubt;
 pub use error::DataError;
 pub use layout_note::LayoutNote;
+pub use lerobot_problem::LerobotProblem;
 pub use logs::{Join, LeftOut, Reading, files, read_as, read_logs};
 pub use mat_problem::MatProblem;
 pub use measured::{Measured, read_measured};

@@ -154,7 +154,7 @@ impl MatFile {
 
 impl Table {
     /// The table, unless its fields differ in length.
-    fn of_one_length(self) -> Result<Self, Fault> {
+    pub(crate) fn of_one_length(self) -> Result<Self, Fault> {
         let expected = self.q.len();
         let fields = [("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
         let lengths = fields.into_iter().filter_map(|(name, rows)| Some((name, rows?.len())));

@@ -2,6 +2,7 @@
 
 use crate::bag_problem::BagProblem;
 use crate::column_problem::ColumnProblem;
+use crate::lerobot_problem::LerobotProblem;
 use crate::mat_problem::MatProblem;
 use std::io;
 use std::path::PathBuf;
@@ -25,6 +26,9 @@ pub enum Problem {
     /// A problem with a MATLAB file.
     #[error(transparent)]
     Mat(#[from] MatProblem),
+    /// A problem with a data set of LeRobot.
+    #[error(transparent)]
+    Lerobot(Box<LerobotProblem>),
     /// A file whose name lacks the text to be replaced for a join.
     #[error("{part:?} is not in its name, so that nothing says which file {name:?} is; see [data.join]")]
     NoPartner {
@@ -300,6 +304,12 @@ pub enum Problem {
         /// Number of coordinates.
         n: usize,
     },
+}
+
+impl From<LerobotProblem> for Problem {
+    fn from(problem: LerobotProblem) -> Self {
+        Self::Lerobot(Box::new(problem))
+    }
 }
 
 /// A list of names, cut after the first dozen.

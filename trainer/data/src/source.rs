@@ -6,6 +6,7 @@ use crate::bag_problem::BagProblem;
 use crate::column_problem::ColumnProblem;
 use crate::columns::Columns;
 use crate::error::Fault;
+use crate::lerobot::{self, Lerobot};
 use crate::mat::MatFile;
 use crate::note::Note;
 use crate::place::Place;
@@ -24,6 +25,7 @@ pub(crate) enum Source<'a> {
     Csv(Cow<'a, [u8]>),
     Mat(Cow<'a, [u8]>),
     Bag(BagSource<'a>),
+    Lerobot(Box<Lerobot>),
 }
 
 impl Source<'static> {
@@ -36,6 +38,7 @@ impl Source<'static> {
             Format::Mcap => Self::Bag(BagSource::mcap(path)?),
             Format::Db3 => Self::Bag(BagSource::db3(path)?),
             Format::Folder => Self::Bag(BagSource::folder(path)?),
+            Format::Lerobot => Self::Lerobot(Box::new(Lerobot::open(path)?)),
         })
     }
 }
@@ -46,7 +49,7 @@ impl<'a> Source<'a> {
             Format::Npz => Self::Npz(bytes.into()),
             Format::Csv => Self::Csv(bytes.into()),
             Format::Mat => Self::Mat(bytes.into()),
-            Format::Mcap | Format::Folder => Self::Bag(BagSource::Mcap(Box::new(bytes))),
+            Format::Mcap | Format::Folder | Format::Lerobot => Self::Bag(BagSource::Mcap(Box::new(bytes))),
             Format::Db3 => Self::Bag(BagSource::Db3(Box::new(Cursor::new(bytes)))),
         }
     }
@@ -58,6 +61,7 @@ impl<'a> Source<'a> {
             Self::Csv(bytes) => csv_file::read(&bytes, control),
             Self::Mat(bytes) => Ok((MatFile::read(&bytes)?.table()?, Vec::new())),
             Self::Bag(_) => Err((Place::File, BagProblem::Unnamed.into())),
+            Self::Lerobot(set) => Err(set.unnamed()),
         }
     }
 
@@ -72,6 +76,7 @@ impl<'a> Source<'a> {
             Self::Npz(bytes) => array_columns::read(&Archive::open(&bytes)?, columns, rate),
             Self::Mat(bytes) => array_columns::read(&MatFile::read(&bytes)?, columns, rate),
             Self::Csv(bytes) => csv_columns::read(&bytes, columns, control, rate),
+            Self::Lerobot(set) => set.table(columns, rate),
             Self::Bag(_) if rate.is_some() => {
                 Err((Place::File, ColumnProblem::RateAndTime("t".to_owned()).into()))
             }
@@ -88,7 +93,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Format of a file, or a folder with the files of a bag.
+/// Format of a file, or a folder: of a bag, or of a data set of LeRobot.
 #[derive(Clone, Copy)]
 pub(crate) enum Format {
     Npz,
@@ -97,6 +102,7 @@ pub(crate) enum Format {
     Mcap,
     Db3,
     Folder,
+    Lerobot,
 }
 
 /// Formats by extension.
@@ -112,6 +118,7 @@ const EXTENSIONS: [(&str, Format); 5] = [
 pub(crate) fn format_of(path: &Path) -> Result<Format, Fault> {
     let extension = path.extension().unwrap_or_default();
     match EXTENSIONS.into_iter().find(|(known, _)| extension.eq_ignore_ascii_case(known)) {
+        _ if lerobot::is_at(path) => Ok(Format::Lerobot),
         _ if path.is_dir() => Ok(Format::Folder),
         Some((_, format)) => Ok(format),
         None => Err((Place::File, Problem::Extension)),

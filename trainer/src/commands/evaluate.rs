@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 pub struct Evaluate {
     /// The model file, or the folder of a training run.
     model: PathBuf,
-    /// The log, .npz, .csv, .mat, .mcap, .db3 or the folder of a bag; *, ? and ** match several files. With a run it is read as the run's own logs were, unless it has
+    /// The log, .npz, .csv, .mat, .mcap, .db3, or the folder of a bag or of a data set of LeRobot; *, ? and ** match several files. With a run it is read as the run's own logs were, unless it has
     /// leastaction's own names alone.
     #[arg(long, value_name = "FILE", required_unless_present = "config")]
     data: Option<PathBuf>,

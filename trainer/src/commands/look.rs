@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Example: leastaction look "logs/*.csv" -o robot.toml
 #[derive(Args)]
 pub struct Look {
-    /// Logs of one machine, .csv, .npz, .mat, .mcap, .db3 or the folder of a bag; *, ? and ** match several files.
+    /// Logs of one machine, .csv, .npz, .mat, .mcap, .db3, or the folder of a bag or of a data set of LeRobot; *, ? and ** match several files.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// A first configuration to write.

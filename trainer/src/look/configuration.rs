@@ -3,7 +3,7 @@
 use super::mechanism::Mechanism;
 use super::report::{Column, File, Report};
 use crate::cli::CONFIGURATION_HEAD;
-use leastaction_learning::data::survey::Guess;
+use leastaction_learning::data::survey::{Goals, Guess};
 use leastaction_learning::data::unit;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -19,8 +19,12 @@ pub struct Layout {
     pub step: Option<f64>,
     /// Rate of logs without time (Hz).
     pub rate: Option<f64>,
-    /// Number of trajectories in logs with leastaction's own names, which need no `[data.columns]`.
+    /// Number of trajectories in logs that state where each ends.
     pub trajectories: Option<usize>,
+    /// Whether the logs have leastaction's own names, and need no `[data.columns]`.
+    pub is_own: bool,
+    /// How near commands are to positions, if they are positions, as those of servos.
+    pub goals: Option<Goals>,
 }
 
 /// The text of a configuration that can be used for training without changes, or the reason why the columns cannot be
@@ -47,16 +51,17 @@ pub fn of(
     if let Some(rate) = layout.rate {
         line(&mut text, format_args!("rate = {rate:?} # Hz: samples a second"));
     }
-    if layout.trajectories.is_none() {
+    if !layout.is_own {
         named_columns(&mut text, report, guess);
     }
-    model(&mut text, guess, mechanism);
+    model(&mut text, guess, mechanism, layout.goals);
     Ok(text)
 }
 
 /// Writes the table that names the columns.
 fn named_columns(text: &mut String, report: &Report, guess: &Guess) {
     line(text, format_args!("\n[data.columns]"));
+    guess.questions.iter().for_each(|question| line(text, format_args!("# {question}")));
     stamps(text, report, guess);
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
         if !names.is_empty() {
@@ -82,7 +87,7 @@ fn check(report: &Report, guess: &Guess, layout: Layout) -> Result<(), String> {
         return Err(nameless(report, guess));
     }
     match (&guess.t, layout.rate) {
-        (None, None) if layout.trajectories.is_none() => Err(format!(
+        (None, None) if !layout.is_own => Err(format!(
             "no column is named as time is; {by_hand}, or give the rate of the samples in Hz: look --rate 100"
         )),
         (Some(t), Some(_)) => Err(format!("{t} is time; leave out --rate, which is for logs without time")),
@@ -132,7 +137,10 @@ fn stamps(text: &mut String, report: &Report, guess: &Guess) {
 }
 
 /// Writes the tables for rigid bodies or a network, with friction, and for sensors and actuators.
-fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>) {
+fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>, goals: Option<Goals>) {
+    if let Some(goals) = goals {
+        return of_servos(text, guess, goals);
+    }
     let driven = !guess.u.is_empty();
     let [head, bodies] = mechanism.map_or_else(|| [network(guess.q.len()), String::new()], Mechanism::tables);
     text.push_str(&head);
@@ -144,6 +152,24 @@ fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>) {
         line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
     }
     line(text, format_args!("\n[training]\nloss = \"windows\""));
+}
+
+/// Writes the tables for a network that servos drive. Bodies would need a known mass, which a log of positions does not show.
+fn of_servos(text: &mut String, guess: &Guess, Goals { distance, correlation }: Goals) {
+    text.push_str(&network(guess.q.len()));
+    line(
+        text,
+        format_args!(
+            "# With a description: family = \"arm\", urdf = \"robot.urdf\", bodies = \"known\", rotors = \"known\" in place of coordinates.\n\
+             # u are positions to go to: u - q is {distance:.2} of the spread of q, and u correlates with q by {correlation:.2}. Force: k (u - q) - d v.\n\
+             # Such a log shows masses, friction and stiffnesses up to a common factor, and lag as softness or as delay: give what you know.\n\
+             servo = \"learned\" # or {{ stiffness = 17.0, damping = \"learned\" }}\n\
+             friction = {{ coulomb = \"learned\" }}\n\n\
+             [calibration] # sensors and servos; a number if it is known\n\
+             zero = \"learned\"\ndelay = \"learned\"\n\n\
+             [training]\nloss = \"windows\""
+        ),
+    );
 }
 
 /// The table of a network with n coordinates.

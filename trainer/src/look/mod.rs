@@ -11,7 +11,7 @@ pub use report::{Column, File, Report};
 
 use configuration::Layout;
 use leastaction_learning::config::Config;
-use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal, is_of_angle};
+use leastaction_learning::data::survey::{Clock, Goals, Guess, RawLog, Signal, is_of_angle};
 use leastaction_learning::data::{self, DataError, Dataset, Problem};
 use leastaction_learning::run::error_at_start;
 use mechanism::{MOST_JOINTS, Mechanism};
@@ -95,7 +95,7 @@ impl Look {
         let step = self.step(report)?;
         let text = |at: &Path, mechanism: Option<&Mechanism>| self.text(at, report, mechanism, step);
         let n = self.guess.q.len();
-        if n > MOST_JOINTS || self.guess.u.is_empty() {
+        if n > MOST_JOINTS || self.guess.u.is_empty() || self.goals().is_some() {
             return Ok(Proposal { text: text(at, None)?, note: self.refusal(&text(Path::new(""), None)?) });
         }
         let links = Mechanism::links(n);
@@ -125,9 +125,17 @@ impl Look {
         mechanism: Option<&Mechanism>,
         step: Option<f64>,
     ) -> Result<String, String> {
-        let trajectories = self.is_own.then(|| self.seen.iter().map(|seen| seen.log.pieces().len()).sum());
-        let layout = Layout { step, rate: self.rate, trajectories };
+        let all_state = self.is_own || self.seen.iter().all(|seen| seen.log.stated.is_some());
+        let trajectories = all_state.then(|| self.seen.iter().map(|seen| seen.log.pieces().len()).sum());
+        let goals = self.goals();
+        let layout = Layout { step, rate: self.rate, trajectories, is_own: self.is_own, goals };
         configuration::of((&self.patterns, at), report, &self.guess, mechanism, layout)
+    }
+
+    /// How near commands are to positions, if they are positions to go to and no forces.
+    fn goals(&self) -> Option<Goals> {
+        let logs: Vec<&RawLog> = self.seen.iter().map(|seen| &seen.log).collect();
+        Goals::of(&logs, &self.guess).filter(Goals::are_positions)
     }
 
     /// The step that the configuration gives (s): one for files whose steps differ, as the reader sees them.

@@ -2,7 +2,7 @@
 
 use super::groups::{Group, groups};
 use super::words::{Qualifier, Quantity, is_of_nanoseconds, words};
-use super::{Clock, RawLog, Signal};
+use super::{Clock, Goals, RawLog, Signal};
 
 /// Columns that may be t, q, v and u; to be confirmed by a person.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub struct Guess {
     pub u: Vec<String>,
     /// Alternatives for u, such as measured besides commanded forces.
     pub other_u: Vec<Vec<String>>,
+    /// Questions about the columns that no log answers, for the person who confirms them.
+    pub questions: Vec<String>,
 }
 
 /// The unit, named as in [`crate::unit`], in which this median interval corresponds to a sampling rate between 2 Hz and
@@ -39,10 +41,14 @@ impl Guess {
     /// The guess for the columns of a file.
     #[must_use]
     pub fn of(logs: &[RawLog]) -> Self {
+        if let Some(stated) = logs.iter().find_map(|log| log.stated.clone()) {
+            return stated;
+        }
         let groups = groups(logs);
         let time = Self::of_time(logs, &groups);
-        let q = ranked(logs, &groups, Quantity::Position, |group| [!is_measured(group), is_commanded(group)]);
-        let Some(q) = q.into_iter().next() else { return time.by_derivatives(logs) };
+        let all_q =
+            ranked(logs, &groups, Quantity::Position, |group| [!is_measured(group), is_commanded(group)]);
+        let Some(q) = all_q.first() else { return time.by_derivatives(logs) };
         let joints: Vec<Vec<String>> = q.columns.iter().map(|column| column.joint.clone()).collect();
         let of_joints = |group: &Group<'_>| {
             let same_number = || Some(group.names()).filter(|names| names.len() == joints.len());
@@ -51,9 +57,21 @@ impl Guess {
         let v = ranked(logs, &groups, Quantity::Velocity, |group| [!is_measured(group), is_commanded(group)]);
         let u = ranked(logs, &groups, Quantity::Force, |group| [!is_commanded(group), false]);
         let mut u = u.into_iter().filter_map(of_joints);
-        let first_u = u.next().unwrap_or_default();
+        let first_u = u.next();
         let v = v.into_iter().find_map(of_joints).unwrap_or_default();
-        Self { q: q.names(), v, u: first_u, other_u: u.collect(), ..time }
+        let goals = all_q.iter().skip(1).copied().filter(|group| is_commanded(group)).find_map(of_joints);
+        let guess = Self { q: q.names(), v, other_u: u.collect(), ..time };
+        match first_u {
+            Some(u) => Self { u, ..guess },
+            None => guess.with_goals(logs, goals.unwrap_or_default()),
+        }
+    }
+
+    /// The guess with commanded positions for u, if positions follow them.
+    fn with_goals(self, logs: &[RawLog], u: Vec<String>) -> Self {
+        let logs: Vec<&RawLog> = logs.iter().collect();
+        let with = Self { u, ..self.clone() };
+        if Goals::of(&logs, &with).is_some_and(|goals| goals.are_positions()) { with } else { self }
     }
 
     /// The columns of time alone.
@@ -197,6 +215,16 @@ mod tests {
         );
         assert_eq!(guess.u, ["tau_con1", "tau_con2"]);
         assert_eq!(guess.other_u, [["tau_meas1", "tau_meas2"]]);
+    }
+
+    #[test]
+    fn positions_to_go_to_are_commands_where_no_forces_are() {
+        let names = ["time", "pos_des1", "pos_des2", "pos_meas1", "pos_meas2"];
+        let guess = Guess::of(&[log(&names, &[])]);
+        assert_eq!((&guess.q[0][..], &guess.u[..]), ("pos_meas1", &names.map(str::to_owned)[1..3]));
+        let with_forces = [&names[..], &["tau1", "tau2"]].concat();
+        assert_eq!(Guess::of(&[log(&with_forces, &[])]).u, ["tau1", "tau2"]);
+        assert!(Guess::of(&[log(&names, &names[1..3])]).u.is_empty());
     }
 
     #[test]

@@ -2,14 +2,17 @@
 
 mod clock;
 mod derivatives;
+mod goals;
 mod groups;
 mod guess;
+mod lerobot;
 mod motion;
 mod raw;
 mod signal;
 mod words;
 
 pub use clock::Clock;
+pub use goals::Goals;
 pub use guess::{Guess, time_unit};
 pub use motion::{MotionSurvey, Outlier};
 pub use raw::RawLog;

@@ -9,6 +9,7 @@ use crate::csv_sheet::Sheet;
 use crate::csv_text::{Numbers, decoded, text};
 use crate::error::Fault;
 use crate::layout_note::LayoutNote;
+use crate::lerobot::{Lerobot, TIME};
 use crate::mat::MatFile;
 use crate::place::Place;
 use crate::problem::Problem;
@@ -33,8 +34,10 @@ pub struct RawLog {
     pub dates: Option<String>,
     /// Units of a line under the header, each with its column, as far as [`crate::unit`] knows them.
     pub units: Vec<(String, &'static str)>,
-    /// Rows where a trajectory begins because a header comes again, in rising order.
+    /// Rows where a trajectory begins because a header or an episode does, in rising order.
     pub starts: Vec<usize>,
+    /// Meaning of the columns, where the format states it.
+    pub stated: Option<Guess>,
 }
 
 /// Least fraction of numbers among a column's cells for the column to count as numeric.
@@ -89,7 +92,7 @@ impl RawLog {
     /// Whether the unit of time is known to be s, whatever the stamps are.
     #[must_use]
     pub fn is_in_seconds(&self) -> bool {
-        self.topic.is_some() || self.has_own_trajectories()
+        self.topic.is_some() || self.stated.is_some() || self.has_own_trajectories()
     }
 
     /// Rows of each trajectory: from one header to the next, and of one number in a log with leastaction's own names.
@@ -123,6 +126,7 @@ fn of_source(source: Source) -> Result<Vec<RawLog>, Fault> {
             let file = MatFile::read(&bytes)?;
             Ok(vec![of_arrays(&file, file.others())?])
         }
+        Source::Lerobot(set) => Ok(vec![of_lerobot(&set)?]),
         Source::Bag(mut source) => Ok(of_bag(&Bag::read(&mut source)?)),
     }
 }
@@ -210,6 +214,27 @@ fn of_arrays(arrays: &dyn Named, others: &[String]) -> Result<RawLog, Fault> {
         }
     }
     if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+}
+
+/// The measurements and commands of a data set, and its stamps.
+fn of_lerobot(set: &Lerobot) -> Result<RawLog, Fault> {
+    let (mut names, mut columns) = (vec![TIME.to_owned()], vec![set.feature(TIME)?.as_flat().to_vec()]);
+    for (feature, elements) in set.elements() {
+        let rows = set.feature(feature)?;
+        columns.extend((0..rows.width()).map(|i| rows.column(i).collect::<Vec<_>>()));
+        names.extend(elements);
+    }
+    let episodes = set.episodes()?;
+    if columns.iter().any(|column| column.len() != episodes.len()) {
+        let (found, expected) = (columns[0].len(), episodes.len());
+        return Err((
+            Place::File,
+            Problem::Inconsistent { name: "a feature", what: "samples", found, expected },
+        ));
+    }
+    let starts = (1..episodes.len()).filter(|row| episodes[*row] != episodes[row - 1]).collect();
+    let log = RawLog { names, columns, others: set.others(), starts, ..RawLog::default() };
+    Ok(log.stated_by_lerobot())
 }
 
 fn of_bag(bag: &Bag) -> Vec<RawLog> {

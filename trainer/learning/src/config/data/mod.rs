@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataConfig {
-    /// Log files, `.npz`, `.csv`, `.mat`, `.mcap` or `.db3`, or folders of bags; relative to the configuration file.
+    /// Log files, `.npz`, `.csv`, `.mat`, `.mcap` or `.db3`, or folders of bags or of data sets of LeRobot; relative to the configuration file.
     pub file: LogFiles,
     /// Step onto which all samples are resampled, s; by default the step of the files.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
