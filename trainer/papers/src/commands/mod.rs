@@ -41,7 +41,7 @@ enum Command {
 /// Reads the command line and runs its command.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    let output = Output { json: cli.json };
+    let output = Output { json: cli.json, ..Output::default() };
     let done = match cli.command {
         Command::Chnn(chnn) => chnn.run(output),
         Command::Control(control) => control.run(output),
