@@ -109,7 +109,7 @@ impl Export {
         Ok(Some(Fmu { file, fmi, bytes: archive.len(), variables, library, archive }))
     }
 
-    /// The library of units: the one that is named, or the one that was built with this command.
+    /// The library of units: the one that is named, or the one that came with this command.
     fn library(&self) -> Result<PathBuf, Failure> {
         if let Some(library) = &self.library {
             return Ok(library.clone());
@@ -117,16 +117,24 @@ impl Export {
         let command = std::env::current_exe().map_err(|error| Failure::Input(error.to_string()))?;
         let folder = command.parent().unwrap_or(Path::new("."));
         let name = format!("{DLL_PREFIX}{IDENTIFIER}{DLL_SUFFIX}");
-        // Cargo builds the library into `deps` whenever it builds the command, and copies it only if it is asked for.
-        let places = [folder.join("deps").join(&name), folder.join(&name)];
+        let places = places(folder, &name);
         places.iter().find(|place| place.is_file()).cloned().ok_or_else(|| {
             Failure::Input(format!(
-                "{name}, the library of units, is not in {}; build it with `cargo build --release -p leastaction-fmu`, and name it \
-                 with --library target/release/{name}",
+                "{name}, the library of units, is not in {}; name it with --library: it is in lib of a release archive, and in the \
+                 repository `cargo build --release -p leastaction-fmu` builds target/release/{name}",
                 folder.display()
             ))
         })
     }
+}
+
+/// Places of a library that came with the command in a folder. Cargo builds it into `deps` whenever it builds the command, and copies it only
+/// if it is asked for; a release archive has folders `bin` and `lib`.
+fn places(folder: &Path, name: &str) -> Vec<PathBuf> {
+    let built = [folder.join("deps").join(name), folder.join(name)];
+    let unpacked =
+        folder.parent().filter(|_| folder.ends_with("bin")).map(|root| root.join("lib").join(name));
+    built.into_iter().chain(unpacked).collect()
 }
 
 /// The description of a model, named after the file.
@@ -155,4 +163,17 @@ fn notes(model: &Model) -> Vec<String> {
         part.map(|(what, name)| format!("the unit is of the first {what} of the file, {name:?}")),
     ];
     own.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_is_beside_the_command_or_in_lib_of_an_archive() {
+        let found = |folder: &str| places(Path::new(folder), "l.so");
+        let unpacked = ["/opt/a/bin/deps/l.so", "/opt/a/bin/l.so", "/opt/a/lib/l.so"].map(PathBuf::from);
+        assert_eq!(found("/opt/a/bin"), unpacked);
+        assert_eq!(found("/a/target/release").len(), 2);
+    }
 }
