@@ -6,6 +6,7 @@ set -euo pipefail
 command=${1:+$(realpath "$1")}
 cd "$(dirname "$0")"
 root=$(cd .. && pwd)
+source ../.ci/needs.sh
 out=$(realpath -m "${CARGO_TARGET_DIR:-$root/target}")/ros2
 files=$out/files
 mkdir -p "$files"
@@ -17,10 +18,7 @@ packages=()
 command -v cmake >/dev/null || packages+=(cmake)
 command -v g++ >/dev/null || packages+=(g++)
 command -v xmllint >/dev/null || packages+=(libxml2-utils)
-if [ ${#packages[@]} != 0 ]; then
-    apt-get update -qq >&2
-    apt-get install -y -qq --no-install-recommends "${packages[@]}" >&2
-fi
+[ ${#packages[@]} = 0 ] || install "${packages[@]}"
 
 leastaction() {
     if [ -n "$command" ]; then "$command" "$@"; else cargo run --quiet --release --manifest-path "$root/Cargo.toml" --package leastaction -- "$@"; fi

@@ -13,13 +13,12 @@ out=${CARGO_TARGET_DIR:-$PWD/target}
 work=$out/example
 mkdir -p "$work"
 
-# The compiler is useless without the headers of a C library, which come in another package.
+source ../../firmware-sim/chip/compiler.sh
+# GCC is useless without the headers of a C library, which come in another package.
 if ! { command -v qemu-system-arm && command -v g++ && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
-    apt-get update -qq
-    apt-get install -y -qq --no-install-recommends g++ gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
+    install g++ gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 fi
 
-source ../../firmware-sim/chip/compiler.sh
 compiler "$target"
 chip=(env CARGO_TARGET_DIR="$out/chip" "${cargo[@]}" build --quiet --release --lib --target "$target")
 # Host programs use the compiler that cargo finds.

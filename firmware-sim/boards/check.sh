@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Compiles every template for its chip, and runs their loop on the emulated boards, whose traces must be the desk's. Prints a line for each:
-# what was compiled, what ran, and the bytes of flash. Installs what is missing.
+# what was compiled, what ran, and the bytes of flash. Installs what is missing (.ci/needs.sh).
 #   check.sh [TEMPLATE]…
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -40,11 +40,7 @@ if wanted c; then
     (
         source ../chip/compiler.sh
         chip=thumbv7em-none-eabihf features=(--no-default-features --features bodies,friction) out=$target/c
-        for package in arm-none-eabi-gcc:gcc-arm-none-eabi qemu-system-arm:qemu-system-arm cmake:cmake; do
-            command -v "${package%:*}" >/dev/null && continue
-            apt-get update -qq >&2
-            apt-get install -y -qq --no-install-recommends "${package#*:}" >&2
-        done
+        need arm-none-eabi-gcc:gcc-arm-none-eabi qemu-system-arm:qemu-system-arm cmake:cmake
         mkdir -p "$out/include"
         export LEASTACTION_COORDINATES=2 CARGO_TARGET_DIR=$target
         library=(build --quiet --release --lib --manifest-path ../../core/c/Cargo.toml "${features[@]}")
@@ -86,6 +82,8 @@ if wanted loop; then
     (
         cd ../chip
         source ./tools.sh
+        need_emulator qemu-system-arm
+        need_emulator qemu-system-riscv32
         for board in "${boards[@]}"; do
             build "$board" --bin board_loop
             output=$(emulate "$board" "$(program "$board" board_loop)" 0 2>&1)

@@ -1,5 +1,7 @@
 # Sourced by all scripts that build for a chip. `compiler TARGET` sets `cargo` to a command and `rustc` to its compiler: rustup's target if
-# it is installed or can be, else Debian's compiler with the standard library's source, which it installs if missing.
+# it is installed or can be, else Debian's compiler with the standard library's source, which it installs if missing; where neither can be
+# had, the script is skipped.
+source "$(dirname "${BASH_SOURCE[0]}")/../../.ci/needs.sh"
 
 # LEASTACTION_CHIP_PACKAGED tells later scripts that rustup lacks the target, because asking may take a minute.
 compiler() {
@@ -13,8 +15,7 @@ compiler() {
         export LEASTACTION_CHIP_PACKAGED=1
     fi
     if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ] || ! [ -x /usr/bin/ld.lld ]; then
-        apt-get update -qq >&2
-        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src lld >&2
+        install rustc-web rust-web-src lld
     fi
     # Debian's compiler comes without the linker that it asks for.
     local linker=CARGO_TARGET_$(tr a-z- A-Z_ <<<"$target")_LINKER=/usr/bin/ld.lld

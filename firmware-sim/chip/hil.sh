@@ -21,8 +21,8 @@ simulate() {
 }
 value() { sed -E "s/.*\"$1\":(\"[^\"]*\"|\[[^]]*\]|[^,}]*).*/\1/" <<<"$report"; }
 
-need qemu-system-arm qemu-system-arm
-need qemu-system-riscv32 qemu-system-misc
+need_emulator qemu-system-arm
+need_emulator qemu-system-riscv32
 for board in "${boards[@]}"; do
     build "$board" --bin controller --bin arm_controller
 done

@@ -6,12 +6,9 @@ host_target=${CARGO_TARGET_DIR:-target}
 # Separate from the host's, for builds of the standard library's source.
 export CARGO_TARGET_DIR=${LEASTACTION_CHIP_TARGET:-$PWD/../../target/chip}
 
-need() {
-    command -v "$1" >/dev/null && return
-    echo "installing $2" >&2
-    apt-get update -qq >&2
-    apt-get install -y -qq --no-install-recommends "$2" >&2
-}
+emulator_of() { [[ $1 == riscv32* ]] && echo qemu-system-riscv32 || echo qemu-system-arm; }
+
+need_emulator() { need "$1:$([ "$1" = qemu-system-arm ] && echo qemu-system-arm || echo qemu-system-misc)"; }
 
 target_of() {
     case $1 in
@@ -43,14 +40,15 @@ program() { echo "$CARGO_TARGET_DIR/$1/$(target_of "$1")/release/$2"; }
 
 # Runs an image with a number placed in its flash; one instruction takes one virtual nanosecond.
 emulate() {
-    local board=$1 elf=$2 machine emulator=qemu-system-arm slot=0x3f0000 bios=()
+    local board=$1 elf=$2 machine emulator slot=0x3f0000 bios=()
+    emulator=$(emulator_of "$board")
     case $board in
         cortex-m4f) machine=mps2-an386 ;;
         cortex-m7) machine=mps2-an500 ;;
         cortex-m0) machine=microbit slot=0x30000 ;;
-        *) machine=virt emulator=qemu-system-riscv32 slot=0x803f0000 bios=(-bios none) ;;
+        *) machine=virt slot=0x803f0000 bios=(-bios none) ;;
     esac
-    need $emulator "$([ $emulator = qemu-system-arm ] && echo qemu-system-arm || echo qemu-system-misc)"
+    need_emulator $emulator
     timeout "${LEASTACTION_CHIP_TIMEOUT:-600}" $emulator -M $machine "${bios[@]}" -display none -monitor none -serial none \
         -semihosting-config enable=on,target=native -icount shift=0 -device "loader,addr=$slot,data=$3,data-len=4" \
         "${@:4}" -kernel "$elf"

@@ -10,12 +10,8 @@ fail() {
     exit 1
 }
 
-if ! command -v qemu-system-arm >/dev/null; then
-    apt-get update -qq
-    apt-get install -y -qq --no-install-recommends qemu-system-arm
-fi
-
 source ../chip/compiler.sh
+need qemu-system-arm:qemu-system-arm
 compiler "$target"
 
 # The model must equal the golden file.

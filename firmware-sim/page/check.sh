@@ -11,11 +11,7 @@ pictures=${1:+$(realpath -m "$1")}
 cd "$(dirname "$0")"
 source ./tools.sh
 
-install() {
-    echo "installing $1" >&2
-    { apt-get update -qq && apt-get install -y -qq --no-install-recommends "$1"; } >&2
-}
-command -v node >/dev/null || install nodejs
+need node:nodejs
 
 [ -n "$page" ] || { page=$folder/live.html && ./build.sh -o "$page"; }
 build_module
@@ -36,8 +32,8 @@ if [ "$bytes" -gt 300000 ]; then
     exit 1
 fi
 chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
-if [ -z "$chromium" ] && command -v apt-get >/dev/null; then
-    install chromium || true
+if [ -z "$chromium" ]; then
+    (install chromium) || true
     chromium=$(command -v chromium || true)
 fi
 if [ -z "$chromium" ]; then

@@ -8,6 +8,7 @@ declare -A options=(
     [cartpole-dry]="--coulomb 0.5,0 --width 0.05 --gain 0.9,1 --delay 8 --zeros 0.02 --noise 0.001 --learn-zeros 0.02"
 )
 root=$(cd ../.. && pwd)
+source ../../.ci/needs.sh
 host_target=$(cd "$root" && realpath -m "${CARGO_TARGET_DIR:-target}")
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
