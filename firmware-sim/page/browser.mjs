@@ -1,56 +1,16 @@
 // Opens the page in Chromium, over a pipe so that no package is needed: node browser.mjs CHROMIUM PAGE [PICTURES]
 // Waits for frames, pushes and drags the machine, lets the page refuse a broken file, verifies every machine, and fails on an error of the
 // script. Prints the time of a frame. PICTURES is a folder for pictures at the widths of a phone and a desk.
-import { spawn } from "node:child_process";
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
+import { check, open, pause } from "./chromium.mjs";
 
 const [program, page, pictures] = process.argv.slice(2);
-const profile = mkdtempSync(join(tmpdir(), "page-"));
-const browser = spawn(program, ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--remote-debugging-pipe", `--user-data-dir=${profile}`],
-    { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
-const wanted = new Map();
-let count = 0, rest = "", session;
-const failures = [];
-
-browser.stdio[4].on("data", data => {
-    const messages = (rest + data).split("\0");
-    rest = messages.pop();
-    for (const { id, result, error, method, params } of messages.map(JSON.parse)) {
-        if (method === "Runtime.exceptionThrown") failures.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
-        if (method === "Runtime.consoleAPICalled" && params.type === "error") failures.push(JSON.stringify(params.args));
-        if (!wanted.has(id)) continue;
-        const [done, failed] = wanted.get(id);
-        wanted.delete(id);
-        error ? failed(new Error(error.message)) : done(result);
-    }
-});
-const send = (method, params = {}) => new Promise((done, failed) => {
-    wanted.set(++count, [done, failed]);
-    browser.stdio[3].write(JSON.stringify({ id: count, sessionId: session, method, params }) + "\0");
-});
-const pause = milliseconds => new Promise(done => setTimeout(done, milliseconds));
-const value = async expression => {
-    const { result, exceptionDetails } = await send("Runtime.evaluate", { expression, returnByValue: true, awaitPromise: true });
-    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
-    return result.value;
-};
-const until = async (expression, seconds, what) => {
-    for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(50)) if (await value(expression)) return;
-    throw new Error(`${what}: not within ${seconds} s`);
-};
-const check = (holds, what) => { if (!holds) throw new Error(what); };
-const picture = async name => {
-    if (!pictures) return;
-    const { data } = await send("Page.captureScreenshot", { captureBeyondViewport: true });
-    writeFileSync(join(pictures, `${name}.png`), Buffer.from(data, "base64"));
-};
+const { failures, send, value, until, picture: draw, mouse, close } = await open(program);
+const picture = name => pictures && draw(join(pictures, `${name}.png`));
 const size = (width, height, dark) => Promise.all([
     send("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 }),
     send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }] }),
 ]);
-const mouse = (type, [x, y]) => send("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
 const choose = index => value(`document.querySelectorAll("#machines input")[${index}].click()`);
 const give = (bytes, name) => value(`(async () => { await take(new File([new Uint8Array(${JSON.stringify([...bytes])})], ${JSON.stringify(name)})); return $("error").textContent; })()`);
 
@@ -69,10 +29,6 @@ async function drag() {
 }
 
 async function run() {
-    if (pictures) mkdirSync(pictures, { recursive: true });
-    const { targetId } = await send("Target.createTarget", { url: "about:blank" });
-    ({ sessionId: session } = await send("Target.attachToTarget", { targetId, flatten: true }));
-    await Promise.all(["Page.enable", "Runtime.enable"].map(method => send(method)));
     await size(1280, 1000, false);
     await send("Page.navigate", { url: `file://${resolve(page)}#pendulum` });
     await until("document.documentElement?.dataset.frames > 5", 20, "frames");
@@ -117,7 +73,5 @@ async function run() {
 
 let code = 0;
 try { await run(); } catch (error) { code = 1; console.error(`the page: ${[error.message, ...failures].join("\n")}`); }
-browser.kill();
-await new Promise(done => browser.on("exit", done));
-rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+await close();
 process.exit(code);

@@ -1,55 +1,16 @@
 // Opens a page of leastaction.viewer in Chromium, over a pipe so that no package is needed: node browser.mjs CHROMIUM PAGE [PICTURES]
 // Checks that the motion plays in real time, pauses, and follows the slider; that dragging turns what moves in space; and that no script
 // fails. Prints one JSON line: times, and what is drawn. PICTURES is a folder for pictures.
-import { spawn } from "node:child_process";
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
 import { basename, join, resolve } from "node:path";
+import { check, open, pause } from "../../../firmware-sim/page/chromium.mjs";
 
 const [program, page, pictures] = process.argv.slice(2);
-const profile = mkdtempSync(join(tmpdir(), "viewer-"));
-const browser = spawn(program, ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--remote-debugging-pipe", `--user-data-dir=${profile}`],
-    { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
-const wanted = new Map();
-let count = 0, rest = "", session;
-const failures = [];
-
-browser.stdio[4].on("data", data => {
-    const messages = (rest + data).split("\0");
-    rest = messages.pop();
-    for (const { id, result, error, method, params } of messages.map(JSON.parse)) {
-        if (method === "Runtime.exceptionThrown") failures.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
-        if (!wanted.has(id)) continue;
-        const [done, failed] = wanted.get(id);
-        wanted.delete(id);
-        error ? failed(new Error(error.message)) : done(result);
-    }
-});
-const send = (method, params = {}) => new Promise((done, failed) => {
-    wanted.set(++count, [done, failed]);
-    browser.stdio[3].write(JSON.stringify({ id: count, sessionId: session, method, params }) + "\0");
-});
-const pause = milliseconds => new Promise(done => setTimeout(done, milliseconds));
-const value = async expression => {
-    const { result, exceptionDetails } = await send("Runtime.evaluate", { expression, returnByValue: true });
-    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
-    return result.value;
-};
-const check = (holds, what) => { if (!holds) throw new Error(what); };
+const { failures, send, value, picture: draw, mouse, close } = await open(program);
+const picture = name => pictures && draw(join(pictures, `${basename(page, ".html")}-${name}.png`));
 const time = () => value("Number(document.documentElement.dataset.time)");
 const drawing = () => value(`document.getElementById("scene")?.innerHTML ?? ""`);
-const picture = async name => {
-    if (!pictures) return;
-    mkdirSync(pictures, { recursive: true });
-    const { data } = await send("Page.captureScreenshot", { captureBeyondViewport: true });
-    writeFileSync(join(pictures, `${basename(page, ".html")}-${name}.png`), Buffer.from(data, "base64"));
-};
-const mouse = (type, x, y) => send("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
 
 async function run() {
-    const { targetId } = await send("Target.createTarget", { url: "about:blank" });
-    ({ sessionId: session } = await send("Target.attachToTarget", { targetId, flatten: true }));
-    await Promise.all(["Page.enable", "Runtime.enable"].map(method => send(method)));
     await send("Emulation.setDeviceMetricsOverride", { width: 780, height: 760, deviceScaleFactor: 1, mobile: false });
     await send("Page.navigate", { url: `file://${resolve(page)}` });
     for (const end = Date.now() + 20000; !(await value("Number(document.documentElement?.dataset.time) > 0")); await pause(50)) check(Date.now() < end, `nothing moves: ${failures}`);
@@ -71,9 +32,9 @@ async function run() {
     let turned = false;
     if (before) {
         const [x, y] = await value(`(() => { const box = document.getElementById("scene").getBoundingClientRect(); return [box.left + box.width / 2, box.top + box.height / 2]; })()`);
-        await mouse("mousePressed", x, y);
-        await mouse("mouseMoved", x + 90, y + 60);
-        await mouse("mouseReleased", x + 90, y + 60);
+        await mouse("mousePressed", [x, y]);
+        await mouse("mouseMoved", [x + 90, y + 60]);
+        await mouse("mouseReleased", [x + 90, y + 60]);
         turned = (await drawing()) !== after;
     }
     await picture("turned");
@@ -91,5 +52,4 @@ try {
     console.error(error.message);
     process.exitCode = 1;
 }
-browser.kill();
-browser.on("exit", () => rmSync(profile, { recursive: true, force: true, maxRetries: 5 }));
+await close();

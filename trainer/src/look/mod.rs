@@ -94,28 +94,25 @@ impl Look {
     fn proposal(&self, at: &Path, report: &Report) -> Result<Proposal, String> {
         let step = self.step(report)?;
         let text = |at: &Path, mechanism: Option<&Mechanism>| self.text(at, report, mechanism, step);
+        let propose = |mechanism: Option<&Mechanism>, said: Option<String>| {
+            let refusal = self.refusal(&text(Path::new(""), mechanism)?);
+            let note = said.into_iter().chain(refusal).reduce(|a, b| format!("{a}; {b}"));
+            Ok(Proposal { text: text(at, mechanism)?, note })
+        };
         let n = self.guess.q.len();
         if n > MOST_JOINTS || self.guess.u.is_empty() || self.goals().is_some() {
-            return Ok(Proposal { text: text(at, None)?, note: self.refusal(&text(Path::new(""), None)?) });
+            return propose(None, None);
         }
-        let links = Mechanism::links(n);
         if n == 1 && self.guess.u.iter().all(|name| is_force(name)) {
             // A long heavy link moves as a slide does: only the name tells them apart.
-            let slide = Mechanism::slide();
             let said = "u is named a force, not a torque, so that the joint slides: [[model.bodies]] says so, check it";
-            let refusal = self.refusal(&text(Path::new(""), Some(&slide))?);
-            let note =
-                [Some(said.to_owned()), refusal].into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
-            return Ok(Proposal { text: text(at, Some(&slide))?, note });
+            return propose(Some(&Mechanism::slide()), Some(said.to_owned()));
         }
         let all = Mechanism::all(n).into_iter().filter(|own| own.turns_where(&self.angles(report))).collect();
-        let Some(found) = Found::among(all, |own| text(Path::new(""), Some(own)).ok()) else {
-            let note = self.refusal(&text(Path::new(""), Some(&links))?);
-            return Ok(Proposal { text: text(at, Some(&links))?, note });
-        };
-        let refusal = self.refusal(&text(Path::new(""), Some(&found.mechanism))?);
-        let note = found.sentence().into_iter().chain(refusal).reduce(|a, b| format!("{a}; {b}"));
-        Ok(Proposal { text: text(at, Some(&found.mechanism))?, note })
+        match Found::among(all, |own| text(Path::new(""), Some(own)).ok()) {
+            None => propose(Some(&Mechanism::links(n)), None),
+            Some(found) => propose(Some(&found.mechanism), found.sentence()),
+        }
     }
 
     fn text(

@@ -86,23 +86,13 @@ impl Origin {
     /// Sets the learned numbers of friction and servos to those of this model, if it has any.
     pub fn set_laws(&self, friction: &mut FrictionArchitecture, servo: &mut Servo) {
         self.set_friction(friction);
-        let stiffness =
-            &self.0.weights[self.0.weights.len().saturating_sub(self.0.architecture.servo.count())..];
-        for (number, before) in servo.stiffness.iter_mut().zip(stiffness) {
-            if number.learned && *before > 0.0 {
-                number.value = *before;
-            }
-        }
+        let stiffness = self.0.architecture.stiffness_of_coordinates(&self.0.weights);
+        servo.stiffness.iter_mut().zip(stiffness).for_each(|(number, own)| begin_at(number, own));
     }
 
     fn set_friction(&self, friction: &mut FrictionArchitecture) {
-        let set = |number: &mut Number, value: f64| {
-            if number.learned && value > 0.0 {
-                number.value = value;
-            }
-        };
         let own = self.friction();
-        friction.viscous.iter_mut().zip(&own).for_each(|(number, own)| set(number, own.viscous));
+        friction.viscous.iter_mut().zip(&own).for_each(|(number, own)| begin_at(number, own.viscous));
         for (numbers, own) in friction.dry.iter_mut().zip(&own) {
             let Some(dry) = own.dry else { continue };
             for (number, kind) in numbers.iter_mut().zip(FrictionNumber::ALL) {
@@ -112,8 +102,15 @@ impl Origin {
                     FrictionNumber::Smoothing => dry.smoothing,
                     FrictionNumber::Width => dry.width,
                 };
-                set(number, value);
+                begin_at(number, value);
             }
         }
+    }
+}
+
+/// Lets a learned number begin at that of an earlier model, if that is above 0.
+fn begin_at(number: &mut Number, value: f64) {
+    if number.learned && value > 0.0 {
+        number.value = value;
     }
 }
