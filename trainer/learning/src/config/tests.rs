@@ -237,11 +237,8 @@ fn the_pages_ways_to_name_logs_are_read() {
         .map(|block| format!("{block}[model]\ncoordinates = \"aa\"\n"))
         .collect();
     let read: Vec<_> = logs.iter().map(|text| parse(text).unwrap().data.reading()).collect();
-    assert_eq!(read.len(), 3);
-    assert!(
-        read.iter().any(|reading| reading.joins.len() == 1)
-            && read.iter().any(|reading| reading.leave_out.len() == 2)
-    );
+    assert!(read.iter().any(|reading| reading.joins.len() == 1));
+    assert!(read.iter().any(|reading| reading.leave_out.len() == 2));
 }
 
 #[test]
