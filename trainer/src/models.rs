@@ -22,9 +22,21 @@ pub struct Loaded {
 /// # Errors
 /// [`Failure::Input`] if the file cannot be read, or is not a model file.
 pub fn read(file: &Path) -> Result<Loaded, Failure> {
-    let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
+    let bytes = std::fs::read(file).map_err(|error| unread(file, &error))?;
     let model = decode(&bytes).map_err(|error| Failure::input(file, refused(error)))?;
     Ok(Loaded { model, bytes })
+}
+
+/// The failure to read a model file; for a folder with what makes a file of it, if it is that of a run.
+fn unread(file: &Path, error: &std::io::Error) -> Failure {
+    if error.kind() == std::io::ErrorKind::IsADirectory {
+        let folder = file.display();
+        let remedy = format!(
+            "a folder, no model file; of a run, `leastaction export {folder} -o m.postcard` makes one"
+        );
+        return Failure::input(file, remedy);
+    }
+    Failure::input(file, error)
 }
 
 /// The message that explains why bytes are not a model, with a remedy.

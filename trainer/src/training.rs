@@ -10,6 +10,7 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 /// Result of training.
 #[derive(Serialize)]
@@ -49,8 +50,10 @@ pub struct Report {
     /// The way in which the model is of no use: numbers that ran away, or no better than a trivial one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poor: Option<String>,
-    /// Training time, s.
+    /// Time of the iterations, s.
     pub seconds: f64,
+    /// Time before them, for reading, choices and first fits, s.
+    pub preparation_seconds: f64,
     /// Path of the loss curve.
     pub loss_curve: PathBuf,
     /// Path of the report, if windows were learned from.
@@ -77,7 +80,8 @@ impl fmt::Display for Report {
             writeln!(
                 f,
                 "fitted to the torques in {:.1} s: training loss {:.3e}{validation}",
-                self.seconds, self.train_loss
+                self.preparation_seconds + self.seconds,
+                self.train_loss
             )?;
         } else {
             self.iterations(f, &validation)?;
@@ -92,7 +96,12 @@ impl fmt::Display for Report {
 impl Report {
     /// Writes how training went on and ended.
     fn iterations(&self, f: &mut fmt::Formatter, validation: &str) -> fmt::Result {
-        writeln!(f, "{} iterations in {:.1} s, ended by: {}", self.iterations, self.seconds, self.ending)?;
+        let Self { iterations, seconds, preparation_seconds, ending, .. } = self;
+        let before = match *preparation_seconds {
+            ..1.0 => String::new(),
+            seconds => format!(" after {seconds:.1} s of preparation"),
+        };
+        writeln!(f, "{iterations} iterations in {seconds:.1} s{before}, ended by: {ending}")?;
         writeln!(
             f,
             "best at iteration {}: training loss {:.3e}{validation}",
@@ -107,7 +116,7 @@ impl Report {
 /// # Errors
 /// [`Failure::Input`] if a log cannot be read, or if a run with it cannot begin.
 pub fn plan(file: &Path, config: Config, tell: &mut dyn FnMut(String)) -> Result<Plan, Failure> {
-    let log = PathBuf::from(config.data.file.to_string());
+    let (log, begun) = (PathBuf::from(config.data.file.to_string()), Instant::now());
     let refused = |error: PlanError| match error {
         PlanError::Data(_) => Failure::input(&log, error),
         _ => Failure::input(file, error),
@@ -119,7 +128,7 @@ pub fn plan(file: &Path, config: Config, tell: &mut dyn FnMut(String)) -> Result
     notes::sentences(&notes).into_iter().chain(choices.sentences()).for_each(&mut *tell);
     let plan = Plan::new(config, &data).map_err(refused)?;
     plan.notices().iter().for_each(|notice| tell(notice.to_string()));
-    Ok(plan)
+    Ok(plan.prepared_in(begun.elapsed()))
 }
 
 /// Trains; returns the result, and the reason why training ended.
@@ -133,9 +142,14 @@ pub fn train(
     stop: &AtomicBool,
 ) -> Result<(Report, Ending), Failure> {
     let ending = run.train(monitor, stop)?;
-    let (training_samples, validation_samples) = run.plan().samples();
     let best = run.best();
     let torques = run.torque_errors();
+    let (training_samples, validation_samples) = match &torques {
+        Some(SplitErrors { train, held_back }) => {
+            (train.samples, held_back.as_ref().map_or(0, |held_back| held_back.samples))
+        }
+        None => run.plan().samples(),
+    };
     let poor = if ending == Ending::Interrupted { None } else { run.poor(torques.as_ref()) };
     let numbers = if ending == Ending::Interrupted { Vec::new() } else { run.numbers() };
     let report = Report {
@@ -155,6 +169,7 @@ pub fn train(
         warnings: run.warnings().to_vec(),
         poor: poor.map(|poor| poor.to_string()),
         seconds: run.seconds(),
+        preparation_seconds: run.plan().preparation().as_secs_f64(),
         loss_curve: run.loss_curve(),
         report: run.report(),
         saved: run.saved(),

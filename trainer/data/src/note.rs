@@ -157,13 +157,22 @@ impl Resampled {
     }
 }
 
+/// Relative differences of intervals below which a note gives them in place of the intervals, which look alike.
+const SAME: f64 = 0.01;
+
 impl fmt::Display for Resampled {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { h, median, shortest, longest, repeated } = self;
-        write!(
-            f,
-            "resampled onto a step of {h} s; the stamps are {median:.3e} s apart in the median, {shortest:.3e} to {longest:.3e} s"
-        )?;
+        let off = [shortest, longest]
+            .map(|interval| (interval / median - 1.0).abs())
+            .into_iter()
+            .fold(0.0, f64::max);
+        write!(f, "resampled onto a step of {h} s; the stamps are {median:.3e} s apart in the median, ")?;
+        if off < SAME {
+            write!(f, "all within {:.3}%", 100.0 * off)?;
+        } else {
+            write!(f, "{shortest:.3e} to {longest:.3e} s")?;
+        }
         match repeated {
             0 => Ok(()),
             1 => f.write_str("; 1 with the time of the one before was left out"),

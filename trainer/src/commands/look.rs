@@ -19,6 +19,9 @@ pub struct Look {
     /// A first configuration to write.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// The robot's description, URDF or MJCF, for the configuration.
+    #[arg(long, value_name = "FILE", requires = "output")]
+    urdf: Option<PathBuf>,
     /// Sampling rate of logs without time, Hz.
     #[arg(long, value_name = "HZ", value_parser = rate)]
     rate: Option<f64>,
@@ -35,19 +38,28 @@ impl Look {
         if let Some(file) = &self.output {
             replaceable(file, FileKind::Configuration)?;
         }
-        let seen = look::Look::at(&self.files)?.at_rate(self.rate);
+        let seen = look::Look::at(&self.files)?.at_rate(self.rate).described(self.urdf);
         let report = seen.report();
         report.doubts().iter().for_each(|doubt| output.note(&format!("note: {doubt}")));
+        let mut is_refused = false;
         if let Some(file) = &self.output {
-            let proposal = seen
-                .configuration(file)
-                .map_err(|reason| Failure::Input(format!("no configuration is written: {reason}")))?;
+            let proposal = match seen.configuration(file) {
+                Ok(proposal) => proposal,
+                Err(reason) => {
+                    output.report(&report)?;
+                    return Err(Failure::Input(format!("no configuration is written: {reason}")));
+                }
+            };
             proposal.note.iter().for_each(|note| output.note(&format!("note: {note}")));
+            is_refused = proposal.is_refused;
             atomic::write(file, proposal.text.as_bytes()).map_err(|error| Failure::file(file, error))?;
         }
         let written = self.output.clone();
         output.report(&look::Report { configuration: self.output, ..report })?;
-        written.iter().for_each(|file| output.next(&format!("train {} -o run", file.display())));
+        written
+            .iter()
+            .filter(|_| !is_refused)
+            .for_each(|file| output.next(&format!("train {} -o run", file.display())));
         Ok(())
     }
 }

@@ -55,6 +55,19 @@ fn bar(iterations: u64, done: u64) -> ProgressBar {
     bar
 }
 
+/// On a terminal, the time since it was made, which runs while logs are read and choices made; else nothing.
+pub fn waiting(output: Output) -> ProgressBar {
+    if output.quiet || !stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_message("reading, choosing and first fits");
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar.set_style(
+        ProgressStyle::with_template("{msg} {elapsed}").unwrap_or_else(|_| ProgressStyle::default_spinner()),
+    );
+    bar
+}
+
 impl Monitor for Progress {
     fn row(&mut self, row: &Row) {
         match self {

@@ -1,7 +1,7 @@
 //! `leastaction train`.
 
 use super::interrupt;
-use super::progress::Progress;
+use super::progress::{Progress, waiting};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use leastaction::cli::{Done, Failure, Output, print};
@@ -94,7 +94,12 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
 
 /// Prepares the run of a configuration file; prints notes on stderr.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
-    training::plan(file, config, &mut |sentence| output.note(&format!("note: {sentence}")))
+    let waiting = waiting(output);
+    let plan = training::plan(file, config, &mut |sentence| {
+        waiting.suspend(|| output.note(&format!("note: {sentence}")));
+    });
+    waiting.finish_and_clear();
+    plan
 }
 
 /// Trains with progress on stderr.

@@ -1,10 +1,10 @@
 //! Writing of a first configuration.
 
-use super::mechanism::Mechanism;
 use super::report::{Column, File, Report};
+use super::tables::Tables;
 use crate::cli::CONFIGURATION_HEAD;
-use leastaction_learning::data::survey::{Goals, Guess};
-use leastaction_learning::data::unit;
+use leastaction_learning::data::survey::Guess;
+use leastaction_learning::data::{MIN_SAMPLES, unit};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -23,17 +23,15 @@ pub struct Layout {
     pub trajectories: Option<usize>,
     /// Whether the logs have leastaction's own names, and need no `[data.columns]`.
     pub is_own: bool,
-    /// How near commands are to positions, if they are positions, as those of servos.
-    pub goals: Option<Goals>,
 }
 
 /// The text of a configuration that can be used for training without changes, or the reason why the columns cannot be
-/// guessed. Without a mechanism the model is a network.
+/// guessed.
 pub fn of(
     (files, at): (&[PathBuf], &Path),
     report: &Report,
     guess: &Guess,
-    mechanism: Option<&Mechanism>,
+    tables: &Tables<'_>,
     layout: Layout,
 ) -> Result<String, String> {
     check(report, guess, layout)?;
@@ -52,19 +50,19 @@ pub fn of(
         line(&mut text, format_args!("rate = {rate:?} # Hz: samples a second"));
     }
     if !layout.is_own {
-        named_columns(&mut text, report, guess);
+        named_columns(&mut text, report, guess, tables.description.is_some());
     }
-    model(&mut text, guess, mechanism, layout.goals);
+    text.push_str(&tables.text(at));
     Ok(text)
 }
 
-/// Writes the table that names the columns.
-fn named_columns(text: &mut String, report: &Report, guess: &Guess) {
+/// Writes the table that names the columns, with those of velocities if a loss reads them.
+fn named_columns(text: &mut String, report: &Report, guess: &Guess, reads_velocities: bool) {
     line(text, format_args!("\n[data.columns]"));
     guess.questions.iter().for_each(|question| line(text, format_args!("# {question}")));
     stamps(text, report, guess);
-    for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
-        if !names.is_empty() {
+    for (letter, names) in [("q", &guess.q), ("v", &guess.v), ("u", &guess.u)] {
+        if !names.is_empty() && (letter != "v" || reads_velocities) {
             line(text, format_args!("{letter} = {}", columns(names, report)));
         }
     }
@@ -83,15 +81,20 @@ fn named_columns(text: &mut String, report: &Report, guess: &Guess) {
 /// Refuses columns of which the important ones cannot be guessed.
 fn check(report: &Report, guess: &Guess, layout: Layout) -> Result<(), String> {
     let by_hand = "write [data.columns] by hand";
+    if report.files.iter().all(|file| file.samples < MIN_SAMPLES) {
+        return Err(format!("no log has {MIN_SAMPLES} samples, which make a trajectory"));
+    }
     if report.is_nameless() && guess.q.is_empty() {
         return Err(nameless(report, guess));
     }
     match (&guess.t, layout.rate) {
         (None, None) if !layout.is_own => Err(format!(
-            "no column is named as time is; {by_hand}, or give the rate of the samples in Hz: look --rate 100"
+            "no column that rises is named as time is; {by_hand}, or give the rate of the samples in Hz: look --rate 100"
         )),
         (Some(t), Some(_)) => Err(format!("{t} is time; leave out --rate, which is for logs without time")),
-        _ if guess.q.is_empty() => Err(format!("no column is named as positions are; {by_hand}")),
+        _ if guess.q.is_empty() => {
+            Err(format!("no column that changes is named as positions are; {by_hand}"))
+        }
         _ => Ok(()),
     }
 }
@@ -136,48 +139,6 @@ fn stamps(text: &mut String, report: &Report, guess: &Guess) {
     }
 }
 
-/// Writes the tables for rigid bodies or a network, with friction, and for sensors and actuators.
-fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>, goals: Option<Goals>) {
-    if let Some(goals) = goals {
-        return of_servos(text, guess, goals);
-    }
-    let driven = !guess.u.is_empty();
-    let [head, bodies] = mechanism.map_or_else(|| [network(guess.q.len()), String::new()], Mechanism::tables);
-    text.push_str(&head);
-    let load = if driven { ", load = \"learned\"" } else { "" };
-    line(text, format_args!("friction = {{ viscous = \"learned\", coulomb = \"learned\"{load} }}"));
-    text.push_str(&bodies);
-    if driven {
-        line(text, format_args!("\n[calibration] # sensors and actuators; a number if it is known"));
-        line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
-    }
-    line(text, format_args!("\n[training]\nloss = \"windows\""));
-}
-
-/// Writes the tables for a network that servos drive. Bodies would need a known mass, which a log of positions does not show.
-fn of_servos(text: &mut String, guess: &Guess, Goals { distance, correlation }: Goals) {
-    text.push_str(&network(guess.q.len()));
-    line(
-        text,
-        format_args!(
-            "# With a description: family = \"arm\", urdf = \"robot.urdf\", bodies = \"known\", rotors = \"known\" in place of coordinates.\n\
-             # u are positions to go to: u - q is {distance:.2} of the spread of q, and u correlates with q by {correlation:.2}. Force: k (u - q) - d v.\n\
-             # Such a log shows masses, friction and stiffnesses up to a common factor, and lag as softness or as delay: give what you know.\n\
-             servo = \"learned\" # or {{ stiffness = 17.0, damping = \"learned\" }}\n\
-             friction = {{ coulomb = \"learned\" }}\n\n\
-             [calibration] # sensors and servos; a number if it is known\n\
-             zero = \"learned\"\ndelay = \"learned\"\n\n\
-             [training]\nloss = \"windows\""
-        ),
-    );
-}
-
-/// The table of a network with n coordinates.
-fn network(n: usize) -> String {
-    let angles = vec!["\"angle\""; n].join(", ");
-    format!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\"\n")
-}
-
 /// The longest sampling interval of all files, to two digits, if some files have shorter ones. `None` if all files have
 /// the same step, with jitter or without.
 pub fn step(report: &Report, guess: &Guess) -> Option<f64> {
@@ -202,7 +163,7 @@ fn intervals(report: &Report, guess: &Guess) -> Vec<f64> {
 }
 
 /// Paths relative to the configuration.
-fn relative(files: &[PathBuf], at: &Path) -> Vec<String> {
+pub(super) fn relative(files: &[PathBuf], at: &Path) -> Vec<String> {
     let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty());
     let full = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let seen = |file: &PathBuf| match folder {
@@ -238,7 +199,7 @@ fn named(name: &str, report: &Report) -> String {
 }
 
 /// A TOML string; JSON strings are valid TOML.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 

@@ -95,11 +95,12 @@ impl Mechanism {
         Some(bodies)
     }
 
-    /// The tables of `[model]` for this mechanism: the part before friction, and the part after it.
-    pub fn tables(&self) -> [String; 2] {
+    /// The tables of `[model]` for this mechanism: the part before friction, and the part after it. Where servos drive it, the mass of its
+    /// last body is the scale of all numbers.
+    pub fn tables(&self, has_servos: bool) -> [String; 2] {
         let n = self.0.len();
         let head = "family = \"bodies\" # others: leastaction train --print-defaults inertia-network, modular or graph\n";
-        if self.0.iter().all(|joint| *joint == Joint::Link) {
+        if !has_servos && self.0.iter().all(|joint| *joint == Joint::Link) {
             let comment = "# links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before";
             return [format!("\n[model] {comment}\n{head}chain = {n}\n"), String::new()];
         }
@@ -107,6 +108,11 @@ impl Mechanism {
         for (i, body) in self.bodies().into_iter().flatten().enumerate() {
             // Writing to a string does not fail.
             let _ = write!(bodies, "\n[[model.bodies]]{}", body.keys(i));
+        }
+        if has_servos {
+            bodies.push_str(
+                "mass = 1.0 # kg: weigh it; all masses, friction and stiffnesses are in proportion to it\n",
+            );
         }
         [format!("\n[model] # {self}, in an upright plane\n{head}"), bodies]
     }
@@ -169,7 +175,7 @@ mod tests {
         // in both directions.
         assert_eq!(Mechanism::all(2).len(), 9);
         assert_eq!(Mechanism::all(2)[0], Mechanism::links(2));
-        let mut all: Vec<String> = Mechanism::all(3).iter().map(|own| own.tables().concat()).collect();
+        let mut all: Vec<String> = Mechanism::all(3).iter().map(|own| own.tables(false).concat()).collect();
         let count = all.len();
         all.sort();
         all.dedup();
@@ -179,7 +185,7 @@ mod tests {
     #[test]
     fn a_cart_with_a_pole_hangs_from_a_level_rail() {
         let cart = Mechanism(vec![Joint::Slide { back: false }, Joint::Link]);
-        let [head, bodies] = cart.tables();
+        let [head, bodies] = cart.tables(false);
         assert!(
             head.starts_with("\n[model] # a slide and a link, each on the one before, in an upright plane\n")
         );

@@ -5,6 +5,7 @@ mod coordinate;
 mod doubts;
 mod mechanism;
 mod report;
+mod tables;
 
 pub use coordinate::{Coordinate, FirstOutlier};
 pub use report::{Column, File, Report};
@@ -17,6 +18,7 @@ use leastaction_learning::run::error_at_start;
 use mechanism::{MOST_JOINTS, Mechanism};
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
+use tables::Tables;
 
 /// Surveyed logs of one machine.
 pub struct Look {
@@ -24,6 +26,8 @@ pub struct Look {
     seen: Vec<Seen>,
     guess: Guess,
     rate: Option<f64>,
+    /// The robot's description, URDF or MJCF.
+    description: Option<PathBuf>,
     /// Whether training reads the logs by leastaction's own names, which say where a trajectory ends.
     is_own: bool,
 }
@@ -60,13 +64,19 @@ impl Look {
         let one_time = |seen: Seen| Seen { log: seen.log.with_one_time(&guess), ..seen };
         let seen: Vec<Seen> = seen.into_iter().map(one_time).collect();
         let is_own = seen.iter().all(|seen| seen.log.has_own_trajectories());
-        Ok(Self { patterns: patterns.to_vec(), seen, guess, rate: None, is_own })
+        Ok(Self { patterns: patterns.to_vec(), seen, guess, rate: None, description: None, is_own })
     }
 
     /// The survey, with the sampling rate (Hz) of logs without time.
     #[must_use]
     pub fn at_rate(self, rate: Option<f64>) -> Self {
         Self { rate, ..self }
+    }
+
+    /// The survey of a robot with a description, URDF or MJCF, which the configuration names.
+    #[must_use]
+    pub fn described(self, description: Option<PathBuf>) -> Self {
+        Self { description, ..self }
     }
 
     /// The report on the logs.
@@ -96,14 +106,15 @@ impl Look {
         let text = |at: &Path, mechanism: Option<&Mechanism>| self.text(at, report, mechanism, step);
         let propose = |mechanism: Option<&Mechanism>, said: Option<String>| {
             let refusal = self.refusal(&text(Path::new(""), mechanism)?);
+            let is_refused = refusal.is_some();
             let note = said.into_iter().chain(refusal).reduce(|a, b| format!("{a}; {b}"));
-            Ok(Proposal { text: text(at, mechanism)?, note })
+            Ok(Proposal { text: text(at, mechanism)?, note, is_refused })
         };
         let n = self.guess.q.len();
-        if n > MOST_JOINTS || self.guess.u.is_empty() || self.goals().is_some() {
+        if n > MOST_JOINTS || self.guess.u.is_empty() || self.description.is_some() {
             return propose(None, None);
         }
-        if n == 1 && self.guess.u.iter().all(|name| is_force(name)) {
+        if n == 1 && self.goals().is_none() && self.guess.u.iter().all(|name| is_force(name)) {
             // A long heavy link moves as a slide does: only the name tells them apart.
             let said = "u is named a force, not a torque, so that the joint slides: [[model.bodies]] says so, check it";
             return propose(Some(&Mechanism::slide()), Some(said.to_owned()));
@@ -124,9 +135,15 @@ impl Look {
     ) -> Result<String, String> {
         let all_state = self.is_own || self.seen.iter().all(|seen| seen.log.stated.is_some());
         let trajectories = all_state.then(|| self.seen.iter().map(|seen| seen.log.pieces().len()).sum());
-        let goals = self.goals();
-        let layout = Layout { step, rate: self.rate, trajectories, is_own: self.is_own, goals };
-        configuration::of((&self.patterns, at), report, &self.guess, mechanism, layout)
+        let layout = Layout { step, rate: self.rate, trajectories, is_own: self.is_own };
+        let tables = Tables {
+            n: self.guess.q.len(),
+            is_driven: !self.guess.u.is_empty(),
+            goals: self.goals(),
+            description: self.description.as_ref(),
+            mechanism,
+        };
+        configuration::of((&self.patterns, at), report, &self.guess, &tables, layout)
     }
 
     /// How near commands are to positions, if they are positions to go to and no forces.
@@ -147,8 +164,9 @@ impl Look {
 
     /// The reason for which training would refuse a configuration before it learns, in words.
     fn refusal(&self, text: &str) -> Option<String> {
-        let said = match tried(text).err()? {
-            Trouble::Reading(_, said) | Trouble::Configuration(said) => said,
+        let said = match tried(text) {
+            Ok(config) => mismatch(&config)?,
+            Err(Trouble::Reading(_, said) | Trouble::Configuration(said)) => said,
         };
         Some(format!("training will refuse the configuration as it stands: {said}"))
     }
@@ -187,8 +205,17 @@ enum Trouble {
     Configuration(String),
 }
 
+/// The reason why a description does not fit the logs: it cannot be read, or has another number of joints.
+fn mismatch(config: &Config) -> Option<String> {
+    let columns = config.data.columns.iter().map(|columns| columns.columns.q.len()).next()?;
+    match config.beginning() {
+        Err(error) => Some(error.to_string()),
+        Ok((model, _)) => (model.family.n() != columns).then(|| model.family.mismatch(columns)),
+    }
+}
+
 /// Reads a configuration and its logs as training does.
-fn tried(text: &str) -> Result<(), Trouble> {
+fn tried(text: &str) -> Result<Config, Trouble> {
     let config =
         Config::parse(text, Path::new("")).map_err(|error| Trouble::Configuration(error.to_string()))?;
     for data in config.data.alternatives() {
@@ -197,7 +224,7 @@ fn tried(text: &str) -> Result<(), Trouble> {
             Trouble::Reading(error.problem, said)
         })?;
     }
-    Ok(())
+    Ok(config)
 }
 
 /// A first configuration.
@@ -207,6 +234,8 @@ pub struct Proposal {
     pub text: String,
     /// Reason for a mechanism other than a chain of links, and for which training would refuse the configuration.
     pub note: Option<String>,
+    /// Whether training would refuse it.
+    pub is_refused: bool,
 }
 
 /// The mechanism that predicts held-back logs best before any training.

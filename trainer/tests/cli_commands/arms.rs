@@ -59,6 +59,28 @@ fn trained() -> Bench {
     bench
 }
 
+/// With a description `look` proposes an arm that trains as it stands, and says if it has other joints than the log.
+#[test]
+fn look_takes_a_description() {
+    let bench = trained();
+    let text = fs::read_to_string(bench.at("log.csv")).unwrap();
+    fs::write(
+        bench.at("named.csv"),
+        text.replacen("t,q0,q1,v0,v1,u0,u1", "time,pos1,pos2,vel1,vel2,tau1,tau2", 1),
+    )
+    .unwrap();
+    let looked = bench.run("look named.csv --urdf robot.urdf -o look.toml").good();
+    assert!(!looked.stderr.contains("will refuse"), "{}", looked.stderr);
+    let done = bench.run("train look.toml -o described").good();
+    assert!(done.stdout.contains("600 + 0 samples"), "{}", done.stdout);
+    fs::write(bench.at("one.csv"), text.replacen("t,q0,q1,v0,v1,u0,u1", "time,pos1,a,b,c,tau1,d", 1))
+        .unwrap();
+    let looked = bench.run("look one.csv --urdf robot.urdf -o one.toml").good();
+    assert!(looked.stderr.contains("training will refuse"), "{}", looked.stderr);
+    let looked = bench.run("look one.csv --urdf none.urdf -o one.toml").good();
+    assert!(looked.stderr.contains("none.urdf"), "{}", looked.stderr);
+}
+
 #[test]
 fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
     let bench = trained();

@@ -102,7 +102,7 @@ fn a_network_learns_what_friction_lacks_and_runs_on_the_chip() {
     assert_eq!(report["dissipation"]["coordinates"], report["dissipation"]["positions"]);
     let text = bench.run("inspect with.postcard").good().stdout;
     assert!(
-        text.contains("sees q1 and the velocity of q1 over [0.3") && !text.contains("potential beside"),
+        text.contains("sees q0 and the velocity of q0 over [0.3") && !text.contains("potential beside"),
         "{text}"
     );
     bench

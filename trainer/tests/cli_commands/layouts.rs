@@ -50,9 +50,14 @@ fn a_force_acts_on_what_slides() {
     let bench = Bench::new();
     let axis = |head: &str| log(head, |t, q, u| format!("{t:.2},{q},{u}"));
     let slides = trains(&bench, "axis.csv", &axis("time,position,force\n"), "");
-    assert!(slides.contains("joint = \"prismatic\""), "{slides}");
+    assert!(
+        slides.contains("joint = \"prismatic\"") && slides.contains("\noffset = \"learned\""),
+        "{slides}"
+    );
     let turns = trains(&bench, "joint.csv", &axis("time,position,torque\n"), "");
-    assert!(turns.contains("chain = 1"), "{turns}");
+    assert!(turns.contains("chain = 1") && turns.contains("\nzero = \"learned\""), "{turns}");
+    // The gain of one drive is a factor of all that is learned.
+    assert!([slides, turns].iter().all(|text| !text.contains("\ngain = ")));
 }
 
 #[test]

@@ -14,7 +14,13 @@ fn look_proposes_servos_where_commands_are_positions() {
     std::fs::copy(golden("episode1.csv"), bench.at("servo.csv")).unwrap();
     bench.run("look servo.csv -o servo.toml").good();
     let text = bench.text("servo.toml");
-    let words = ["servo = \"learned\"", "u correlates with q by 0.8", "friction = { coulomb = \"learned\" }"];
+    let words = [
+        "servo = \"learned\"",
+        "u correlates with q by 0.8",
+        "friction = { coulomb = \"learned\" }",
+        "family = \"bodies\"",
+        "mass = 1.0",
+    ];
     words.iter().for_each(|words| assert!(text.contains(words), "{words} is not in {text}"));
     bench.run("generate pendulum --robot logs --trajectories 4 --samples 60 --noise 0.001").good();
     bench.run("look logs/*.csv -o drive.toml").good();

@@ -95,6 +95,8 @@ _Noreturn void run(void) {
         while (now == last) __asm__ volatile("wfi");
         uint32_t elapsed = now - last;
         last += elapsed;
+        /* CHANGE 5: one encoder for every coordinate. */
+        _Static_assert(MACHINE_N == 2, "read as many encoders here as the machine has coordinates");
         counts[0] = machine_count(counts[0], (int32_t)REGISTER(TIM3 + 0x24), 1 << 16);
         counts[1] = machine_count(counts[1], (int32_t)REGISTER(TIM4 + 0x24), 1 << 16);
         leastaction_status status = machine_tick(&loop, elapsed, counts, &duty);

@@ -28,7 +28,8 @@ impl<P: Processor<N, Error = Infallible>> Processor<N> for Counted<P> {
         _: &Target<N>,
     ) -> Result<Outcome<N>, Infallible> {
         let counts = from_fn(|i| measured[i].map(|q| ENCODERS[i].counts(q)));
-        let u = [FULL * self.control.tick(elapsed, &counts), 0.0];
+        let force = FULL * self.control.tick(elapsed, &counts);
+        let u = from_fn(|i| if i == 0 { force } else { 0.0 });
         let outcome = *self.control.last();
         self.last = Outcome { command: Command { u, mode: outcome.command.mode }, ..outcome };
         Ok(self.last)

@@ -26,14 +26,17 @@ use leastaction_firmware_sim::{Mechanism, Mode, Outcome, Processor, Program, Set
 pub const N: usize = 2;
 
 /// The model file, in flash.
-// CHANGE 1: the file of `leastaction export`, and its type, which `leastaction export --rust` writes.
+// CHANGE 1: your model. `leastaction export RUN -o m.postcard --rust learned.rs`, put learned.rs beside this file, and write
+// `#[allow(dead_code)] mod learned; pub use learned::{Model, N, load as model};` in place of N, FILE, Aligned, Model and `model()` here. The arrays below
+// then have your number of coordinates.
 static FILE: &Aligned<{ include_bytes!("../../../chip/models/cartpole-dry.postcard").len() }> =
     &Aligned(*include_bytes!("../../../chip/models/cartpole-dry.postcard"));
 /// The model: two rigid bodies with damping and dry friction.
 pub type Model = BodiesModel<'static, N, f32, (Viscous<f32, N>, Coulomb<f32, N>)>;
 
 /// The task, and what is known of the machine.
-// CHANGE 2: tick, limits and task: `Program` also floats, tracks, follows a plan, or decides at every tick.
+// CHANGE 2: tick, limits and task. `GravityConfig`, `TrackConfig`, `FollowConfig` and `MpcConfig` beside `SwingUpConfig` float, follow a motion,
+// follow a plan, and decide at every tick; their `new` takes encoders, limits and the start of any number of coordinates.
 pub fn program() -> Program<N> {
     let mut config = SwingUpConfig::cartpole();
     config.setup.tick = 0.01;
@@ -42,7 +45,7 @@ pub fn program() -> Program<N> {
 }
 
 /// Encoders: counts at q = 0, and m or rad of one count.
-// CHANGE 3: your encoders.
+// CHANGE 3: your encoders. `tick` commands the first coordinate's drive; where others have drives, let it give a duty for each.
 pub const ENCODERS: [Encoder; N] =
     [Encoder { zero: 0, unit: 1.0 / 20_000.0 }, Encoder { zero: 0, unit: core::f32::consts::TAU / 4096.0 }];
 

@@ -11,8 +11,9 @@ const STRETCHES: usize = 50;
 const ALIKE: f64 = 0.2;
 
 impl Guess {
-    /// The guess with positions, velocities and forces of a file without a header. Forces are all other columns if these
-    /// are as many as positions; otherwise nothing is guessed.
+    /// The guess with positions, velocities and forces of a file without a header. Forces are the other columns if these
+    /// are as many as positions, or the first of several such groups, and a question names the others; otherwise
+    /// nothing is guessed.
     pub(super) fn by_derivatives(self, logs: &[RawLog]) -> Self {
         let (Some(log), Some(t)) = (logs.first(), &self.t) else { return self };
         let Some(stamps) = seconds(log, t).filter(|_| t.starts_with('#')) else { return self };
@@ -21,18 +22,46 @@ impl Guess {
         let is_derived = |name: &String| pairs.iter().any(|(_, derivative)| *derivative == name);
         let of_positions: Vec<_> = pairs.iter().filter(|(position, _)| !is_derived(position)).collect();
         let is_position = |name: &String| of_positions.iter().any(|(position, _)| *position == name);
-        let u: Vec<String> = moving
-            .iter()
-            .filter(|name| !is_derived(name) && !is_position(name))
-            .map(|name| (*name).clone())
-            .collect();
-        if of_positions.is_empty() || !u.is_empty() && u.len() != of_positions.len() {
-            return self;
-        }
-        let q = of_positions.iter().map(|(position, _)| (*position).clone()).collect();
+        let is_other = |name: &&String| *name != t && !is_derived(name) && !is_position(name);
+        let others: Vec<String> = log.names.iter().filter(is_other).cloned().collect();
+        let q: Vec<String> = of_positions.iter().map(|(position, _)| (*position).clone()).collect();
         let v = of_positions.iter().map(|(_, velocity)| (*velocity).clone()).collect();
-        Self { q, v, u, ..self }
+        let Some(mut groups) = groups(log, &q, &others) else { return self };
+        let u = if groups.is_empty() { Vec::new() } else { groups.remove(0) };
+        let also = (!groups.is_empty()).then(|| question(&groups));
+        Self { q, v, u, questions: self.questions.into_iter().chain(also).collect(), ..self }
     }
+}
+
+/// Columns in groups of one for every position, without groups that rest; `None` if they are not as many. Where positions stand side by
+/// side, so do the columns of a group; elsewhere the columns of a joint do.
+fn groups(log: &RawLog, q: &[String], others: &[String]) -> Option<Vec<Vec<String>>> {
+    let moving = || others.iter().filter(|name| moves(log, name)).cloned().collect::<Vec<_>>();
+    let (n, whole) = (q.len(), |count: usize| !q.is_empty() && count.is_multiple_of(q.len()));
+    let others = if whole(others.len()) { others.to_vec() } else { moving() };
+    if !whole(others.len()) {
+        return None;
+    }
+    let places: Vec<_> =
+        q.iter().filter_map(|name| log.names.iter().position(|known| known == name)).collect();
+    let side_by_side = places.windows(2).all(|pair| pair[1] == pair[0] + 1);
+    let count = others.len() / n;
+    let of = |k: usize| match side_by_side {
+        true => others[k * n..(k + 1) * n].to_vec(),
+        false => others.iter().skip(k).step_by(count).cloned().collect(),
+    };
+    let all = (0..count).map(of);
+    Some(all.filter(|group: &Vec<String>| group.iter().any(|name| moves(log, name))).collect())
+}
+
+/// Which columns may be forces instead.
+fn question(groups: &[Vec<String>]) -> String {
+    let numbers = |group: &Vec<String>| format!("[{}]", group.join(", ").replace('#', ""));
+    let all: Vec<String> = groups.iter().map(numbers).collect();
+    format!(
+        "u: the log does not say which columns are forces (N m or N; currents need a scale); others are {}",
+        all.join(", ")
+    )
 }
 
 /// Stamps of a log, s.
@@ -119,10 +148,23 @@ mod tests {
     }
 
     #[test]
+    fn several_groups_may_be_forces() {
+        let [[q0, q1], [v0, v1], [u0, u1]] = [POSITIONS, VELOCITIES, FORCES];
+        let names = |numbers: [u8; 2]| numbers.map(|k| format!("#{k}")).to_vec();
+        let rest: fn(f64) -> f64 = |_| 0.5;
+        let side_by_side = guess(&[q0, q1, v0, v1, rest, rest, u0, u1, u1, rest]);
+        assert_eq!((side_by_side.q, side_by_side.u), (names([2, 3]), names([8, 9])));
+        assert!(side_by_side.questions[0].ends_with("others are [10, 11]"), "{:?}", side_by_side.questions);
+        let by_joint = guess(&[q0, v0, u0, u1, q1, v1, u1, u0]);
+        assert_eq!((by_joint.q, by_joint.u), (names([2, 6]), names([4, 8])));
+        assert!(by_joint.questions[0].ends_with("others are [5, 9]"), "{:?}", by_joint.questions);
+    }
+
+    #[test]
     fn nothing_is_guessed_where_nothing_shows_it() {
         let [[q0, q1], [v0, _], [u0, u1]] = [POSITIONS, VELOCITIES, FORCES];
-        for columns in [&[q0, u0][..], &[q0, q1, u0, u1], &[q0, v0, u0, u1], &[q0, |t| 3.0 * (3.0 * t).cos()]]
-        {
+        let [v1, both] = [VELOCITIES[1], |t| 3.0 * (3.0 * t).cos()];
+        for columns in [&[q0, u0][..], &[q0, q1, u0, u1], &[q0, q1, v0, v1, u0, u1, both], &[q0, both]] {
             let found = guess(columns);
             assert_eq!((found.t.as_deref(), found.q.len(), found.u.len()), (Some("#1"), 0, 0));
         }

@@ -65,7 +65,12 @@ impl Ranges {
         predictor: &Predictor,
     ) -> Result<Option<Result<String, NotDrawn>>, ModelError> {
         let letters = predictor.model.architecture.coordinates();
-        let (unit, force) = if unit_of(&letters, i) == "m" { ("m", "N") } else { ("rad", "N m") };
+        let unit = unit_of(&letters, i);
+        let force = match unit {
+            "m" => "N",
+            "rad" => "N m",
+            _ => "N or N m",
+        };
         let mut curves = Vec::<(Curve, Vec<f64>)>::new();
         for curve in self.curves(i, (unit, force)) {
             let values = self.forces(i, predictor, &curve)?;

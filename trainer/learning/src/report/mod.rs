@@ -96,9 +96,13 @@ pub struct Page<'a> {
     pub torques: Option<&'a TorqueNumbers>,
 }
 
-/// The unit of coordinate i: m for a translation, else rad.
+/// The unit of coordinate i: m for a translation, rad for an angle; a cyclic coordinate may have either.
 pub(crate) fn unit_of(letters: &str, i: usize) -> &'static str {
-    if letters.as_bytes().get(i) == Some(&b't') { "m" } else { "rad" }
+    match letters.as_bytes().get(i) {
+        Some(b't') => "m",
+        Some(b'c') => "m or rad",
+        _ => "rad",
+    }
 }
 
 impl Page<'_> {
@@ -143,7 +147,7 @@ impl Page<'_> {
     /// The unit of errors over all coordinates.
     fn unit(&self) -> &'static str {
         let letters = self.letters();
-        match (letters.contains('t'), letters.chars().all(|letter| letter == 't')) {
+        match (letters.contains(['t', 'c']), letters.chars().all(|letter| letter == 't')) {
             (_, true) => "m",
             (true, false) => "m, rad",
             (false, false) => "rad",

@@ -13,6 +13,10 @@ const EXCESS: f64 = 5.0;
 /// Residual, relative to the motion within a window, below which it does not matter.
 const NEGLIGIBLE: f64 = 3e-3;
 
+/// Residual, relative to the motion within a window, below which a fit follows the motion: the model may lack something, but its numbers are
+/// not in the wrong place.
+const NEAR: f64 = 0.03;
+
 /// A learned number that ran away.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RanAway {
@@ -69,6 +73,12 @@ pub(super) fn is_bad(plan: &Plan, state: &State) -> bool {
         || ran_away(plan, state).is_some()
         || unexplained(plan, state).is_some()
         || worse_than_trivial()
+}
+
+/// Whether no number ran away, and residuals are a small part of the motion.
+pub(super) fn follows_the_motion(plan: &Plan, state: &State) -> bool {
+    let is_near = |own: Unexplained| own.residual < NEAR * own.motion;
+    ran_away(plan, state).is_none() && plan.windows.is_some() && unexplained(plan, state).is_none_or(is_near)
 }
 
 fn is_poor(plan: &Plan, state: &State) -> bool {

@@ -24,6 +24,7 @@ use leastaction_core::discrete::Order;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::config::{Origin, Source};
 use leastaction_models::{Architecture, Model};
+use std::time::Duration;
 
 /// The plan of a run, which determines the run completely.
 pub struct Plan {
@@ -50,6 +51,7 @@ pub struct Plan {
     /// are the loss.
     driven: Option<(Dataset, usize)>,
     notices: Vec<Notice>,
+    preparation: Duration,
 }
 
 impl Plan {
@@ -150,6 +152,7 @@ impl Plan {
             stages,
             driven: (loss == TrainingLoss::Torque).then_some((data, training)),
             notices,
+            preparation: Duration::ZERO,
             config,
             architecture,
         })
@@ -205,6 +208,17 @@ impl Plan {
         let judges = self.stages.iter().rev().find_map(|stage| stage.validation.as_ref());
         let last = self.stages.last().map_or(0, |stage| stage.objective.samples());
         (last, judges.map_or(0, |part| part.samples()))
+    }
+
+    /// The plan, with the time that reading, choices and first fits took.
+    #[must_use]
+    pub fn prepared_in(self, preparation: Duration) -> Self {
+        Self { preparation, ..self }
+    }
+
+    /// Time that reading, choices and first fits took, as told by [`Plan::prepared_in`].
+    pub fn preparation(&self) -> Duration {
+        self.preparation
     }
 
     /// Size of the weight block.

@@ -141,7 +141,8 @@ fn facts(plan: &Plan, windows: &Windowed, (state, model): (&State, &Model)) -> V
 /// Facts about training on torques.
 fn of_torques(plan: &Plan, state: &State, errors: &SplitErrors) -> [(&'static str, String); 2] {
     let TrainingConfig { cut_off, seed, .. } = plan.config.training;
-    let training = format!("on torques, filtered at {cut_off} Hz, seed {seed}; {:.1} s", state.seconds);
+    let seconds = plan.preparation().as_secs_f64() + state.seconds;
+    let training = format!("on torques, filtered at {cut_off} Hz, seed {seed}; {seconds:.1} s");
     [("training", training), ("torques", errors.to_string())]
 }
 

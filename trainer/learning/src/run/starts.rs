@@ -4,9 +4,9 @@
 //! inertias have become huge, or where a joint's axis has wandered off. Such an end is recognised ([`doubt`](super::doubt)),
 //! and the fit begins again: first from the numbers that the configuration gives, if the first start was a fit to
 //! smoothed states, then from random numbers around them. Of all fits the best is kept. Where the first start leads to
-//! a good fit, nothing is done.
+//! a good fit, nothing is done; where a fit follows the motion and another start is hardly better, the model can do no better.
 
-use super::doubt::is_bad;
+use super::doubt::{follows_the_motion, is_bad};
 use super::plan::Plan;
 use super::{Run, within};
 use crate::checkpoint::State;
@@ -20,6 +20,8 @@ pub(super) const FURTHER: u64 = 6;
 const SPREAD: f64 = 1.4;
 /// Relative difference of losses below which two starts have led to the same fit: then the model cannot do better.
 const SAME: f64 = 0.01;
+/// Relative fall of the loss that makes further starts worth their time where a fit follows the motion.
+const WORTH: f64 = 0.1;
 
 impl Run {
     /// Begins again from another start, if the fit has ended badly and there is one left; else goes back to the best fit
@@ -50,13 +52,16 @@ impl State {
         goes_on
     }
 
-    /// The state at the next start; `None` if there is nothing new to expect, because this fit is that of an earlier start.
+    /// The state at the next start; `None` if there is nothing new to expect, because this fit is that of an earlier start, or hardly better
+    /// than an earlier one that follows the motion.
     fn at_next(&self, plan: &Plan) -> Option<Self> {
         let score =
             |state: &Self| plan.stages.get(state.stage).map_or(f64::NAN, |stage| state.best.score(stage));
         let (own, start) = (score(self), self.start + 1);
         let is_same = |earlier: &Self| (own - score(earlier)).abs() < SAME * own;
-        if self.earlier.as_deref().is_some_and(is_same) {
+        let is_no_help =
+            |earlier: &Self| own > (1.0 - WORTH) * score(earlier) && follows_the_motion(plan, earlier);
+        if self.earlier.as_deref().is_some_and(|earlier| is_same(earlier) || is_no_help(earlier)) {
             return None;
         }
         let next = Self::from_start(plan, plan.start(start), (start, self.iteration))?;

@@ -59,11 +59,12 @@ pub struct TorqueReport {
 impl fmt::Display for TorqueReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { learned: (learned, rank), prior, errors, numbers } = self;
+        let count = numbers.names.len();
         let samples = errors.train.samples;
         write!(
             f,
             "fitted to the torques of {samples} samples: {learned} numbers, of which the log alone determines {rank}; prior of strength \
-             {prior}; {errors}; {numbers}"
+             {prior}; {errors}; {count} numbers by the log alone, with standard errors, and in the model are on the page of the run"
         )
     }
 }

@@ -207,7 +207,11 @@ impl CalibrationLayout {
         unit: impl Fn(usize) -> &'static str,
     ) -> Option<(String, &'static str)> {
         let place = position.checked_sub(self.start).filter(|_| position < self.end())?;
-        let force = |i: usize| if unit(i) == "m" { "N" } else { "N m" };
+        let force = |i: usize| match unit(i) {
+            "m" => "N",
+            "rad" => "N m",
+            _ => "N or N m",
+        };
         Some(match place.checked_sub(self.controls()) {
             Some(zero) => {
                 let (log, i) = (zero / self.n, zero % self.n);

@@ -102,8 +102,8 @@ class Model:
 
     @property
     def units(self) -> list[str]:
-        """The unit of every coordinate, m or rad."""
-        return ["m" if letter == "t" else "rad" for letter in self.coordinates]
+        """The unit of every coordinate, m or rad; "m or rad" for one that is cyclic, of which the file does not say it."""
+        return [{"t": "m", "a": "rad"}.get(letter, "m or rad") for letter in self.coordinates]
 
     @property
     def order(self) -> int | None:

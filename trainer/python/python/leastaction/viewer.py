@@ -124,8 +124,7 @@ def show(
     if scene is None and not drawn:
         raise InputError("the model does not know its geometry, so that nothing is left to draw: leave charts away")
     data = _data(motions, scene, [str(label) for label in labels], speed)
-    units = [{"t": "m", "a": "rad"}.get(letter, "m or rad") for letter in model.coordinates]
-    data["charts"] = [f"{name}, {unit}" for name, unit in zip(named, units)] if drawn else []
+    data["charts"] = [f"{name}, {unit}" for name, unit in zip(named, model.units)] if drawn else []
     about = scene["about"] if scene else None
     height = 110 + (400 if scene else 0) + _CHART * len(data["charts"])
     return View(_page(title, about, data), height, about)

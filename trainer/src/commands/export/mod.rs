@@ -10,6 +10,7 @@ use description::Description;
 use fmu::{Fmi, Fmu};
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::models::encoded;
+use leastaction_cost::processor::Processor;
 use leastaction_learning::atomic;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_models::file::{self, Precision};
@@ -157,9 +158,9 @@ impl Export {
             fmu,
             accuracy,
         })?;
-        let inspect =
-            |file: &PathBuf| output.next(&format!("inspect {} --target cortex-m4f", file.display()));
-        model.iter().for_each(inspect);
+        let is_predicted = Processor::CortexM4f.predict(&shipped).is_some();
+        let target = if is_predicted { " --target cortex-m4f" } else { "" };
+        model.iter().for_each(|file| output.next(&format!("inspect {}{target}", file.display())));
         Ok(())
     }
 

@@ -225,6 +225,18 @@ fn kind(letter: char) -> &'static str {
     }
 }
 
+impl Report {
+    /// Unit of viscous damping: one if all coordinates are of a kind that has one.
+    fn damping_unit(&self) -> &'static str {
+        let all = |kind: &str| self.coordinates.iter().all(|own| *own == kind);
+        match (all("translation"), all("angle")) {
+            (true, _) => "N s/m",
+            (_, true) => "N m s/rad",
+            _ => "N s/m or N m s/rad",
+        }
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<22} {value}");
@@ -232,10 +244,10 @@ impl fmt::Display for Report {
         line(f, "coordinates", &self.coordinates.join(", "))?;
         self.shape.lines().iter().try_for_each(|(name, value)| line(f, name, value))?;
         if let Some(damping) = &self.damping {
-            line(f, "damping", &format!("{damping:?} N s/m or N m s/rad"))?;
+            line(f, "damping", &format!("{damping:.4?} {}", self.damping_unit()))?;
         }
         for (i, dry) in self.dry_friction.iter().enumerate() {
-            line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{}: {dry}", i + 1))?;
+            line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{i}: {dry}"))?;
         }
         for (name, network) in [("dissipation", &self.dissipation), ("potential beside it", &self.potential)]
         {
@@ -280,7 +292,7 @@ impl Report {
         for (i, RangeReport { q, v, u }) in self.range.iter().enumerate() {
             let name = if i == 0 { "training data" } else { "" };
             let ends = |[least, most]: [f64; 2]| format!("{least:.4} … {most:.4}");
-            writeln!(f, "{name:<22} q{}: {}, v: {}, u: {}", i + 1, ends(*q), ends(*v), ends(*u))?;
+            writeln!(f, "{name:<22} q{i}: {}, v: {}, u: {}", ends(*q), ends(*v), ends(*u))?;
         }
         Ok(())
     }

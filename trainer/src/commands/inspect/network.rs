@@ -38,8 +38,7 @@ impl NetworkReport {
 
 impl fmt::Display for NetworkReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let names =
-            |places: &[usize]| places.iter().map(|i| format!("q{}", i + 1)).collect::<Vec<_>>().join(", ");
+        let names = |places: &[usize]| places.iter().map(|i| format!("q{i}")).collect::<Vec<_>>().join(", ");
         let Self { coordinates, positions, scale, hidden, activation } = self;
         write!(f, "sees {}", names(positions))?;
         if !scale.is_empty() {
