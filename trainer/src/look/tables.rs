@@ -5,7 +5,7 @@ use super::mechanism::Mechanism;
 use leastaction_learning::data::survey::Goals;
 use std::path::{Path, PathBuf};
 
-/// What is known of a machine.
+/// Knowledge of a machine, from its logs and its description.
 #[derive(Clone, Copy)]
 pub struct Tables<'a> {
     /// Number of coordinates.
