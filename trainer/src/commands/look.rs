@@ -43,13 +43,12 @@ impl Look {
         report.doubts().iter().for_each(|doubt| output.note(&format!("note: {doubt}")));
         let mut is_refused = false;
         if let Some(file) = &self.output {
-            let proposal = match seen.configuration(file) {
-                Ok(proposal) => proposal,
-                Err(reason) => {
-                    output.report(&report)?;
-                    return Err(Failure::Input(format!("no configuration is written: {reason}")));
-                }
+            let refused = |reason| {
+                Failure::Input(format!(
+                    "no configuration is written: {reason}. Without -o, look lists all columns"
+                ))
             };
+            let proposal = seen.configuration(file).map_err(refused)?;
             proposal.note.iter().for_each(|note| output.note(&format!("note: {note}")));
             is_refused = proposal.is_refused;
             atomic::write(file, proposal.text.as_bytes()).map_err(|error| Failure::file(file, error))?;

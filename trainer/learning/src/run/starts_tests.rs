@@ -53,17 +53,6 @@ fn a_fit_that_ends_badly_begins_again_on_any_number_of_threads() {
     assert_eq!(state.best, on(3).best);
 }
 
-/// A model without the delay of the drives stays above the noise from any start, but follows the motion.
-#[test]
-fn a_fit_that_follows_the_motion_begins_again_once() {
-    let text = config().to_toml().replace("delay = \"learned\"", "delay = 0.0").replace("mass = 1.0\n", "");
-    let plan = Plan::new(Config::parse(&text, Path::new("c.toml")).unwrap(), &logs()).unwrap();
-    let state = plan.last_state().unwrap();
-    let lacks = super::doubt::unexplained(&plan, &state).unwrap();
-    assert!(lacks.residual < 0.03 * lacks.motion, "{lacks:?}");
-    assert_eq!(state.start, 1);
-}
-
 #[test]
 fn a_fit_that_stays_bad_says_so() {
     let mut plan = Plan::new(config(), &logs()).unwrap();
