@@ -31,15 +31,19 @@ impl<R: Real> Newton<R> {
     /// Measures, updates and measures again, until the residual is small or no longer falls.
     #[inline(always)]
     pub(crate) fn solve<E: Equations<R>>(&self, equations: &mut E) -> Result<Report<R>, E::Error> {
-        let mut report = Report::nothing();
+        let (mut report, mut since_revision) = (Report::nothing(), 0);
         loop {
             let residual = equations.residual();
             let before = core::mem::replace(&mut report.residual, residual);
-            let settled = report.iterations > 0 && self.settled(before, residual);
-            if settled || report.iterations >= self.max_iterations || !residual.is_finite() {
+            if equations.revised() {
+                since_revision = 0;
+            }
+            let settled = since_revision > 0 && self.settled(before, residual);
+            if settled || since_revision >= self.max_iterations || !residual.is_finite() {
                 return Ok(self.accepted(report)?);
             }
             equations.update()?;
+            since_revision += 1;
             report.iterations += 1;
         }
     }
@@ -75,6 +79,11 @@ pub(crate) trait Equations<R> {
     type Error: From<StepError<R>>;
     /// Evaluates the equations: the largest residual relative to the size of its terms; NaN if any is not finite.
     fn residual(&mut self) -> R;
+    /// Whether the last evaluation replaced the equations by others. The bound on updates then counts anew.
+    #[inline(always)]
+    fn revised(&self) -> bool {
+        false
+    }
     /// Moves the unknowns to the solution of the linearised equations.
     fn update(&mut self) -> Result<(), Self::Error>;
 }

@@ -196,10 +196,6 @@ impl<R: Real, P: Path> Del<R, P> {
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let guess = state.initial_guess::<P>(self.h, u);
-        let solved = self.newton.solve_target(system, guess, &state.target())?;
-        let derivative = solved.interval.end_derivative(system)?;
-        state.advance(self.h, &solved)?;
-        Ok(derivative)
+        Ok(self.advanced(system, state, u, |path| path.end_derivative(system))?.1)
     }
 }

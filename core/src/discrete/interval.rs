@@ -126,6 +126,19 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         Self { w: add_scaled(&self.w, part, dw), s: add_scaled(&self.s, part, ds), ..*self }
     }
 
+    /// The path with w and s exactly 0 in the coordinates that are at rest.
+    #[must_use]
+    #[inline(always)]
+    pub(super) fn at_rest(&self, resting: &[bool; N]) -> Self {
+        let still = |x: &[R; N]| core::array::from_fn(|i| if resting[i] { R::zero() } else { x[i] });
+        Self { w: still(&self.w), s: still(&self.s), ..*self }
+    }
+
+    /// Position q₁ at the end.
+    pub(super) fn end(&self) -> [R; N] {
+        add_scaled(&self.q0, self.h, &self.w)
+    }
+
     /// The fraction of a change (dw, ds) that Newton's method takes before it evaluates again. The force laws
     /// limit it by the velocities at the Gauss points that `at` selects.
     #[inline(always)]
@@ -147,7 +160,7 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         let mut sum = [[R::zero(); N]; N];
         for point in P::points().as_ref().iter().filter(|point| point.is_early()) {
             let (q, v) = self.point(point);
-            let (_, force_v) = forces.derivatives(&q, &v, &self.u.at(point.c));
+            let (_, force_v) = forces.single_valued_derivatives(&q, &v, &self.u.at(point.c));
             let Variation { force, momentum } = Variation::bubble(point, self.h);
             sum = add_scaled_matrix(&sum, point.weight * force * momentum, &force_v);
         }
@@ -174,7 +187,7 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         (q, v): &([R; N], [R; N]),
     ) -> ([R; N], [R; N]) {
         let tau = self.u.at(point.c);
-        (tau, system.forces.force(q, v, &tau))
+        (tau, system.forces.single_valued(q, v, &tau))
     }
 
     /// The balance from first derivatives alone.
@@ -235,7 +248,8 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         (l, l_qq): (&Linearization<R, N>, Option<&Matrix<R, N>>),
     ) {
         let (tau, force) = self.forces(system, point, at);
-        let d = PointDerivatives { l, l_qq, forces: system.forces.derivatives(&at.0, &at.1, &tau) };
+        let d =
+            PointDerivatives { l, l_qq, forces: system.forces.single_valued_derivatives(&at.0, &at.1, &tau) };
         let total = core::array::from_fn(|i| l.l_q[i] + force[i] + tau[i]);
         sum.balance.add(point, self.h, &total, &l.l_v, P::BUBBLE);
         for (i, scale) in sum.scale.iter_mut().enumerate() {

@@ -84,6 +84,12 @@
 //! The bound on updates ([`Newton::max_iterations`]) stays a bound: a step that is not solved within it is an error. With friction of a ≤
 //! 1, allow four updates at 10 ms, where a system without friction would take two.
 //!
+//! Friction that sticks ([`Sticking`](crate::forces::Sticking)) is solved as the set-valued law that it is: a coordinate at rest has w_i = 0
+//! exactly, keeps its position to the last bit, and neither rings nor creeps. It takes fewer updates than the smooth law: in motion 2.2 to
+//! 3.0 in f64 and 1.0 to 1.1 in f32 on average, over random robots of one to seven joints at 1 to 10 ms, and at most 19 and 8
+//! (`cargo test --package leastaction-core --test steps stick -- --nocapture`). Between events, order 2 and order 4 keep their orders; at an
+//! event, the instant is off by a part of the step.
+//!
 //! Systems of any number of particles, with or without constraints, are stepped by [`rattle`].
 //!
 //! Sources: Marsden and West, "Discrete mechanics and variational integrators", Acta Numerica 2001, sections 1.5, 2.6
@@ -96,6 +102,7 @@ mod order;
 mod path;
 pub mod rattle;
 mod state;
+mod sticking;
 mod variation;
 
 pub use crate::forces::Control;
@@ -110,8 +117,10 @@ pub use variation::Variation;
 
 use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
+use crate::linear::SolveError;
 use crate::scalar::Real;
 use core::marker::PhantomData;
+use sticking::Ended;
 
 /// A variational integrator: the step h, the path (which sets the order), and the bounds of Newton's method.
 #[derive(Clone, Copy, Debug)]
@@ -155,10 +164,33 @@ impl<R: Real, P: Path> Del<R, P> {
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let guess = state.initial_guess::<P>(self.h, u);
-        let solved = self.newton.solve_target(system, guess, &state.target())?;
+        Ok(self.advanced(system, state, u, |_| Ok(()))?.0)
+    }
+
+    /// Advances `state` by one step, and returns what `look` sees in the solved path.
+    #[inline(always)]
+    fn advanced<L, F, T, const N: usize>(
+        &self,
+        system: &System<L, F>,
+        state: &mut State<R, N>,
+        u: &Control<R, N>,
+        look: impl FnOnce(&Interval<R, P, N>) -> Result<T, SolveError>,
+    ) -> Result<(Report<R>, T), StepError<R>>
+    where
+        L: Lagrangian<R, N>,
+        F: Forces<R, N>,
+    {
+        let (guess, target) = (state.initial_guess::<P>(self.h, u), state.target());
+        if F::STICKS {
+            let Ended { solved, end } = self.newton.solve_sticking(system, state.rested(guess), &target)?;
+            let seen = look(&solved.interval)?;
+            state.advance_to(self.h, &solved, &end)?;
+            return Ok((solved.report, seen));
+        }
+        let solved = self.newton.solve_target(system, guess, &target)?;
+        let seen = look(&solved.interval)?;
         state.advance(self.h, &solved)?;
-        Ok(solved.report)
+        Ok((solved.report, seen))
     }
 
     /// Returns the state at q₁ that follows from two consecutive positions and the control between them: p₁ = D₂L_d(q₀, q₁) + f⁺. No
@@ -176,6 +208,9 @@ impl<R: Real, P: Path> Del<R, P> {
     {
         let w = core::array::from_fn(|i| (q1[i] - q0[i]) / self.h);
         let guess = Interval::<R, P, N>::new(*q0, w, self.h, *u);
+        if F::STICKS {
+            return State::with_momentum(*q1, self.newton.solve_sticking_ends(system, guess)?, w);
+        }
         let solved = self.newton.solve_bubble(system, guess)?;
         State::with_momentum(*q1, solved.balance.end_momentum(), w)
     }

@@ -98,18 +98,18 @@ impl<R: Real> Newton<R> {
             let report = self.accepted(Report { iterations: 0, residual })?;
             return Ok(Solved { interval: guess, balance, report, left: Residual::zero() });
         }
-        let target = Target { p0: [R::zero(); N], left: Residual::zero() };
+        let target = Target::zero();
         StepEquations::<_, _, _, _, N, true>::new(system, guess, &target).solved(self)
     }
 }
 
 /// The equations of a step in w and s; with `ENDS`, both ends are given and s alone is unknown.
-struct StepEquations<'a, R: Real, L, F, P: Path, const N: usize, const ENDS: bool> {
-    system: &'a System<L, F>,
+pub(super) struct StepEquations<'a, R: Real, L, F, P: Path, const N: usize, const ENDS: bool> {
+    pub system: &'a System<L, F>,
     target: &'a Target<R, N>,
-    interval: Interval<R, P, N>,
-    linearised: Linearised<R, P, N>,
-    left: Residual<R, N>,
+    pub interval: Interval<R, P, N>,
+    pub linearised: Linearised<R, P, N>,
+    pub left: Residual<R, N>,
 }
 
 impl<'a, R, L, F, P, const N: usize, const ENDS: bool> StepEquations<'a, R, L, F, P, N, ENDS>
@@ -120,15 +120,20 @@ where
     P: Path,
 {
     #[inline(always)]
-    fn new(system: &'a System<L, F>, interval: Interval<R, P, N>, target: &'a Target<R, N>) -> Self {
+    pub fn new(system: &'a System<L, F>, interval: Interval<R, P, N>, target: &'a Target<R, N>) -> Self {
         Self { system, target, interval, linearised: Linearised::zero(), left: Residual::zero() }
     }
 
     #[inline(always)]
     fn solved(mut self, newton: &Newton<R>) -> Result<Solved<R, P, N>, StepError<R>> {
         let report = newton.solve(&mut self)?;
+        Ok(self.with_report(report))
+    }
+
+    #[inline(always)]
+    pub fn with_report(self, report: Report<R>) -> Solved<R, P, N> {
         let Self { interval, linearised, left, .. } = self;
-        Ok(Solved { interval, balance: linearised.balance, report, left })
+        Solved { interval, balance: linearised.balance, report, left }
     }
 }
 
@@ -139,6 +144,32 @@ where
     F: Forces<R, N>,
     P: Path,
 {
+    /// Evaluates the equations and their matrix: the evaluation that measures one update also serves the next.
+    #[inline(always)]
+    pub fn evaluate(&mut self) {
+        self.linearised = self.interval.linearise_without_l_qq(self.system);
+        self.left = self.target.residual(&self.linearised.balance);
+        if ENDS {
+            self.left.momentum = [R::zero(); N];
+        }
+    }
+
+    /// Sizes of the terms in the equations of momentum.
+    #[inline(always)]
+    pub fn size(&self) -> [R; N] {
+        let (scale, p0) = (&self.linearised.scale, &self.target.p0);
+        core::array::from_fn(|i| scale[i] + p0[i].abs())
+    }
+
+    /// The largest residual relative to the size of its terms.
+    #[inline(always)]
+    pub fn largest(&self) -> R {
+        let (left, size) = (&self.left, self.size());
+        max_abs::<R, N>(&core::array::from_fn(|i| {
+            relative(left.momentum[i].abs() + left.bubble[i].abs(), size[i])
+        }))
+    }
+
     /// The change ds between two given ends.
     ///
     /// A growing bubble speeds up the early Gauss point and slows down the late one. Friction at the late point
@@ -169,18 +200,10 @@ where
 {
     type Error = StepError<R>;
 
-    /// Evaluates the equations and their matrix: the evaluation that measures one update also serves the next.
     #[inline(always)]
     fn residual(&mut self) -> R {
-        self.linearised = self.interval.linearise_without_l_qq(self.system);
-        self.left = self.target.residual(&self.linearised.balance);
-        if ENDS {
-            self.left.momentum = [R::zero(); N];
-        }
-        let (left, scale, p0) = (&self.left, &self.linearised.scale, &self.target.p0);
-        max_abs::<R, N>(&core::array::from_fn(|i| {
-            relative(left.momentum[i].abs() + left.bubble[i].abs(), scale[i] + p0[i].abs())
-        }))
+        self.evaluate();
+        self.largest()
     }
 
     #[inline(always)]
@@ -220,6 +243,10 @@ pub(super) struct Target<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Target<R, N> {
+    pub fn zero() -> Self {
+        Self { p0: [R::zero(); N], left: Residual::zero() }
+    }
+
     fn residual(&self, balance: &Balance<R, N>) -> Residual<R, N> {
         Residual {
             momentum: core::array::from_fn(|i| self.p0[i] + balance.d1_ld[i] + self.left.momentum[i]),

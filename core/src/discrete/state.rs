@@ -1,4 +1,5 @@
 use super::newton::{Residual, Target};
+use super::sticking::End;
 use super::{Control, Interval, Path, Solved, StepError};
 use crate::lagrangian::Lagrangian;
 use crate::linear;
@@ -135,11 +136,40 @@ impl<R: Real, const N: usize> State<R, N> {
         }
     }
 
+    /// The guess with coordinates at rest that were at rest in the last step.
+    pub(super) fn rested<P: Path>(&self, guess: Interval<R, P, N>) -> Interval<R, P, N> {
+        guess.at_rest(&self.last_increment().map(|w| w == R::zero()))
+    }
+
     /// Advances by one step; an error leaves the state unchanged.
     pub(super) fn advance<P: Path>(&mut self, h: R, solved: &Solved<R, P, N>) -> Result<(), StepError<R>> {
+        let p = core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i]));
+        self.advance_with(h, solved, p)
+    }
+
+    /// [`State::advance`] for friction that sticks: the momentum of a coordinate at rest is set, not summed.
+    pub(super) fn advance_to<P: Path>(
+        &mut self,
+        h: R,
+        solved: &Solved<R, P, N>,
+        end: &End<R, N>,
+    ) -> Result<(), StepError<R>> {
+        let p = core::array::from_fn(|i| {
+            let momentum = end.momentum[i];
+            if end.sticks[i] { Compensated::new(momentum) } else { self.p[i].plus(momentum) }
+        });
+        self.advance_with(h, solved, p)
+    }
+
+    #[inline(always)]
+    fn advance_with<P: Path>(
+        &mut self,
+        h: R,
+        solved: &Solved<R, P, N>,
+        p: [Compensated<R>; N],
+    ) -> Result<(), StepError<R>> {
         let (w, s) = (solved.interval.increment(), solved.interval.bubble());
         let q = core::array::from_fn(|i| self.q[i].plus(h * w[i]));
-        let p = core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i]));
         Self::checked(&q, &p, &w)?;
         let [a, b, _] = self.history;
         (self.q, self.p) = (q, p);

@@ -5,8 +5,8 @@ use crate::scalar::{Real, Scalar};
 /// Dry friction of every coordinate, with a smooth sign and growing with the load: Q_i = −(c_i + c_load,i (√(τ_i² + τ_s,i²) − τ_s,i))
 /// tanh(v_i/ε_i), N or N m.
 ///
-/// It only dissipates, v·Q ≤ 0, and does not stick: below ε a coordinate creeps under a constant force. True stiction is a set-valued law,
-/// out of reach of a smooth solver.
+/// It only dissipates, v·Q ≤ 0, and does not stick: below ε a coordinate creeps under a constant force. True stiction is the set-valued law
+/// [`Sticking`](super::Sticking).
 ///
 /// A step of order 2 evaluates the friction at the mean velocity. Near v = 0 it therefore turns v into v(1 − a)/(1 +
 /// a), with a = h c (M⁻¹)_ii/(2ε): for a > 1 the velocity (not the increment) changes its sign at every step, and the
@@ -51,7 +51,7 @@ impl<S: Scalar> DryFriction<S> {
 
     /// c + c_load (√(τ² + τ_s²) − τ_s). The difference is τ²/(√… + τ_s): it does not cancel, and is never negative.
     #[inline(always)]
-    fn level(&self, tau: S) -> S {
+    pub(super) fn level(&self, tau: S) -> S {
         self.constant + self.load * (tau * tau / (self.smooth_load(tau) + self.smoothing))
     }
 
@@ -62,7 +62,7 @@ impl<S: Scalar> DryFriction<S> {
 
     /// ∂Q/∂v = −level (1 − tanh²)/ε.
     #[inline(always)]
-    fn velocity_derivative(&self, v: S, tau: S) -> S {
+    pub(super) fn velocity_derivative(&self, v: S, tau: S) -> S {
         let direction = self.direction(v);
         -(self.level(tau) * (S::one() - direction) * (S::one() + direction) / self.width)
     }

@@ -16,6 +16,7 @@ mod dissipation;
 mod pair;
 mod seen;
 mod servo;
+mod sticking;
 mod viscous;
 
 pub use actuator::{Actuator, ControlKind};
@@ -25,6 +26,7 @@ pub use coulomb::{Coulomb, DryFriction};
 pub use dissipation::Dissipation;
 pub use seen::Seen;
 pub use servo::Servo;
+pub use sticking::{Grip, Sticking, StickingFriction};
 pub use viscous::Viscous;
 
 use crate::lagrangian::{Energies, Lagrangian};
@@ -35,13 +37,42 @@ use crate::scalar::{Real, Scalar};
 ///
 /// Signs are those of a force: damping opposes v. Evaluation cannot fail: if numbers leave the range of S, the result is not finite, and
 /// the solvers report it.
+///
+/// A law of friction may be set-valued at rest ([`Forces::STICKS`]): a step then takes [`Forces::single_valued`] at its Gauss points, and finds
+/// which coordinates stick from [`Forces::grips`]. All other methods are those of a smooth law with the same levels.
 pub trait Forces<S: Scalar, const N: usize> {
+    /// Whether a part of the law is set-valued at rest. Programs whose laws do not stick have no code for it.
+    const STICKS: bool = false;
+
     /// Q, N or N m.
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N];
     /// (∂Q/∂q, ∂Q/∂v), entry \[i\]\[j\] = ∂Q_i/∂x_j: used by Newton's method in a step, where τ is given.
     fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>);
     /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: used by inverse dynamics, where τ is the unknown.
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N>;
+
+    /// Q without its set-valued part, and thus all of it for most laws.
+    #[inline(always)]
+    fn single_valued(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        self.force(q, v, tau)
+    }
+
+    /// [`Forces::derivatives`] of [`Forces::single_valued`].
+    #[inline(always)]
+    fn single_valued_derivatives(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+        tau: &[S; N],
+    ) -> (Matrix<S, N>, Matrix<S, N>) {
+        self.derivatives(q, v, tau)
+    }
+
+    /// Levels of the set-valued part, N or N m.
+    #[inline(always)]
+    fn grips(&self, _tau: &[S; N]) -> [Grip<S>; N] {
+        [Grip::none(); N]
+    }
 
     /// Potential energy that the force stores, J: V for a force Q = −∂V/∂q, 0 for any other force.
     #[inline(always)]
@@ -77,6 +108,8 @@ fn smaller<R: Real>(a: R, b: R) -> R {
 }
 
 impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
+    const STICKS: bool = F::STICKS;
+
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
         (**self).force(q, v, tau)
     }
@@ -87,6 +120,26 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
 
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
         (**self).load_derivative(q, v, tau)
+    }
+
+    #[inline(always)]
+    fn single_valued(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        (**self).single_valued(q, v, tau)
+    }
+
+    #[inline(always)]
+    fn single_valued_derivatives(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+        tau: &[S; N],
+    ) -> (Matrix<S, N>, Matrix<S, N>) {
+        (**self).single_valued_derivatives(q, v, tau)
+    }
+
+    #[inline(always)]
+    fn grips(&self, tau: &[S; N]) -> [Grip<S>; N] {
+        (**self).grips(tau)
     }
 
     #[inline(always)]

@@ -1,9 +1,11 @@
-use super::{Forces, smaller};
+use super::{Forces, Grip, smaller};
 use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
 use crate::scalar::{Real, Scalar};
 
 /// Two laws that act together.
 impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> for (A, B) {
+    const STICKS: bool = A::STICKS || B::STICKS;
+
     #[inline(always)]
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
         let (a, b) = self;
@@ -18,6 +20,29 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
         let (a, b) = self;
         add_scaled_matrix(&a.load_derivative(q, v, tau), S::one(), &b.load_derivative(q, v, tau))
+    }
+
+    #[inline(always)]
+    fn single_valued(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        let (a, b) = self;
+        add_scaled(&a.single_valued(q, v, tau), S::one(), &b.single_valued(q, v, tau))
+    }
+
+    fn single_valued_derivatives(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+        tau: &[S; N],
+    ) -> (Matrix<S, N>, Matrix<S, N>) {
+        let (a_q, a_v) = self.0.single_valued_derivatives(q, v, tau);
+        let (b_q, b_v) = self.1.single_valued_derivatives(q, v, tau);
+        (add_scaled_matrix(&a_q, S::one(), &b_q), add_scaled_matrix(&a_v, S::one(), &b_v))
+    }
+
+    #[inline(always)]
+    fn grips(&self, tau: &[S; N]) -> [Grip<S>; N] {
+        let (a, b) = (self.0.grips(tau), self.1.grips(tau));
+        core::array::from_fn(|i| a[i].plus(b[i]))
     }
 
     #[inline(always)]

@@ -1,9 +1,9 @@
-//! Random robots with stiff dry friction: every step is solved, through every change of sign.
+//! Random robots with stiff dry friction, and with friction that sticks: every step is solved, through every change of sign.
 
 use crate::common::{Random, bodies::Bodies, bodies::body};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, Report, State, StepError};
 use leastaction_core::energy::bodies::{BodyParameters, Joint};
-use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
+use leastaction_core::forces::{Coulomb, DryFriction, Forces, Sticking, StickingFriction, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 
@@ -32,6 +32,30 @@ fn machine<const N: usize>(random: &mut Random) -> Bodies<N> {
         BodyParameters { place, angle: random.symmetric(0.5), mass, centre, inertia, rotor, gear }
     });
     Bodies::hanging(tree, numbers)
+}
+
+/// Random friction of a robot's joints.
+trait Friction<R: Real, const N: usize>: Forces<R, N> {
+    fn random(random: &mut Random) -> Self;
+}
+
+impl<R: Real, const N: usize> Friction<R, N> for (Viscous<R, N>, Coulomb<R, N>) {
+    fn random(random: &mut Random) -> Self {
+        friction(random)
+    }
+}
+
+/// Levels that differ by direction, and up to half as much again at rest.
+impl<R: Real, const N: usize> Friction<R, N> for (Viscous<R, N>, Sticking<R, N>) {
+    fn random(random: &mut Random) -> Self {
+        let (viscous, Coulomb { coordinates }) = friction(random);
+        let sticking = coordinates.map(|DryFriction { constant, load, smoothing, width }| {
+            let breakaway = R::constant(1.25 + random.symmetric(0.25));
+            let backward = constant * R::constant(1.0 + random.symmetric(0.5));
+            StickingFriction { forward: constant, backward, load, smoothing, breakaway, width }
+        });
+        (viscous, Sticking { coordinates: sticking })
+    }
 }
 
 fn friction<R: Real, const N: usize>(random: &mut Random) -> (Viscous<R, N>, Coulomb<R, N>) {
@@ -68,11 +92,12 @@ impl Steps {
     }
 
     /// Follows a machine for 1 s while every drive pushes to and fro.
-    fn follow<R: Real, P: Path, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
+    fn follow<R: Real, P: Path, F, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
     where
         L: Lagrangian<R, N>,
+        F: Friction<R, N>,
     {
-        let (h, forces) = (between(random, [0.001, 0.01]), friction::<R, N>(random));
+        let (h, forces) = (between(random, [0.001, 0.01]), F::random(random));
         let (del, system) = (Del::<R, P>::new(R::constant(h)), System { lagrangian, forces });
         let mut drive = |most: f64| core::array::from_fn::<f64, N, _>(|_| most + random.symmetric(most));
         let (amplitude, rate, q) = (drive(0.5), drive(15.0), drive(1.0));
@@ -90,11 +115,12 @@ impl Steps {
     }
 
     /// Takes single steps near rest: from a momentum with a wrong guess, and from two positions with noise.
-    fn strike<R: Real, P: Path, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
+    fn strike<R: Real, P: Path, F, L, const N: usize>(&mut self, lagrangian: &L, random: &mut Random)
     where
         L: Lagrangian<R, N>,
+        F: Friction<R, N>,
     {
-        let system = System { lagrangian, forces: friction::<R, N>(random) };
+        let system = System { lagrangian, forces: F::random(random) };
         for _ in 0..40 {
             let h = between(random, [0.001, 0.01]);
             let speed = between(random, [0.01, 3.0]);
@@ -112,40 +138,60 @@ impl Steps {
     }
 }
 
-/// Maximum number of updates in motion and from bad guesses, in double and in single precision.
-const MOST: [[u8; 2]; 2] = [[12, 16], [10, 12]];
+/// Maximum numbers of updates in motion and from bad guesses, in double and in single precision.
+const SMOOTH: [[u8; 2]; 2] = [[12, 16], [10, 12]];
+/// [`SMOOTH`] for friction that sticks, over all rounds.
+const STICKING: [[u8; 2]; 2] = [[20, 24], [10, 20]];
 
 /// Moves many machines of N joints, each in both precisions.
-fn check<P: Path, const N: usize>() {
+fn check<P: Path, F: Friction<f64, N>, G: Friction<f32, N>, const N: usize>(limits: [[u8; 2]; 2]) {
     let mut all: [[Steps; 2]; 2] = Default::default();
     let [[moving, struck], [moving_f32, struck_f32]] = &mut all;
-    for seed in 0..100 {
+    for seed in 0..if N > 4 { 25 } else { 100 } {
         let mut random = Random(1_000 * N as u64 + seed);
         let machine = machine::<N>(&mut random);
         let (double, weights) = (machine.in_f64(), machine.single());
         let single = machine.over(&weights);
-        moving.follow::<f64, P, _, N>(&double, &mut random.clone());
-        moving_f32.follow::<f32, P, _, N>(&single, &mut random.clone());
-        struck.strike::<f64, P, _, N>(&double, &mut random.clone());
-        struck_f32.strike::<f32, P, _, N>(&single, &mut random);
+        moving.follow::<f64, P, F, _, N>(&double, &mut random.clone());
+        moving_f32.follow::<f32, P, G, _, N>(&single, &mut random.clone());
+        struck.strike::<f64, P, F, _, N>(&double, &mut random.clone());
+        struck_f32.strike::<f32, P, G, _, N>(&single, &mut random);
     }
-    for (steps, most) in all.iter().flatten().zip(MOST.iter().flatten()) {
+    for (steps, most) in all.iter().flatten().zip(limits.iter().flatten()) {
         let mean = steps.updates as f64 / steps.solved as f64;
         println!("order {}, {N} coordinates: {mean:.2} updates, {steps:?}", P::ORDER);
         assert_eq!(steps.unsolved, 0, "order {}, {N} coordinates", P::ORDER);
         assert!(steps.most <= *most, "order {}, {N} coordinates: {} updates", P::ORDER, steps.most);
     }
-    assert!(all.iter().all(|[moving, _]| moving.turning > 200), "{all:?}");
+    assert!(all.iter().all(|[moving, _]| moving.turning > 100), "{all:?}");
 }
 
 #[test]
 fn every_step_of_a_robot_with_stiff_friction_is_solved() {
-    check::<Midpoint, 1>();
-    check::<Galerkin, 1>();
-    check::<Midpoint, 2>();
-    check::<Galerkin, 2>();
-    check::<Midpoint, 3>();
-    check::<Galerkin, 3>();
-    check::<Midpoint, 4>();
-    check::<Galerkin, 4>();
+    fn stiff<P: Path, const N: usize>() {
+        check::<P, (Viscous<f64, N>, Coulomb<f64, N>), (Viscous<f32, N>, Coulomb<f32, N>), N>(SMOOTH);
+    }
+    stiff::<Midpoint, 1>();
+    stiff::<Galerkin, 1>();
+    stiff::<Midpoint, 2>();
+    stiff::<Galerkin, 2>();
+    stiff::<Midpoint, 3>();
+    stiff::<Galerkin, 3>();
+    stiff::<Midpoint, 4>();
+    stiff::<Galerkin, 4>();
+}
+
+#[test]
+fn every_step_of_a_robot_whose_joints_stick_is_solved() {
+    fn sticking<P: Path, const N: usize>() {
+        check::<P, (Viscous<f64, N>, Sticking<f64, N>), (Viscous<f32, N>, Sticking<f32, N>), N>(STICKING);
+    }
+    sticking::<Midpoint, 1>();
+    sticking::<Galerkin, 1>();
+    sticking::<Midpoint, 2>();
+    sticking::<Galerkin, 2>();
+    sticking::<Midpoint, 4>();
+    sticking::<Galerkin, 4>();
+    sticking::<Midpoint, 7>();
+    sticking::<Galerkin, 7>();
 }

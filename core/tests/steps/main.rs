@@ -15,3 +15,4 @@ mod rattle;
 mod rattle_order;
 mod rattle_start;
 mod rattle_state;
+mod sticking;
