@@ -181,7 +181,7 @@ impl<R: Real, P: Path> Del<R, P> {
         F: Forces<R, N>,
     {
         let (guess, target) = (state.initial_guess::<P>(self.h, u), state.target());
-        if F::STICKS {
+        if system.forces.sticks() {
             let Ended { solved, end } = self.newton.solve_sticking(system, state.rested(guess), &target)?;
             let seen = look(&solved.interval)?;
             state.advance_to(self.h, &solved, &end)?;
@@ -208,7 +208,7 @@ impl<R: Real, P: Path> Del<R, P> {
     {
         let w = core::array::from_fn(|i| (q1[i] - q0[i]) / self.h);
         let guess = Interval::<R, P, N>::new(*q0, w, self.h, *u);
-        if F::STICKS {
+        if system.forces.sticks() {
             return State::with_momentum(*q1, self.newton.solve_sticking_ends(system, guess)?, w);
         }
         let solved = self.newton.solve_bubble(system, guess)?;

@@ -28,13 +28,17 @@ enum Motion {
     Sticks,
     Forward,
     Backward,
+    /// Moves without dry friction, and cannot stick.
+    Free,
 }
 
 impl Motion {
-    /// The motion that a velocity shows.
+    /// The motion that a velocity shows, under these levels of friction.
     #[inline(always)]
-    fn of<R: Real>(v: R) -> Self {
-        if v > R::zero() {
+    fn of<R: Real>(v: R, grip: &Grip<R>) -> Self {
+        if grip.forward + grip.backward == R::zero() {
+            Self::Free
+        } else if v > R::zero() {
             Self::Forward
         } else if v < R::zero() {
             Self::Backward
@@ -60,7 +64,8 @@ impl<R: Real, const N: usize> Contact<R, N> {
             backward: half * grip.backward,
             breakaway: grip.breakaway,
         };
-        Self { grips: core::array::from_fn(|i| impulse(&grips[i])), motion: v.map(Motion::of) }
+        let motion = core::array::from_fn(|i| Motion::of(v[i], &grips[i]));
+        Self { grips: core::array::from_fn(|i| impulse(&grips[i])), motion }
     }
 
     #[inline(always)]
@@ -80,7 +85,7 @@ impl<R: Real, const N: usize> Contact<R, N> {
     #[inline(always)]
     fn sliding(&self, i: usize) -> R {
         match self.motion[i] {
-            Motion::Sticks => R::zero(),
+            Motion::Sticks | Motion::Free => R::zero(),
             Motion::Forward => -self.grips[i].forward,
             Motion::Backward => self.grips[i].backward,
         }
@@ -229,7 +234,8 @@ where
     /// until then. The matrix of Newton's method, nearly −M, tells the change without another evaluation.
     fn keeps_sliding(&self, p1: &[R; N]) -> Result<bool, StepError<R>> {
         let (v, w) = (solve(self.step.linearised.momentum_w, *p1)?, self.step.interval.increment());
-        Ok(v.iter().zip(&w).all(|(minus_v, w)| (*minus_v + *w).abs() < w.abs().half()))
+        let keeps = |i: usize| (v[i] + w[i]).abs() < w[i].abs().half();
+        Ok((0..N).all(|i| self.contact.motion[i] == Motion::Free || keeps(i)))
     }
 }
 

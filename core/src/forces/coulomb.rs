@@ -95,7 +95,7 @@ impl<R: Real> DryFriction<R> {
     /// Cuts a change of velocity short at 0. tanh(v/ε) is convex on one side of 0 and concave on the other: Newton's method converges from
     /// 0 itself, but may jump back and forth between the flat parts on both sides. A change of sign from beyond half the width therefore
     /// ends at 0.
-    fn trusted_part(&self, v: R, dv: R) -> R {
+    pub(super) fn trusted_part(&self, v: R, dv: R) -> R {
         let acts = self.constant + self.load > R::zero();
         let turns = (v > R::zero()) != (v + dv > R::zero());
         if acts && turns && v.abs() > self.width.half() { v.abs() / dv.abs() } else { R::one() }

@@ -12,6 +12,7 @@ mod actuator;
 mod control;
 mod correction;
 mod coulomb;
+mod directional;
 mod dissipation;
 mod pair;
 mod seen;
@@ -23,6 +24,7 @@ pub use actuator::{Actuator, ControlKind};
 pub use control::Control;
 pub use correction::PotentialCorrection;
 pub use coulomb::{Coulomb, DryFriction};
+pub use directional::{Directional, DirectionalFriction};
 pub use dissipation::Dissipation;
 pub use seen::Seen;
 pub use servo::Servo;
@@ -38,18 +40,24 @@ use crate::scalar::{Real, Scalar};
 /// Signs are those of a force: damping opposes v. Evaluation cannot fail: if numbers leave the range of S, the result is not finite, and
 /// the solvers report it.
 ///
-/// A law of friction may be set-valued at rest ([`Forces::STICKS`]): a step then takes [`Forces::single_valued`] at its Gauss points, and finds
+/// A law of friction may be set-valued at rest ([`Forces::sticks`]): a step then takes [`Forces::single_valued`] at its Gauss points, and finds
 /// which coordinates stick from [`Forces::grips`]. All other methods are those of a smooth law with the same levels.
 pub trait Forces<S: Scalar, const N: usize> {
-    /// Whether a part of the law is set-valued at rest. Programs whose laws do not stick have no code for it.
-    const STICKS: bool = false;
-
     /// Q, N or N m.
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N];
     /// (∂Q/∂q, ∂Q/∂v), entry \[i\]\[j\] = ∂Q_i/∂x_j: used by Newton's method in a step, where τ is given.
     fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>);
     /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: used by inverse dynamics, where τ is the unknown.
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N>;
+
+    /// Whether a part of the law is set-valued at rest. A program whose laws say no has no code for it.
+    #[inline(always)]
+    fn sticks(&self) -> bool
+    where
+        S: Real,
+    {
+        false
+    }
 
     /// Q without its set-valued part, and thus all of it for most laws.
     #[inline(always)]
@@ -108,8 +116,6 @@ fn smaller<R: Real>(a: R, b: R) -> R {
 }
 
 impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
-    const STICKS: bool = F::STICKS;
-
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
         (**self).force(q, v, tau)
     }
@@ -120,6 +126,14 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
 
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
         (**self).load_derivative(q, v, tau)
+    }
+
+    #[inline(always)]
+    fn sticks(&self) -> bool
+    where
+        S: Real,
+    {
+        (**self).sticks()
     }
 
     #[inline(always)]

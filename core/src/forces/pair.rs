@@ -4,8 +4,6 @@ use crate::scalar::{Real, Scalar};
 
 /// Two laws that act together.
 impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> for (A, B) {
-    const STICKS: bool = A::STICKS || B::STICKS;
-
     #[inline(always)]
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
         let (a, b) = self;
@@ -20,6 +18,14 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
         let (a, b) = self;
         add_scaled_matrix(&a.load_derivative(q, v, tau), S::one(), &b.load_derivative(q, v, tau))
+    }
+
+    #[inline(always)]
+    fn sticks(&self) -> bool
+    where
+        S: Real,
+    {
+        self.0.sticks() || self.1.sticks()
     }
 
     #[inline(always)]

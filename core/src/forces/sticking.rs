@@ -4,13 +4,12 @@ use crate::scalar::{Real, Scalar};
 
 /// Dry friction of every coordinate that sticks at rest and may differ by direction: a set-valued law.
 ///
-/// Q_i = −c⁺ if v_i > 0, Q_i = c⁻ if v_i < 0, and at rest whatever keeps v_i = 0, as long as it lies between −s c⁺ and s c⁻. Both levels
-/// grow with the load like those of [`DryFriction`], by c_load (√(τ_i² + τ_s²) − τ_s). A breakaway ratio s > 1 takes more force to
-/// start a motion than to keep it up.
+/// Q_i = −c⁺ if v_i > 0, Q_i = c⁻ if v_i < 0, and at rest whatever keeps v_i = 0, as long as it lies between −s c⁺ and s c⁻. The levels are
+/// c⁺ = c (1 + δ) + g and c⁻ = c (1 − δ) + g, with the growth under load g = c_load (√(τ_i² + τ_s²) − τ_s) of [`DryFriction`]. A breakaway
+/// ratio s > 1 takes more force to start a motion than to keep it up.
 ///
 /// Steps of [`Del`](crate::discrete::Del) solve this law ([`Forces::grips`]); all that needs derivatives, such as gradients of losses,
-/// linearisations and inverse dynamics, uses a smooth law of the same levels, −(c̄ + Δc t) t with t = tanh(v_i/ε), c̄ = (c⁺ + c⁻)/2 and
-/// Δc = (c⁺ − c⁻)/2.
+/// linearisations and inverse dynamics, uses a smooth law of the same levels, −(c (1 + δt) + g) t with t = tanh(v_i/ε).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sticking<S, const N: usize> {
     /// The friction of each coordinate.
@@ -20,10 +19,10 @@ pub struct Sticking<S, const N: usize> {
 /// Friction of one coordinate that sticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickingFriction<S> {
-    /// Friction c⁺ ≥ 0 against motion with v > 0 at no load, N or N m.
-    pub forward: S,
-    /// Friction c⁻ ≥ 0 against motion with v < 0 at no load, N or N m.
-    pub backward: S,
+    /// Friction c ≥ 0 at no load, the mean of both directions, N or N m.
+    pub constant: S,
+    /// Asymmetry δ, −1 ≤ δ ≤ 1.
+    pub asymmetry: S,
     /// Growth of friction with the load, 0 ≤ c_load < 1.
     pub load: S,
     /// Load τ_s > 0 below which friction hardly grows, N or N m.
@@ -64,40 +63,35 @@ impl<S: Scalar> StickingFriction<S> {
     /// No friction.
     pub fn none() -> Self {
         let (zero, one) = (S::zero(), S::one());
-        Self { forward: zero, backward: zero, load: zero, smoothing: one, breakaway: one, width: one }
+        Self { constant: zero, asymmetry: zero, load: zero, smoothing: one, breakaway: one, width: one }
     }
 
-    /// The smooth law at velocity v: c̄ + Δc t in place of c.
+    /// Friction of one level in place of c.
     #[inline(always)]
-    fn smooth(&self, v: S) -> DryFriction<S> {
-        let constant = self.mean() + self.difference() * (v / self.width).tanh();
+    fn with_constant(&self, constant: S) -> DryFriction<S> {
         DryFriction { constant, load: self.load, smoothing: self.smoothing, width: self.width }
     }
 
-    /// c̄ = (c⁺ + c⁻)/2.
-    fn mean(&self) -> S {
-        (self.forward + self.backward).half()
+    /// The smooth law at velocity v: c (1 + δt) in place of c.
+    #[inline(always)]
+    fn smooth(&self, v: S) -> DryFriction<S> {
+        let t = (v / self.width).tanh();
+        self.with_constant(self.constant * (S::one() + self.asymmetry * t))
     }
 
-    /// Δc = (c⁺ − c⁻)/2.
-    fn difference(&self) -> S {
-        (self.forward - self.backward).half()
-    }
-
-    /// ∂Q/∂v of the smooth law; c̄ + Δc t varies with v too, by Δc (1 − t²)/ε.
+    /// ∂Q/∂v of the smooth law; c (1 + δt) varies with v too, by cδ (1 − t²)/ε.
     fn velocity_derivative(&self, v: S, tau: S) -> S {
-        let direction = (v / self.width).tanh();
-        let slope = (S::one() - direction) * (S::one() + direction) / self.width;
-        self.smooth(v).velocity_derivative(v, tau) - self.difference() * slope * direction
+        let t = (v / self.width).tanh();
+        let slope = (S::one() - t) * (S::one() + t) / self.width;
+        self.smooth(v).velocity_derivative(v, tau) - self.constant * self.asymmetry * slope * t
     }
 
     /// Levels at the load τ.
     #[inline(always)]
     fn grip(&self, tau: S) -> Grip<S> {
-        let level = |constant| {
-            DryFriction { constant, load: self.load, smoothing: self.smoothing, width: self.width }.level(tau)
-        };
-        Grip { forward: level(self.forward), backward: level(self.backward), breakaway: self.breakaway }
+        let level = |share| self.with_constant(self.constant * share).level(tau);
+        let (forward, backward) = (level(S::one() + self.asymmetry), level(S::one() - self.asymmetry));
+        Grip { forward, backward, breakaway: self.breakaway }
     }
 }
 
@@ -113,8 +107,6 @@ impl<S: Scalar, const N: usize> Sticking<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Forces<S, N> for Sticking<S, N> {
-    const STICKS: bool = true;
-
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
         self.smooth(v).force(q, v, tau)
     }
@@ -136,6 +128,14 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Sticking<S, N> {
         S: Real,
     {
         self.smooth(v).control(q, v, total)
+    }
+
+    #[inline(always)]
+    fn sticks(&self) -> bool
+    where
+        S: Real,
+    {
+        self.coordinates.iter().any(|of| of.constant + of.load > S::zero())
     }
 
     #[inline(always)]

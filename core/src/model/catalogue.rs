@@ -122,9 +122,10 @@ impl ModelError {
             Self::MissingSection { what } => Coded::bare(38).about(what),
             Self::Law { number } => Coded::new(44, [number.into(), 0, 0]),
             Self::Order { found, compiled } => Coded::new(45, [found.into(), compiled.into(), 0]),
-            Self::Friction { number, group, value } => {
-                let numbers = [group.into(), number as usize, value.to_bits() as usize];
-                Coded::new(46, numbers).about(number.name().0)
+            Self::LawNumber { law, number, group, value } => {
+                let of = law.numbers().get(usize::from(number));
+                let numbers = [group.into(), number.into(), value.to_bits() as usize];
+                Coded::new(46, numbers).about(of.map_or(law.name(), |of| of.symbol))
             }
             Self::Tree(error) => error.coded(),
             Self::Graph(error) => error.coded(),

@@ -1,4 +1,4 @@
-use super::{FrictionNumber, Law};
+use super::Law;
 use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
@@ -106,13 +106,15 @@ pub enum ModelError {
         /// Number of the law in the file.
         number: u8,
     },
-    /// A parameter of dry friction is out of range.
-    Friction {
-        /// Parameter of the group.
-        number: FrictionNumber,
+    /// A number of a law of force is out of its range.
+    LawNumber {
+        /// The law.
+        law: Law,
+        /// Position among the numbers of the group ([`Law::numbers`]), from 0.
+        number: u8,
         /// Group, from 0: a coordinate of an inertia network or of bodies, an element type of a modular model.
         group: u16,
-        /// Value of the parameter.
+        /// Its value.
         value: f32,
     },
     /// The file states neither a step nor an order: the model was trained without steps.
@@ -206,9 +208,14 @@ impl fmt::Display for ModelError {
                 }
                 None => write!(f, "law of force {number} is not known to this build"),
             },
-            Self::Friction { number, group, value } => {
-                let (name, range) = number.name();
-                write!(f, "{name} of the dry friction of group {group} is {value}: it must be {range}")
+            Self::LawNumber { law, number, group, value } => {
+                let of = law.numbers().get(usize::from(*number));
+                let (symbol, range) = of.map_or(("", ""), |of| (of.symbol, of.range.words()));
+                write!(
+                    f,
+                    "{symbol} of the law {} of group {group} is {value}: it must be {range}",
+                    law.name()
+                )
             }
             Self::NoStep => write!(f, "the file does not say a step: the model was not trained for one"),
             Self::Order { found, compiled } => {

@@ -21,62 +21,23 @@ pub enum Law {
     Potential = 3,
     /// [`Servo`](crate::forces::Servo): k ≥ 0 of each group.
     Servo = 4,
-}
-
-/// Parameters of dry friction, in the order of a model file; every group has all of them.
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum FrictionNumber {
-    /// c ≥ 0, N or N m.
-    Constant,
-    /// 0 ≤ c_load < 1.
-    Load,
-    /// τ_s > 0, N or N m.
-    Smoothing,
-    /// ε > 0, m/s or rad/s.
-    Width,
-}
-
-impl FrictionNumber {
-    /// All parameters, in the order of a file.
-    pub const ALL: [Self; 4] = [Self::Constant, Self::Load, Self::Smoothing, Self::Width];
-
-    /// Name, and valid range in words.
-    pub const fn name(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Constant => ("c", "0 or more"),
-            Self::Load => ("c_load", "0 or more and below 1"),
-            Self::Smoothing => ("tau_s", "above 0"),
-            Self::Width => ("epsilon", "above 0"),
-        }
-    }
-
-    fn allows(self, value: f32) -> bool {
-        match self {
-            Self::Constant => value >= 0.0,
-            Self::Load => (0.0..1.0).contains(&value),
-            Self::Smoothing | Self::Width => value > 0.0,
-        }
-    }
-
-    /// Checks the parameters of all groups.
-    fn validate<W: FileWeightFormat>(numbers: &[W]) -> Result<(), ModelError> {
-        let each = numbers.iter().enumerate().zip(Self::ALL.iter().cycle());
-        for ((index, value), number) in each {
-            if !number.allows(value.wide()) {
-                let (number, group, value) = (*number, (index / Self::ALL.len()) as u16, value.wide());
-                return Err(ModelError::Friction { number, group, value });
-            }
-        }
-        Ok(())
-    }
+    /// [`Directional`](crate::forces::Directional): b, β, c, δ and ε of each group, one group after another.
+    Directional = 5,
+    /// [`Sticking`](crate::forces::Sticking): c, δ, c_load, τ_s, s and ε of each group, one group after another.
+    Sticking = 6,
 }
 
 impl Law {
     /// All laws, in the order of a file.
-    pub const ALL: [Self; 5] =
-        [Self::Viscous, Self::Coulomb, Self::Dissipation, Self::Potential, Self::Servo];
+    pub const ALL: [Self; 7] = [
+        Self::Viscous,
+        Self::Coulomb,
+        Self::Dissipation,
+        Self::Potential,
+        Self::Servo,
+        Self::Directional,
+        Self::Sticking,
+    ];
 
     /// Name of the law.
     pub const fn name(self) -> &'static str {
@@ -86,6 +47,8 @@ impl Law {
             Self::Dissipation => "dissipation",
             Self::Potential => "potential",
             Self::Servo => "servo",
+            Self::Directional => "directional",
+            Self::Sticking => "sticking",
         }
     }
 
@@ -126,10 +89,10 @@ impl<'a> Laws<'a> {
         Self { present: self.present | Law::Potential.bit(), potential: Some(network), ..self }
     }
 
-    /// Adds position servos.
+    /// Adds a law without a network.
     #[must_use]
-    pub const fn with_servo(self) -> Self {
-        Self { present: self.present | Law::Servo.bit(), ..self }
+    pub const fn with(self, law: Law) -> Self {
+        Self { present: self.present | law.bit(), ..self }
     }
 
     /// Reads the laws of a model file: one byte per law, in ascending order. The shape of the law's network, if any,
@@ -184,7 +147,7 @@ impl<'a> Laws<'a> {
         match law {
             Law::Dissipation => self.dissipation,
             Law::Potential => self.potential,
-            Law::Viscous | Law::Coulomb | Law::Servo => None,
+            _ => None,
         }
     }
 
@@ -192,9 +155,8 @@ impl<'a> Laws<'a> {
     #[inline(always)]
     pub(super) fn parameters_of(&self, law: Law, groups: usize) -> Option<usize> {
         match law {
-            Law::Viscous | Law::Servo => Some(groups),
-            Law::Coulomb => groups.checked_mul(FrictionNumber::ALL.len()),
             Law::Dissipation | Law::Potential => self.network(law)?.parameters(law),
+            _ => groups.checked_mul(law.numbers().len()),
         }
     }
 
@@ -232,14 +194,12 @@ impl<'a> Laws<'a> {
             let own = self.parameters_of(law, groups).and_then(|own| numbers.split_at_checked(own));
             let (own, rest) = expected(own, (numbers, &[]));
             match law {
-                Law::Viscous => require(own.iter().all(|c| c.wide() >= 0.0), "damping coefficient")?,
-                Law::Coulomb => FrictionNumber::validate(own)?,
                 Law::Dissipation => {
                     let mut scales = own.iter().take(self.dissipation.map_or(0, |of| of.count()));
                     require(scales.all(|scale| scale.wide() > 0.0), "scale of a velocity")?;
                 }
                 Law::Potential => {}
-                Law::Servo => require(own.iter().all(|k| k.wide() >= 0.0), "stiffness of a servo")?,
+                _ => law.validate(own)?,
             }
             numbers = rest;
         }

@@ -2,7 +2,10 @@
 
 use super::{Law, LawNetwork, Laws, ModelError};
 use crate::expected::expected;
-use crate::forces::{Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Servo, Viscous};
+use crate::forces::{
+    Coulomb, Directional, DirectionalFriction, Dissipation, DryFriction, Forces, PotentialCorrection, Servo,
+    Sticking, StickingFriction, Viscous,
+};
 use crate::scalar::{Scalar, WeightFormat};
 
 /// The laws of a file with their numbers; a program takes them one by one.
@@ -116,20 +119,63 @@ impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForce
     }
 }
 
-impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
-    for Coulomb<S, N>
-{
-    #[inline(always)]
-    fn knows(law: Law) -> bool {
-        law == Law::Coulomb
-    }
+/// Loads a law with `$count` numbers for every group, which `$build` turns into the law of one coordinate.
+macro_rules! group_law {
+    ($forces:ident, $count:literal, $none:expr, $build:expr) => {
+        impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
+            for $forces<S, N>
+        {
+            #[inline(always)]
+            fn knows(law: Law) -> bool {
+                law == Law::$forces
+            }
 
-    fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError> {
-        let Some(numbers) = laws.take(Law::Coulomb) else { return Ok(Self::none()) };
-        let (numbers, _) = numbers.as_chunks();
-        Ok(Self { coordinates: groups.map(|group| dry_friction(numbers.get(usize::from(group)))) })
-    }
+            fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError> {
+                let Some(numbers) = laws.take(Law::$forces) else { return Ok(Self::none()) };
+                let (numbers, _) = numbers.as_chunks::<$count>();
+                let of = |group: u8| {
+                    let own = numbers.get(usize::from(group)).map(|own| own.map(|number| number.scalar()));
+                    expected(own.map($build), $none)
+                };
+                Ok(Self { coordinates: groups.map(of) })
+            }
+        }
+    };
 }
+group_law!(Coulomb, 4, DryFriction::none(), |[constant, load, smoothing, width]: [S; 4]| DryFriction {
+    constant,
+    load,
+    smoothing,
+    width
+});
+group_law!(Directional, 5, DirectionalFriction::none(), |[
+    viscous,
+    viscous_asymmetry,
+    constant,
+    asymmetry,
+    width,
+]: [S; 5]| DirectionalFriction {
+    viscous,
+    viscous_asymmetry,
+    constant,
+    asymmetry,
+    width
+});
+group_law!(Sticking, 6, StickingFriction::none(), |[
+    constant,
+    asymmetry,
+    load,
+    smoothing,
+    breakaway,
+    width,
+]: [S; 6]| StickingFriction {
+    constant,
+    asymmetry,
+    load,
+    smoothing,
+    breakaway,
+    width
+});
 
 impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
     for Servo<S, N>
@@ -169,13 +215,6 @@ macro_rules! network_law {
 }
 network_law!(Dissipation, Dissipation);
 network_law!(PotentialCorrection, Potential);
-
-/// Builds the dry friction of a group from its parameters.
-fn dry_friction<S: Scalar, W: WeightFormat<Wide = S::Weight>>(numbers: Option<&[W; 4]>) -> DryFriction<S> {
-    let numbers = numbers.map(|numbers| numbers.map(|number| number.scalar()));
-    let of = |[constant, load, smoothing, width]: [S; 4]| DryFriction { constant, load, smoothing, width };
-    expected(numbers.map(of), DryFriction::none())
-}
 
 impl<'w, W, S, A, B, const N: usize> LoadForces<'w, W, S, N> for (A, B)
 where

@@ -34,6 +34,7 @@ mod graph;
 mod header;
 mod inertia_network;
 mod law_network;
+mod law_numbers;
 mod laws;
 mod load_forces;
 mod loaded;
@@ -56,7 +57,8 @@ pub use graph::{GraphHeader, GraphLayout, GraphModel, GraphSystem, MAX_GRAPHS, O
 pub use header::{FORMAT_VERSION, Header, MAGIC};
 pub use inertia_network::{InertiaNetworkHeader, InertiaNetworkModel};
 pub use law_network::LawNetwork;
-pub use laws::{FrictionNumber, Law, Laws};
+pub use law_numbers::{DirectionalNumber, FrictionNumber, LawNumber, NumberRange, StickingNumber};
+pub use laws::{Law, Laws};
 pub use load_forces::{LawNumbers, LoadForces};
 pub use loaded::Model;
 pub use modular::{MAX_TREES, ModularHeader, ModularModel, TreeHeader};

@@ -1,6 +1,9 @@
 //! Laws of force that depend on positions, velocities and the load, and an actuator.
 
-use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Forces, Viscous};
+use leastaction_core::forces::{
+    Actuator, Coulomb, Directional, DirectionalFriction, DryFriction, Forces, Sticking, StickingFriction,
+    Viscous,
+};
 use leastaction_core::linear::Matrix;
 use leastaction_core::scalar::Scalar;
 
@@ -110,6 +113,35 @@ pub fn coulomb<S: Scalar, const N: usize>() -> Coulomb<S, N> {
             constant: number(0.3, i, 0.17),
             load: number(0.25, i, 0.09),
             smoothing: number(0.6, i, -0.06),
+            width: number(0.45, i, 0.11),
+        }),
+    }
+}
+
+/// Friction by direction, all numbers different.
+pub fn directional<S: Scalar, const N: usize>() -> Directional<S, N> {
+    let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
+    Directional {
+        coordinates: core::array::from_fn(|i| DirectionalFriction {
+            viscous: number(0.4, i, 0.13),
+            viscous_asymmetry: number(0.7, i, -0.35),
+            constant: number(0.2, i, 0.19),
+            asymmetry: number(-0.5, i, 0.21),
+            width: number(0.35, i, 0.12),
+        }),
+    }
+}
+
+/// Friction that sticks, all numbers different.
+pub fn sticking<S: Scalar, const N: usize>() -> Sticking<S, N> {
+    let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
+    Sticking {
+        coordinates: core::array::from_fn(|i| StickingFriction {
+            constant: number(0.3, i, 0.17),
+            asymmetry: number(0.55, i, -0.34),
+            load: number(0.25, i, 0.09),
+            smoothing: number(0.6, i, -0.06),
+            breakaway: number(1.1, i, 0.05),
             width: number(0.45, i, 0.11),
         }),
     }

@@ -1,7 +1,7 @@
 //! Forces Q(q, v, τ): derivatives, sums, dissipation, inverse dynamics.
 
 use crate::common::dual::{Dual, unit};
-use crate::common::forces::{LoadFriction, all, coulomb, dry};
+use crate::common::forces::{LoadFriction, all, coulomb, directional, dry, sticking};
 use crate::common::{Random, assert_matrices_close, assert_vectors_close, graphs, shapes, trees};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
 use leastaction_core::discrete::StepError;
@@ -57,6 +57,8 @@ fn derivatives_are_those_of_dual_numbers() {
         check_derivatives::<_, _, N>("coupling", law.1.1, &dual.1.1, seed);
         check_derivatives("all", law, &dual, seed);
         check_derivatives("dry friction", coulomb::<f64, N>(), &coulomb::<Dual, N>(), seed);
+        check_derivatives("friction by direction", directional::<f64, N>(), &directional::<Dual, N>(), seed);
+        check_derivatives("friction that sticks", sticking::<f64, N>(), &sticking::<Dual, N>(), seed);
         check_derivatives("damping and dry friction", dry::<f64, N>(), &dry::<Dual, N>(), seed);
         let reference = &law;
         check_derivatives("a reference", reference, &dual, seed);

@@ -8,6 +8,7 @@ mod bodies;
 mod constraints;
 mod continuous;
 mod coulomb;
+mod directional;
 mod forces;
 mod graph;
 mod graph_union;

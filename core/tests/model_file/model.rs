@@ -8,8 +8,8 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    CATALOGUE, FORMAT_VERSION, Family, Header, InertiaNetworkHeader, InertiaNetworkModel, Laws, ModelError,
-    Section, parse, parse_as,
+    CATALOGUE, FORMAT_VERSION, Family, Header, InertiaNetworkHeader, InertiaNetworkModel, Law, Laws,
+    ModelError, Section, parse, parse_as,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -218,7 +218,7 @@ fn header_fields_out_of_range_are_errors() {
     let mut weights = file::weights(&CARTPOLE);
     *weights.last_mut().unwrap() = -0.5;
     let error = load_error(&file::write(HEADER, &weights));
-    assert_eq!(error, ModelError::OutOfRange { what: "damping coefficient" });
+    assert_eq!(error, ModelError::LawNumber { law: Law::Viscous, number: 0, group: 1, value: -0.5 });
 }
 
 #[test]

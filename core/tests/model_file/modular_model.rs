@@ -11,7 +11,7 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    FORMAT_VERSION, Family, Header, InertiaNetworkModel, Laws, MAX_TREES, ModelError, ModularHeader,
+    FORMAT_VERSION, Family, Header, InertiaNetworkModel, Law, Laws, MAX_TREES, ModelError, ModularHeader,
     ModularModel, Section, TreeHeader, parse,
 };
 use leastaction_core::network::Activation;
@@ -252,7 +252,8 @@ fn numbers_of_a_type_are_in_range() {
         let damping = weights.len() - ARM_DAMPING.len();
         weights[damping + kind] = -0.5;
         let error = refusal(&file::write(arm_header(arm()), &weights));
-        assert_eq!(error, ModelError::OutOfRange { what: "damping coefficient" });
+        let group = kind as u16;
+        assert_eq!(error, ModelError::LawNumber { law: Law::Viscous, number: 0, group, value: -0.5 });
     }
 }
 

@@ -7,7 +7,9 @@ use crate::common::file::{
 use crate::common::forces::Dry;
 use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
 use leastaction_core::discrete::{Galerkin, Midpoint, Order};
-use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Servo, Viscous};
+use leastaction_core::forces::{
+    Actuator, ControlKind, Coulomb, Directional, DryFriction, Forces, Servo, Sticking, Viscous,
+};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{
     ActuatorBytes, FrictionNumber, GraphModel, Header, InertiaNetworkModel, Law, LawNumbers, Laws,
@@ -53,7 +55,7 @@ impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForce
 fn laws_are_known_rising_and_compiled() {
     let file = file::golden();
     let with = |laws: &[u8]| with_content(&file, Section::Forces, laws);
-    for number in [5, 7, 255] {
+    for number in [7, 8, 255] {
         assert_eq!(refusal(&with(&[number])), ModelError::Law { number });
         assert_eq!(refusal(&with(&[0, number])), ModelError::Law { number });
     }
@@ -111,7 +113,7 @@ fn dry_friction_is_what_was_written() {
 /// Servos follow every other law in the file; a program without them refuses it.
 #[test]
 fn servos_are_what_was_written() {
-    let header = Header { laws: HEADER.laws.with_servo(), ..HEADER };
+    let header = Header { laws: HEADER.laws.with(Law::Servo), ..HEADER };
     let write =
         |k: [f32; 2]| Aligned::new(&file::write(header, &[&file::weights(&CARTPOLE), &k[..]].concat()));
     type Driven<'a> = CartpoleUnder<'a, (Viscous<f32, 2>, Servo<f32, 2>)>;
@@ -125,7 +127,49 @@ fn servos_are_what_was_written() {
     assert_eq!(Driven::load(damped.bytes()).unwrap().system.forces.1, Servo::none());
     for wrong in [-1.0, -1e-30] {
         let refused = Driven::load(write([2.0, wrong]).bytes()).map(|_| ());
-        assert_eq!(refused, Err(ModelError::OutOfRange { what: "stiffness of a servo" }));
+        assert_eq!(
+            refused,
+            Err(ModelError::LawNumber { law: Law::Servo, number: 0, group: 1, value: wrong })
+        );
+    }
+}
+
+/// Friction by direction and friction that sticks follow every other law, with their numbers group after group.
+#[test]
+fn friction_by_direction_and_at_rest_is_what_was_written() {
+    let header = Header { laws: HEADER.laws.with(Law::Directional).with(Law::Sticking), ..HEADER };
+    let mut friction: [f32; 22] = core::array::from_fn(|k| 1.0 + k as f32 / 64.0);
+    // Asymmetries are at most 1, and c_load is below.
+    for (k, share) in
+        [(1, 0.5), (3, -0.75), (6, -1.0), (8, 0.25), (11, 0.375), (12, 0.25), (17, -0.5), (18, 0.5)]
+    {
+        friction[k] = share;
+    }
+    let write = |own: &[f32]| Aligned::new(&file::write(header, &[&file::weights(&CARTPOLE), own].concat()));
+    type Both = (Viscous<f32, 2>, (Directional<f32, 2>, Sticking<f32, 2>));
+    type Axes<'a> = CartpoleUnder<'a, Both>;
+    let whole = write(&friction);
+    let (viscous, (directional, sticking)) = Axes::load(whole.bytes()).unwrap().system.forces;
+    assert_eq!(viscous.coefficients, [0.125; 2]);
+    let by_direction = directional
+        .coordinates
+        .map(|of| [of.viscous, of.viscous_asymmetry, of.constant, of.asymmetry, of.width]);
+    assert_eq!(by_direction.as_flattened(), &friction[..10]);
+    let at_rest = sticking
+        .coordinates
+        .map(|of| [of.constant, of.asymmetry, of.load, of.smoothing, of.breakaway, of.width]);
+    assert_eq!(at_rest.as_flattened(), &friction[10..]);
+    assert_eq!(Cartpole::load(whole.bytes()).map(|_| ()), Err(ModelError::Law { number: 5 }));
+    for (index, wrong) in
+        [(2, -0.5), (3, -1.5), (9, 0.0), (11, 1.25), (12, 1.0), (14, 0.75), (20, 0.5), (21, 0.0)]
+    {
+        let mut numbers = friction;
+        numbers[index] = wrong;
+        let refused = Axes::load(write(&numbers).bytes()).map(|_| ()).unwrap_err();
+        let (law, own, each) =
+            if index < 10 { (Law::Directional, index, 5) } else { (Law::Sticking, index - 10, 6) };
+        let (number, group) = ((own % each) as u8, (own / each) as u16);
+        assert_eq!(refused, ModelError::LawNumber { law, number, group, value: wrong });
     }
 }
 
@@ -158,13 +202,13 @@ fn dry_friction_out_of_range_is_refused_with_its_numbers() {
             let mut friction = FRICTION;
             friction[usize::from(group)][number as usize] = value;
             let file = file::with_friction(friction.as_flattened());
-            let error = ModelError::Friction { number, group, value };
+            let error = ModelError::LawNumber { law: Law::Coulomb, number: number as u8, group, value };
             assert_eq!(refusal(&file), error);
             let file = Aligned::new(&file);
             assert_eq!(DryCartpole::load(file.bytes()).map(|_| ()), Err(error));
             let numbers = [group.into(), number as usize, value.to_bits() as usize];
             assert_eq!((error.coded().code, error.coded().numbers), (46, numbers));
-            let says = format!("the dry friction of group {group} is {value}: it must be");
+            let says = format!("of the law coulomb of group {group} is {value}: it must be");
             assert!(error.to_string().contains(&says), "{error}");
             // A program without the law refuses the file.
             assert_eq!(Cartpole::load(file.bytes()).map(|_| ()).unwrap_err(), ModelError::Law { number: 1 });
@@ -183,10 +227,10 @@ fn dry_friction_out_of_range_is_refused_with_its_numbers() {
         let refused = refusal(&file::with_friction(&[0.5; 12][..length]));
         assert_eq!(refused, ModelError::WeightCount { found: first + length, needed: first + 8 });
     }
-    let error = ModelError::Friction { number: Load, group: 1, value: 1.5 };
+    let error = ModelError::LawNumber { law: Law::Coulomb, number: Load as u8, group: 1, value: 1.5 };
     assert_eq!(
         error.to_string(),
-        "c_load of the dry friction of group 1 is 1.5: it must be 0 or more and below 1"
+        "c_load of the law coulomb of group 1 is 1.5: it must be 0 or more and below 1"
     );
 }
 
@@ -202,7 +246,8 @@ fn dry_friction_in_half_precision() {
     let found = Half::load(file.bytes()).unwrap().system.forces.1.coordinates;
     assert_eq!(found.map(|of| [of.constant, of.load, of.smoothing, of.width]), FRICTION);
     let rounded = written([[0.5, 0.9999, 0.75, 0.0625], FRICTION[1]]);
-    let refused = ModelError::Friction { number: FrictionNumber::Load, group: 0, value: 1.0 };
+    let (number, group, value) = (FrictionNumber::Load as u8, 0, 1.0);
+    let refused = ModelError::LawNumber { law: Law::Coulomb, number, group, value };
     assert_eq!(Half::load(rounded.bytes()).map(|_| ()), Err(refused));
 }
 

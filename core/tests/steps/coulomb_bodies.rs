@@ -51,8 +51,8 @@ impl<R: Real, const N: usize> Friction<R, N> for (Viscous<R, N>, Sticking<R, N>)
         let (viscous, Coulomb { coordinates }) = friction(random);
         let sticking = coordinates.map(|DryFriction { constant, load, smoothing, width }| {
             let breakaway = R::constant(1.25 + random.symmetric(0.25));
-            let backward = constant * R::constant(1.0 + random.symmetric(0.5));
-            StickingFriction { forward: constant, backward, load, smoothing, breakaway, width }
+            let asymmetry = R::constant(random.symmetric(0.5));
+            StickingFriction { constant, asymmetry, load, smoothing, breakaway, width }
         });
         (viscous, Sticking { coordinates: sticking })
     }

@@ -43,8 +43,10 @@ impl<S: Scalar, const N: usize> Lagrangian<S, N> for Masses<N> {
 }
 
 fn friction<R: Real>(forward: f64, backward: f64) -> StickingFriction<R> {
-    let (forward, backward) = (R::constant(forward), R::constant(backward));
-    StickingFriction { forward, backward, width: R::constant(0.01), ..StickingFriction::none() }
+    let mean = (forward + backward) / 2.0;
+    let asymmetry = R::constant(if mean > 0.0 { (forward - mean) / mean } else { 0.0 });
+    let (constant, width) = (R::constant(mean), R::constant(0.01));
+    StickingFriction { constant, asymmetry, width, ..StickingFriction::none() }
 }
 
 fn masses<R: Real, const N: usize>(

@@ -1,7 +1,9 @@
 //! Forces of a file, in addition to its Lagrangian.
 
 use crate::{LAYERS, UNITS};
-use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, Servo, Viscous};
+use leastaction_core::forces::{
+    Coulomb, Directional, Dissipation, Forces, Grip, PotentialCorrection, Servo, Sticking, Viscous,
+};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
 use std::f32::consts::FRAC_PI_2;
@@ -13,8 +15,10 @@ pub type Networks<'f, const N: usize> =
     (Dissipation<'f, f32, N, UNITS, LAYERS>, PotentialCorrection<'f, f32, N, UNITS, LAYERS>);
 /// Friction and networks.
 pub type WithNetworks<'f, const N: usize> = (Friction<N>, Networks<'f, N>);
+/// Friction by direction, and friction that sticks.
+pub type Axes<const N: usize> = (Directional<f32, N>, Sticking<f32, N>);
 /// Every law that a file can have.
-pub type AllForces<'f, const N: usize> = (WithNetworks<'f, N>, Servo<f32, N>);
+pub type AllForces<'f, const N: usize> = ((WithNetworks<'f, N>, Servo<f32, N>), Axes<N>);
 
 /// The laws of force of any file, computed exactly as by a program that is compiled only for the laws of that file.
 #[derive(Clone, Debug)]
@@ -27,7 +31,9 @@ pub enum ForcesOf<'f, const N: usize> {
     Networks(Box<WithNetworks<'f, N>>),
     /// Damping, dry friction and servos.
     Servo(Box<(Friction<N>, Servo<f32, N>)>),
-    /// Damping, dry friction, networks and servos.
+    /// Damping, dry friction, friction by direction and friction that sticks.
+    Axes(Box<(Friction<N>, Axes<N>)>),
+    /// Every law.
     All(Box<AllForces<'f, N>>),
 }
 
@@ -42,6 +48,10 @@ macro_rules! with_law {
                 $do
             }
             Self::Servo(all) => {
+                let $law = &**all;
+                $do
+            }
+            Self::Axes(all) => {
                 let $law = &**all;
                 $do
             }
@@ -60,7 +70,8 @@ impl<const N: usize> ForcesOf<'_, N> {
             Self::Viscous(viscous) | Self::Friction((viscous, _)) => viscous.coefficients,
             Self::Networks(all) => all.0.0.coefficients,
             Self::Servo(all) => all.0.0.coefficients,
-            Self::All(all) => all.0.0.0.coefficients,
+            Self::Axes(all) => all.0.0.coefficients,
+            Self::All(all) => all.0.0.0.0.coefficients,
         }
     }
 
@@ -72,15 +83,22 @@ impl<const N: usize> ForcesOf<'_, N> {
     #[must_use]
     pub fn spread_over(&self, spread: &[f32; N]) -> Self {
         let mut spread_forces = self.clone();
-        let dry = match &mut spread_forces {
+        let (dry, axes) = match &mut spread_forces {
             Self::Viscous(_) => return spread_forces,
-            Self::Friction((_, dry)) => dry,
-            Self::Networks(all) => &mut all.0.1,
-            Self::Servo(all) => &mut all.0.1,
-            Self::All(all) => &mut all.0.0.1,
+            Self::Friction((_, dry)) => (dry, None),
+            Self::Networks(all) => (&mut all.0.1, None),
+            Self::Servo(all) => (&mut all.0.1, None),
+            Self::Axes(all) => (&mut all.0.1, Some(&mut all.1)),
+            Self::All(all) => (&mut all.0.0.0.1, Some(&mut all.1)),
         };
-        for (friction, spread) in dry.coordinates.iter_mut().zip(spread) {
-            friction.width = friction.width.hypot(FRAC_PI_2.sqrt() * spread);
+        let dry = dry.coordinates.iter_mut().map(|of| &mut of.width);
+        let mut widths: Vec<&mut f32> = dry.collect();
+        if let Some((directional, sticking)) = axes {
+            widths.extend(directional.coordinates.iter_mut().map(|of| &mut of.width));
+            widths.extend(sticking.coordinates.iter_mut().map(|of| &mut of.width));
+        }
+        for (width, spread) in widths.into_iter().zip(spread.iter().cycle()) {
+            *width = width.hypot(FRAC_PI_2.sqrt() * spread);
         }
         spread_forces
     }
@@ -94,11 +112,13 @@ impl<'f, const N: usize> LoadForces<'f, f32, f32, N> for ForcesOf<'f, N> {
     fn take(laws: &mut LawNumbers<'_, 'f, f32>, groups: &[u8; N]) -> Result<Self, ModelError> {
         let present = laws.laws();
         let networks = present.contains(Law::Dissipation) || present.contains(Law::Potential);
-        match (networks, present.contains(Law::Servo)) {
-            (true, true) => return Ok(Self::All(Box::new(LoadForces::take(laws, groups)?))),
-            (true, false) => return Ok(Self::Networks(Box::new(LoadForces::take(laws, groups)?))),
-            (false, true) => return Ok(Self::Servo(Box::new(LoadForces::take(laws, groups)?))),
-            (false, false) => {}
+        let axes = present.contains(Law::Directional) || present.contains(Law::Sticking);
+        match (networks, present.contains(Law::Servo), axes) {
+            (false, false, false) => {}
+            (true, false, false) => return Ok(Self::Networks(Box::new(LoadForces::take(laws, groups)?))),
+            (false, true, false) => return Ok(Self::Servo(Box::new(LoadForces::take(laws, groups)?))),
+            (false, false, true) => return Ok(Self::Axes(Box::new(LoadForces::take(laws, groups)?))),
+            _ => return Ok(Self::All(Box::new(LoadForces::take(laws, groups)?))),
         }
         if present.contains(Law::Coulomb) {
             return Ok(Self::Friction(Friction::take(laws, groups)?));
@@ -118,6 +138,27 @@ impl<const N: usize> Forces<f32, N> for ForcesOf<'_, N> {
 
     fn load_derivative(&self, q: &[f32; N], v: &[f32; N], tau: &[f32; N]) -> Matrix<f32, N> {
         with_law!(self, law => law.load_derivative(q, v, tau))
+    }
+
+    fn sticks(&self) -> bool {
+        with_law!(self, law => law.sticks())
+    }
+
+    fn single_valued(&self, q: &[f32; N], v: &[f32; N], tau: &[f32; N]) -> [f32; N] {
+        with_law!(self, law => law.single_valued(q, v, tau))
+    }
+
+    fn single_valued_derivatives(
+        &self,
+        q: &[f32; N],
+        v: &[f32; N],
+        tau: &[f32; N],
+    ) -> (Matrix<f32, N>, Matrix<f32, N>) {
+        with_law!(self, law => law.single_valued_derivatives(q, v, tau))
+    }
+
+    fn grips(&self, tau: &[f32; N]) -> [Grip<f32>; N] {
+        with_law!(self, law => law.grips(tau))
     }
 
     fn potential(&self, q: &[f32; N]) -> f32 {

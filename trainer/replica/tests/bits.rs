@@ -15,7 +15,9 @@ use leastaction_core::discrete::{Control as CoreControl, Del, Galerkin, Midpoint
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::forces::{Dissipation, Forces, PotentialCorrection, Servo, System, Viscous};
+use leastaction_core::forces::{
+    Directional, Dissipation, Forces, PotentialCorrection, Servo, Sticking, System, Viscous,
+};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
     BodiesModel, GraphModel, InertiaNetworkModel, Law, Laws, LoadForces, ModularModel,
@@ -190,7 +192,9 @@ fn same_tree_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &
 /// Loads bodies both ways; core is compiled for the laws of the file.
 fn same_bodies<const N: usize>(laws: Laws<'static>, seed: u64) {
     let sample = BodiesSample::chain(N, laws, seed);
-    if laws.contains(Law::Servo) {
+    if laws.contains(Law::Sticking) {
+        same_bodies_with::<(Friction<N>, (Directional<f32, N>, Sticking<f32, N>)), N>(&sample);
+    } else if laws.contains(Law::Servo) {
         same_bodies_with::<(Friction<N>, Servo<f32, N>), N>(&sample);
     } else if has_networks(laws) {
         same_bodies_with::<All<N>, N>(&sample);
@@ -360,8 +364,12 @@ proptest! {
     }
 
     #[test]
-    fn bodies_have_the_bits_of_core(laws in laws(), servo: bool, seed: u64) {
-        let laws = if servo && !has_networks(laws) { laws.with_servo() } else { laws };
+    fn bodies_have_the_bits_of_core(laws in laws(), more in 0..3_usize, seed: u64) {
+        let laws = match more {
+            1 if !has_networks(laws) => laws.with(Law::Servo),
+            2 if !has_networks(laws) => laws.with(Law::Directional).with(Law::Sticking),
+            _ => laws,
+        };
         same_bodies::<1>(laws, seed);
         same_bodies::<3>(laws, seed);
         same_bodies::<7>(laws, seed);

@@ -3,7 +3,7 @@ use crate::InertiaNetworkArchitecture;
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
-use leastaction_core::model::InertiaNetworkModel;
+use leastaction_core::model::{InertiaNetworkModel, Law};
 use leastaction_core::scalar::f16;
 use proptest::prelude::*;
 
@@ -145,7 +145,10 @@ fn what_the_chip_would_refuse_is_not_written() {
     assert_eq!(step, EncodeError::Model(ModelError::OutOfRange { what: "step h" }));
     *weights.last_mut().unwrap() = -1.0;
     let damping = encode(&architecture, &weights, None, "").unwrap_err();
-    assert_eq!(damping, EncodeError::Model(ModelError::OutOfRange { what: "damping coefficient" }));
+    assert_eq!(
+        damping,
+        EncodeError::Model(ModelError::LawNumber { law: Law::Viscous, number: 0, group: 0, value: -1.0 })
+    );
     weights.pop();
     assert!(matches!(
         encode(&architecture, &weights, None, "").unwrap_err(),

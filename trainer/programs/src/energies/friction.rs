@@ -1,6 +1,7 @@
 //! Friction in addition to the forces of a family: damping, and dry friction that grows with the load.
 
 use super::Energies;
+use super::group_law::load_growth;
 use crate::builder::Builder;
 use crate::function::Function;
 use crate::operation::Node;
@@ -81,12 +82,7 @@ impl<E: Energies> WithFriction<E> {
             return constant;
         }
         let smoothing = self.dry(builder, FrictionNumber::Smoothing);
-        let [square, own] = [tau, smoothing].map(|x| builder.product(x, x));
-        let sum = builder.sum(square, own);
-        let root = builder.map(Function::SquareRoot, sum);
-        let sum = builder.sum(root, smoothing);
-        let inverse = builder.map(Function::Reciprocal, sum);
-        let grown = builder.product(square, inverse);
+        let grown = load_growth(builder, tau, smoothing);
         let load = self.dry(builder, FrictionNumber::Load);
         let grown = builder.product(load, grown);
         builder.sum(constant, grown)

@@ -4,23 +4,23 @@ mod arm;
 mod bodies;
 mod friction;
 mod graph;
+mod group_law;
 mod inertia_network;
 mod law_networks;
 mod modular;
 mod network;
 mod offsets;
-mod servo;
 
 pub use arm::{ArmEnergies, ArmJoint};
 pub use bodies::BodiesEnergies;
 pub use friction::{DryLaw, FrictionLaws, WithFriction};
 pub use graph::GraphEnergies;
+pub use group_law::{GroupForce, WithGroupLaw};
 pub use inertia_network::InertiaNetworkEnergies;
 pub use law_networks::{LawNetwork, WithNetworks};
 pub use modular::ModularEnergies;
 pub use network::Network;
 pub use offsets::WithOffsets;
-pub use servo::WithServo;
 
 use crate::builder::Builder;
 use crate::function::Function;

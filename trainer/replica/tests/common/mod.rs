@@ -15,7 +15,7 @@ use leastaction_core::energy::modular::{
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
     BodiesHeader, Family, FrictionNumber, GraphHeader, GraphLayout, Header, InertiaNetworkHeader, Law,
-    LawNetwork, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, Rod, TrainedStep, TreeHeader, write,
+    LawNetwork, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, NumberRange, Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
@@ -74,6 +74,14 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
     }
     if laws.contains(Law::Servo) {
         numbers.extend(random.vector(groups, 2.0).into_iter().map(f32::abs));
+    }
+    for law in [Law::Directional, Law::Sticking].into_iter().filter(|law| laws.contains(*law)) {
+        let each =
+            random.vector(groups * law.numbers().len(), 0.5).into_iter().zip(law.numbers().iter().cycle());
+        numbers.extend(each.map(|(x, of)| match of.range {
+            NumberRange::NotBelowOne => 1.0 + x.abs(),
+            _ => x.abs() + 0.0625,
+        }));
     }
     numbers
 }

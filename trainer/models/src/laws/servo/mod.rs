@@ -5,7 +5,7 @@ pub mod config;
 use crate::bounds::Range;
 use crate::number::{Number, known_positions};
 use leastaction_core::model::{Law, Laws, ModelError};
-use leastaction_programs::energies::{Energies, WithServo};
+use leastaction_programs::energies::{Energies, GroupForce, WithGroupLaw};
 use serde::{Deserialize, Serialize};
 
 /// Servos whose commands u are positions (m or rad): the force of the drive is k (u − q), N or N m.
@@ -37,7 +37,7 @@ impl Servo {
 
     /// Returns these laws together with that of the servos.
     pub(crate) fn laws<'a>(&self, laws: Laws<'a>) -> Laws<'a> {
-        if self.is_none() { laws } else { laws.with_servo() }
+        if self.is_none() { laws } else { laws.with(Law::Servo) }
     }
 
     /// Whether the scale of L is known without a force, because a stiffness is known.
@@ -65,7 +65,7 @@ impl Servo {
         if self.is_none() {
             return Ok(model);
         }
-        let with = WithServo::new(model, self.count(), of);
+        let with = WithGroupLaw::new(model, GroupForce::Servo, self.count(), of);
         Ok(Box::new(with.ok_or(ModelError::OutOfRange { what: "servo" })?))
     }
 }

@@ -1,0 +1,166 @@
+//! Laws of force with numbers for every group of coordinates, after the model's own in the weight block.
+
+use super::Energies;
+use crate::builder::Builder;
+use crate::function::Function;
+use crate::operation::Node;
+use leastaction_core::model::{DirectionalNumber, Law, StickingNumber};
+use leastaction_core::network::Activation;
+
+/// A law of force in addition to a model's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroupForce {
+    /// Position servos, τ + Q = k (τ − q) + the model's own forces: [`leastaction_core::forces::Servo`].
+    Servo,
+    /// Friction that differs by direction: [`leastaction_core::forces::Directional`].
+    Directional,
+    /// The smooth law of friction that sticks: [`leastaction_core::forces::Sticking`]. `loaded` says whether it may grow with the load.
+    Sticking {
+        /// Whether some c_load is learned or not 0.
+        loaded: bool,
+    },
+}
+
+/// A model with such a law. The law's numbers ([`Law::numbers`]), group after group, follow the model's in the weight block.
+#[derive(Clone, Debug)]
+pub struct WithGroupLaw<E> {
+    model: E,
+    force: GroupForce,
+    groups: usize,
+    of: Vec<usize>,
+}
+
+impl GroupForce {
+    /// The law of a model file.
+    pub const fn law(self) -> Law {
+        match self {
+            Self::Servo => Law::Servo,
+            Self::Directional => Law::Directional,
+            Self::Sticking { .. } => Law::Sticking,
+        }
+    }
+
+    /// Position of the width of the law among its numbers, if it bends.
+    const fn width(self) -> Option<usize> {
+        match self {
+            Self::Servo => None,
+            Self::Directional => Some(DirectionalNumber::Width as usize),
+            Self::Sticking { .. } => Some(StickingNumber::Width as usize),
+        }
+    }
+}
+
+impl<E: Energies> WithGroupLaw<E> {
+    /// Gives coordinate i the numbers of group `of[i]`, out of `groups` groups; `None` if the number of coordinates differs or a group
+    /// does not exist.
+    pub fn new(model: E, force: GroupForce, groups: usize, of: Vec<usize>) -> Option<Self> {
+        let fits = of.len() == model.n() && of.iter().all(|group| *group < groups);
+        fits.then_some(Self { model, force, groups, of })
+    }
+
+    /// Count of the law's numbers.
+    fn count(&self) -> usize {
+        self.groups * self.force.law().numbers().len()
+    }
+
+    /// One of the law's numbers for every coordinate.
+    fn number(&self, builder: &mut Builder, number: usize) -> Node {
+        let all = builder.parameters(self.model.parameters(), self.count());
+        let each = self.force.law().numbers().len();
+        let own: Vec<usize> = self.of.iter().map(|group| each * group + number).collect();
+        builder.gather(all, &own)
+    }
+
+    /// x (1 + at) of a number x and its asymmetry a.
+    fn by_direction(&self, builder: &mut Builder, [number, asymmetry]: [usize; 2], t: Node) -> Node {
+        let [number, asymmetry] = [number, asymmetry].map(|number| self.number(builder, number));
+        let share = builder.product(asymmetry, t);
+        let turned = builder.product(number, share);
+        builder.sum(number, turned)
+    }
+
+    /// t = tanh(v/ε).
+    fn direction(&self, builder: &mut Builder, width: usize, v: Node) -> Node {
+        let width = self.number(builder, width);
+        let inverse = builder.map(Function::Reciprocal, width);
+        let relative = builder.product(v, inverse);
+        builder.map(Function::Activation(Activation::Tanh), relative)
+    }
+
+    /// k (τ − q) − τ.
+    fn drive(&self, builder: &mut Builder, q: Node, tau: Node) -> Node {
+        let stiffness = self.number(builder, 0);
+        let away = builder.difference(tau, q);
+        let drive = builder.product(stiffness, away);
+        builder.difference(drive, tau)
+    }
+
+    /// b (1 + βt) v + c (1 + δt) t.
+    fn directional(&self, builder: &mut Builder, v: Node) -> Node {
+        use DirectionalNumber::{Asymmetry, Constant, Viscous, ViscousAsymmetry, Width};
+        let t = self.direction(builder, Width as usize, v);
+        let damping = self.by_direction(builder, [Viscous as usize, ViscousAsymmetry as usize], t);
+        let level = self.by_direction(builder, [Constant as usize, Asymmetry as usize], t);
+        let [viscous, dry] = [(damping, v), (level, t)].map(|(a, b)| builder.product(a, b));
+        builder.sum(viscous, dry)
+    }
+
+    /// (c (1 + δt) + c_load (√(τ² + τ_s²) − τ_s)) t.
+    fn sticking(&self, builder: &mut Builder, loaded: bool, v: Node, tau: Node) -> Node {
+        use StickingNumber::{Asymmetry, Constant, Load, Smoothing, Width};
+        let t = self.direction(builder, Width as usize, v);
+        let mut level = self.by_direction(builder, [Constant as usize, Asymmetry as usize], t);
+        if loaded {
+            let smoothing = self.number(builder, Smoothing as usize);
+            let growth = load_growth(builder, tau, smoothing);
+            let load = self.number(builder, Load as usize);
+            let grown = builder.product(load, growth);
+            level = builder.sum(level, grown);
+        }
+        builder.product(level, t)
+    }
+}
+
+/// √(τ² + τ_s²) − τ_s = τ²/(√(τ² + τ_s²) + τ_s).
+pub(super) fn load_growth(builder: &mut Builder, tau: Node, smoothing: Node) -> Node {
+    let [square, own] = [tau, smoothing].map(|x| builder.product(x, x));
+    let sum = builder.sum(square, own);
+    let root = builder.map(Function::SquareRoot, sum);
+    let sum = builder.sum(root, smoothing);
+    let inverse = builder.map(Function::Reciprocal, sum);
+    builder.product(square, inverse)
+}
+
+impl<E: Energies> Energies for WithGroupLaw<E> {
+    fn n(&self) -> usize {
+        self.model.n()
+    }
+
+    fn parameters(&self) -> usize {
+        self.model.parameters() + self.count()
+    }
+
+    fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
+        self.model.energies(builder, q, v)
+    }
+
+    fn force(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
+        let own = self.model.force(builder, q, v, tau);
+        let friction = match self.force {
+            GroupForce::Servo => {
+                let drive = self.drive(builder, q, tau);
+                return builder.sum(own, drive);
+            }
+            GroupForce::Directional => self.directional(builder, v),
+            GroupForce::Sticking { loaded } => self.sticking(builder, loaded, v, tau),
+        };
+        builder.difference(own, friction)
+    }
+
+    /// Half the width of the change of sign; that of the model's own law, if it bends too, is taken to be no narrower.
+    fn bends(&self, builder: &mut Builder) -> Option<Node> {
+        let Some(width) = self.force.width() else { return self.model.bends(builder) };
+        let width = self.number(builder, width);
+        Some(builder.scaled(0.5, width))
+    }
+}
