@@ -74,8 +74,8 @@ impl Tables<'_> {
         "\n[calibration] # sensors and servos; a number if it is known\nzero = \"learned\"\ndelay = \"learned\"\n".to_owned()
     }
 
-    /// Sensors and drives. The gain of a single drive is a factor of all masses and friction, which are learned; the zero of a level slide
-    /// has no effect, and its drive's offset is all that pushes it at rest.
+    /// Sensors and drives. The gain of a slide's drive is a factor of all masses and friction, which are learned; its zero has no effect, and
+    /// its drive's offset is all that pushes it at rest. A joint that turns may turn against its drive, which the sign of its gain tells.
     fn of_drives(&self) -> String {
         if !self.is_driven {
             return String::new();
@@ -85,12 +85,11 @@ impl Tables<'_> {
         let keys: &[&str] = match (self.description.is_some(), slides, self.n) {
             (true, ..) => &["offset"],
             (_, true, _) => &["offset", "delay"],
-            (_, _, 1) => &["zero", "delay"],
             _ => &["zero", "gain", "delay"],
         };
         let lines: String = keys.iter().map(|key| format!("{key} = \"learned\"\n")).collect();
-        let scale = if self.n == 1 && self.description.is_none() {
-            "# gain: with one drive a factor of all masses and friction; learned only if a mass is known\n"
+        let scale = if slides {
+            "# gain = -1.0 if u acts against q; else a factor of all masses and friction, to be learned only if a mass is known\n"
         } else {
             ""
         };
