@@ -24,7 +24,7 @@ pub const HEAD: usize = 3;
 /// Number of bytes of the target `plan` before the numbers of a plan that it writes.
 pub const PLAN_HEAD: usize = 9;
 /// First bytes of a checkpoint.
-pub const CHECKPOINT: &[u8] = b"LARUN\x08";
+pub const CHECKPOINT: &[u8] = b"LARUN\x0a";
 
 /// A reproducible stream of numbers (Knuth's multiplier).
 #[derive(Clone, Copy, Debug)]

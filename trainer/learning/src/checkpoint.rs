@@ -16,7 +16,7 @@ use thiserror::Error;
 pub(crate) const FILE: &str = "checkpoint.postcard";
 
 /// First bytes of the file: a signature and the version of the layout.
-const MAGIC: &[u8] = b"LARUN\x09";
+const MAGIC: &[u8] = b"LARUN\x0a";
 
 /// Contents of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

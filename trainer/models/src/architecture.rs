@@ -3,7 +3,9 @@
 use crate::bounds::{Bounds, Range};
 use crate::family::Parts;
 use crate::laws::{CoordinateFriction, Corrections, FrictionArchitecture, Servo, dry_friction};
+use crate::number::Number;
 use crate::registry::AnyFamily;
+use crate::scales::Scales;
 use leastaction_core::model::{Family as FamilyHeader, FrictionNumber, Header, Law, Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, WithFriction};
@@ -164,6 +166,35 @@ impl Architecture {
         weights.extend(self.corrections.initial_weights(seed));
         weights.extend(self.servo.stiffness.iter().map(|number| number.value));
         weights
+    }
+
+    /// Lets the numbers of the laws that were not given follow the scales of a log, one of every coordinate, and bounds learned widths by
+    /// them. `weights` is the block that training begins with; those numbers are replaced in it.
+    pub fn follow(&mut self, scales: &[Scales], weights: &mut [f64]) {
+        let mut groups = vec![Scales::default(); self.family.groups()];
+        for (group, own) in self.family.group_of_coordinates().into_iter().zip(scales) {
+            groups[group] = groups[group].max(own);
+        }
+        let before: Vec<Number> = self.law_numbers().map(|(_, number)| number).collect();
+        self.friction.follow(&groups);
+        self.servo.follow(&groups);
+        let followed = self.law_numbers().zip(before).filter(|((_, now), before)| now != before);
+        for ((position, number), _) in followed {
+            if let Some(weight) = weights.get_mut(position) {
+                *weight = number.value;
+            }
+        }
+    }
+
+    /// Numbers of friction and servos with their positions in the weight block.
+    fn law_numbers(&self) -> impl Iterator<Item = (usize, Number)> {
+        let friction = (self.friction_start()..).zip(self.friction.numbers());
+        friction.chain((self.servo_start()..).zip(self.servo.stiffness.iter().copied()))
+    }
+
+    /// Whether numbers of the laws, or their bounds, follow the scales of a log.
+    pub fn follows_scales(&self) -> bool {
+        !self.friction.dry.is_empty() || self.law_numbers().any(|(_, number)| number.part.is_some())
     }
 
     /// Friction of every coordinate at these weights, including the family's own damping; empty if there is no law.

@@ -60,6 +60,7 @@ pub mod precision;
 pub mod registry;
 pub mod rest;
 pub mod rollout;
+pub mod scales;
 pub mod source;
 pub mod tree;
 pub mod urdf;
@@ -72,7 +73,7 @@ pub use graph::{GraphArchitecture, GraphType, HostTypes, NamedGraph};
 pub use inertia_network::{HostSystem, InertiaNetworkArchitecture, largest_factor};
 pub use laws::{
     Actuator, CoordinateFriction, CorrectionNetwork, Corrections, DissipationNetwork, FrictionArchitecture,
-    MOST_LOAD, WIDTHS,
+    MOST_LOAD, WIDTH_PARTS, WIDTHS,
 };
 pub use layers::random_layers;
 pub use limits::{
@@ -87,3 +88,4 @@ pub use number::Number;
 pub use precision::Precision;
 pub use registry::AnyFamily;
 pub use rollout::{Beginning, NEWTON};
+pub use scales::Scales;

@@ -1,6 +1,7 @@
 use super::tests::{Warned, config, data};
 use super::*;
 use crate::config::Config;
+use crate::data::Rows;
 
 /// A configuration of the pendulum with these friction keys.
 fn rubbing(friction: &str) -> Config {
@@ -18,6 +19,34 @@ fn a_known_friction_shows_the_scale_and_a_learned_one_does_not() {
     for friction in ["friction = \"learned\"\n", "friction = { viscous = 0.0 }\n"] {
         assert_eq!(notices(friction), [Notice::UnknownScale, Notice::NoWarmUp]);
     }
+}
+
+/// Starts and bounds follow the logs that are trained on, and not those that are held back.
+#[test]
+fn what_is_held_back_does_not_matter_to_the_start() {
+    let mut config = rubbing("friction = \"learned\"\n");
+    config.data.validation = 0.25;
+    let with = |log: usize| {
+        let mut data = data(4, true);
+        let own = &mut data.trajectories[log];
+        for rows in std::iter::once(&mut own.q).chain(&mut own.u) {
+            *rows = Rows::from_flat(1, rows.as_flat().iter().map(|x| 1.5 * x).collect()).unwrap();
+        }
+        let plan = Plan::new(config.clone(), &data).unwrap();
+        let start = plan.initial[plan.architecture.friction_start()..].to_vec();
+        (start, plan.architecture.friction.widths(0))
+    };
+    let [first, last, other] = [0, 3, 1].map(with);
+    let plain = Plan::new(config.clone(), &data(4, true)).unwrap();
+    assert_eq!(
+        last,
+        (
+            plain.initial[plain.architecture.friction_start()..].to_vec(),
+            plain.architecture.friction.widths(0)
+        )
+    );
+    assert!(first != last && other != last, "{first:?}");
+    assert!(plain.initial == plain.given, "what is not shown stays there");
 }
 
 /// Stops after `rows` rows.

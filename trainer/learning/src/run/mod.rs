@@ -23,6 +23,7 @@ mod folds;
 mod friction_tests;
 mod held_back;
 mod lengths;
+mod log_scales;
 mod notice;
 mod origin;
 mod plan;

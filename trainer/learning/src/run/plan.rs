@@ -8,6 +8,7 @@ pub use error::PlanError;
 use super::fingerprint;
 use super::folds::Fold;
 use super::lengths;
+use super::log_scales;
 use super::notice::{Notice, prepared};
 use super::origin::at_origin;
 use super::stages::{self, Scope, Stage, Windowed};
@@ -84,7 +85,7 @@ impl Plan {
     }
 
     fn of(mut config: Config, data: &Dataset, scope: Scope) -> Result<Self, PlanError> {
-        let (architecture, mut initial) = config.beginning()?;
+        let (mut architecture, mut initial) = config.beginning()?;
         check_coordinates(&architecture, data)?;
         let described = config.model.notes(&open)?.into_iter().map(Notice::Described);
         let (data, changed) = prepared(data, &config, &architecture)?;
@@ -93,13 +94,19 @@ impl Plan {
         check_state_noise(&config.training, loss)?;
         check_torque_calibration(&config, &architecture, loss)?;
         check_servo(&architecture, loss)?;
-        let mut given = initial.clone();
         let training = match scope {
             Scope::Whole => {
                 split(&data, (config.data.validation, fewest_samples(&config, loss, data.h)), &mut notices)
             }
             Scope::Fold { training, .. } => training,
         };
+        // The fit of an arm to torques solves for these numbers, and their starts do not matter to it.
+        let is_fitted_to_torques = architecture.family.arm().is_some() && architecture.servo.is_none();
+        if architecture.follows_scales() && !is_fitted_to_torques {
+            let scales = log_scales::of(&data.split(training).0, (&architecture, &initial))?;
+            architecture.follow(&scales, &mut initial);
+        }
+        let mut given = initial.clone();
         // The bodies of an arm are fitted separately, before any stage.
         let of_samples =
             loss.of_samples().filter(|kind| *kind != LossKind::Torque || architecture.family.arm().is_none());

@@ -54,8 +54,10 @@ impl Calibration {
     }
 }
 
-/// Prior standard deviation of a learned z, m or rad.
-const ZERO_SIZE: f64 = 0.05;
+/// Prior standard deviation of a learned z as a part of the coordinate's range in the logs.
+const ZERO_SIZE: f64 = 0.01;
+/// Prior standard deviation of a learned o as a part of the root mean square of all u.
+const OFFSET_SIZE: f64 = 0.05;
 /// Prior standard deviation of a learned g around 1.
 const GAIN_SIZE: f64 = 0.3;
 /// Prior standard deviation of a learned d, s.
@@ -103,8 +105,6 @@ pub struct CalibrationLayout {
     pub logs: usize,
     /// Settings of the numbers.
     pub calibration: Calibration,
-    /// Typical size of u, N or N m: the prior standard deviation of a learned o is a twentieth of it.
-    pub control: f64,
 }
 
 /// A penalty weight · (w − centre)² on the number w at a position.
@@ -118,7 +118,7 @@ pub(super) struct Prior {
 impl CalibrationLayout {
     /// The layout after a weight block of `weights` numbers, for these logs.
     pub fn new(weights: usize, logs: &WindowLogs, calibration: Calibration) -> Self {
-        Self { start: weights, n: logs.n, logs: logs.count(), calibration, control: logs.control_size() }
+        Self { start: weights, n: logs.n, logs: logs.count(), calibration }
     }
 
     /// Position of g_i.
@@ -242,21 +242,30 @@ impl CalibrationLayout {
         fixed
     }
 
-    /// Weak priors on the learned numbers, for directions that a log does not determine.
-    pub(super) fn priors(&self) -> Vec<Prior> {
-        let offset = 0.05 * self.control.max(f64::MIN_POSITIVE.sqrt());
-        let sizes = [(1.0, GAIN_SIZE), (0.0, offset), (0.0, DELAY_SIZE)];
+    /// Weak priors on the learned numbers, for directions that these logs do not determine.
+    pub(super) fn priors(&self, logs: &WindowLogs, of: Range<usize>) -> Vec<Prior> {
+        let Calibration { zero, gain, offset, delay } = self.calibration;
         let mut priors = Vec::new();
-        for ((setting, positions), (centre, size)) in self.settings().into_iter().zip(sizes) {
-            if setting == Setting::Learned {
-                let prior = |position| Prior { position, centre, weight: 1.0 / (size * size) };
-                priors.extend(positions.map(prior));
-            }
+        let mut add = |position: usize, centre: f64, size: f64| {
+            // Any size will do if nothing moves and no force acts.
+            let size = if size == 0.0 { 1.0 } else { size };
+            priors.push(Prior { position, centre, weight: 1.0 / (size * size) });
+        };
+        if gain == Setting::Learned {
+            (0..self.n).for_each(|i| add(self.gain(i), 1.0, GAIN_SIZE));
         }
-        if self.calibration.zero {
-            let weight = 1.0 / (ZERO_SIZE * ZERO_SIZE);
-            let prior = |position| Prior { position, centre: 0.0, weight };
-            priors.extend((self.zero(0, 0)..self.end()).map(prior));
+        if offset == Setting::Learned {
+            let size = OFFSET_SIZE * logs.control_size(of.clone());
+            (0..self.n).for_each(|i| add(self.offset(i), 0.0, size));
+        }
+        if delay == Setting::Learned {
+            add(self.delay(), 0.0, DELAY_SIZE);
+        }
+        if zero {
+            let sizes: Vec<f64> = (0..self.n).map(|i| ZERO_SIZE * logs.extent(of.clone(), i)).collect();
+            (0..self.logs).for_each(|log| {
+                sizes.iter().enumerate().for_each(|(i, size)| add(self.zero(log, i), 0.0, *size));
+            });
         }
         priors
     }

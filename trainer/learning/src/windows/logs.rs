@@ -171,11 +171,19 @@ impl WindowLogs {
         states
     }
 
-    /// The root mean square of all u, N or N m.
-    pub(super) fn control_size(&self) -> f64 {
-        let all = || self.logs.iter().flat_map(|log| &log.u);
+    /// The root mean square of all u in some logs, N or N m.
+    pub(super) fn control_size(&self, logs: Range<usize>) -> f64 {
+        let all = || self.logs[logs.clone()].iter().flat_map(|log| &log.u);
         let count = all().count().max(1) as f64;
         (all().map(|u| u * u).sum::<f64>() / count).sqrt()
+    }
+
+    /// Distance between the least and the greatest q_i in some logs, m or rad.
+    pub(super) fn extent(&self, logs: Range<usize>, i: usize) -> f64 {
+        let all = self.logs[logs].iter().flat_map(|log| log.q.iter().skip(i).step_by(self.n.max(1)));
+        let [least, most] =
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], q| [least.min(*q), most.max(*q)]);
+        (most - least).max(0.0)
     }
 
     /// Size of the motion in windows: the root mean square of q_i minus its first value.

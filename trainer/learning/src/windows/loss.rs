@@ -86,7 +86,7 @@ impl WindowLoss {
             learned,
             layout,
             fixed,
-            priors: layout.priors(),
+            priors: layout.priors(logs, of),
             noise,
             motion,
             steppers: Pool::new(make),

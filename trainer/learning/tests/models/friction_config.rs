@@ -2,8 +2,8 @@
 
 use leastaction_core::model::Laws;
 use leastaction_learning::config::{Config, ConfigError};
-use leastaction_models::Number;
 use leastaction_models::file::encode;
+use leastaction_models::{Number, Scales};
 use std::path::Path;
 
 const INERTIA_NETWORK: &str = "coordinates = \"ta\"\n";
@@ -18,13 +18,19 @@ fn error(model: &str) -> String {
     parse(model).unwrap_err().to_string()
 }
 
+/// A number that follows the log's scale.
+fn follows(number: Number, part: f64) -> Number {
+    Number { part: Some(part), ..number }
+}
+
 #[test]
 fn one_word_learns_damping_and_dry_friction() {
     let (shape, weights) =
         parse(&format!("{INERTIA_NETWORK}friction = \"learned\"\n")).unwrap().beginning().unwrap();
     assert_eq!((shape.laws(), weights.len()), (Laws::FRICTION, shape.parameters().unwrap()));
-    assert_eq!(shape.friction.viscous, [Number::learned(0.01); 2]);
-    let dry = [Number::learned(0.1), Number::known(0.0), Number::known(0.1), Number::learned(0.1)];
+    assert_eq!(shape.friction.viscous, [follows(Number::learned(0.01), 0.02); 2]);
+    let [constant, width] = [0.03, 0.05].map(|part| follows(Number::learned(0.1), part));
+    let dry = [constant, Number::known(0.0), follows(Number::known(0.1), 0.02), width];
     assert_eq!(shape.friction.dry, [dry; 2]);
     assert_eq!(weights[weights.len() - 10..], [0.01, 0.01, 0.1, 0.0, 0.1, 0.1, 0.1, 0.0, 0.1, 0.1]);
 }
@@ -45,6 +51,51 @@ fn parts_are_learned_known_or_absent_one_by_one() {
     let (viscous, weights) =
         parse(&format!("{TREE}[model.friction]\nviscous = [0.5, 0.25]\n")).unwrap().beginning().unwrap();
     assert_eq!((viscous.laws(), &weights[weights.len() - 2..]), (Laws::VISCOUS, &[0.5, 0.25][..]));
+}
+
+/// Only numbers that were not given follow the scales of a log; widths are bounded by its speeds, and bounds make way for a given start.
+#[test]
+fn what_was_not_given_follows_the_log() {
+    let text = format!(
+        "{INERTIA_NETWORK}[model.friction]\nviscous = [\"learned\", {{ learn = 3.0 }}]\ncoulomb = [0.5, \"learned\"]\nload = \"learned\"\n\
+         width = [\"learned\", {{ learn = 9.0 }}]\n"
+    );
+    let (mut shape, mut weights) = parse(&text).unwrap().beginning().unwrap();
+    let before = weights.clone();
+    let scales = |speed, force| Scales { speed, force, ..Scales::default() };
+    assert!(shape.follows_scales());
+    shape.follow(&[scales(0.1, 50.0), scales(4.0, 2.0)], &mut weights);
+    let laws = weights.len() - 10;
+    assert_eq!(weights[..laws], before[..laws], "energies stay");
+    let expected = [0.02 * 500.0, 3.0, 0.5, 0.1, 1.0, 0.005, 0.06, 0.1, 0.04, 9.0];
+    for (found, expected) in weights[laws..].iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    assert_eq!(shape.friction.numbers().map(|number| number.value).collect::<Vec<_>>(), weights[laws..]);
+    assert_eq!([0, 1].map(|group| shape.friction.widths(group)), [[0.003 * 0.1, 0.05], [0.012, 18.0]]);
+    // A log that shows nothing changes nothing, neither does a second one.
+    let after = shape.clone();
+    shape.follow(&[Scales::default(); 2], &mut weights);
+    assert_eq!(shape.friction.dry, after.friction.dry);
+    assert_eq!(
+        shape.friction.widths(0),
+        [0.05 * 0.1 / 2.0, 1.0],
+        "the usual bounds, which make way for the start"
+    );
+    let known = parse(&format!("{INERTIA_NETWORK}friction = {{ viscous = 0.1 }}\n")).unwrap();
+    assert!(!known.beginning().unwrap().0.follows_scales());
+}
+
+/// Coordinates that share their numbers follow the larger scale.
+#[test]
+fn element_types_follow_the_larger_scale() {
+    let text = format!("{TREE}friction = {{ coulomb = \"learned\" }}\n");
+    let (mut shape, mut weights) = parse(&text).unwrap().beginning().unwrap();
+    let scales = [(1.0, 30.0), (2.0, 5.0), (8.0, 4.0)];
+    let scales = scales.map(|(speed, force)| Scales { speed, force, ..Scales::default() });
+    shape.follow(&scales, &mut weights);
+    let dry: Vec<[f64; 2]> = shape.friction.dry.iter().map(|own| [own[0].value, own[3].value]).collect();
+    assert_eq!(dry, [[0.03 * 30.0, 0.05], [0.03 * 5.0, 0.4]]);
 }
 
 #[test]
@@ -74,7 +125,7 @@ fn errors_name_line_and_key() {
         ("[model.friction]\ncoulomb = -1.0", 6, "`coulomb` is -1; it must be a finite number, 0 or above"),
         ("[model.friction]\ncoulomb = { learn = 0.0 }", 6, "above 0 where it is learned"),
         ("[model.friction]\nload = 1.0", 6, "below 1"),
-        ("[model.friction]\ncoulomb = 1.0\nwidth = { learn = 2.0 }", 7, "above 0.02 and below 1"),
+        ("[model.friction]\ncoulomb = 1.0\nwidth = { learn = 0.0 }", 7, "above 0 where it is learned"),
         ("[model.friction]\nwidth = 0.1", 6, "means nothing without dry friction"),
         ("[model.friction]\nviscous = [0.1]", 6, "has 1 numbers; it must have 2, one for each coordinate"),
         ("[model.friction]\nviscous = [0.1, \"known\"]", 6, "expected \"learned\""),

@@ -19,4 +19,5 @@ mod rods;
 mod servo;
 mod start_from;
 mod trees;
+mod units;
 mod windows;

@@ -7,7 +7,7 @@ use leastaction_learning::config::{Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::run::{Notice, Plan, PlanError};
 use leastaction_models::file::{decode, encode, rust_source};
-use leastaction_models::{Beginning, Model, Number};
+use leastaction_models::{Beginning, Model, Number, Scales};
 use std::path::Path;
 
 const N: usize = 3;
@@ -37,11 +37,15 @@ fn arm(folder: &Path, model: &str) -> Config {
 #[test]
 fn one_word_learns_stiffness_and_damping() {
     let (shape, weights) = parse(&format!("{NETWORK}servo = \"learned\"\n")).unwrap().beginning().unwrap();
-    assert_eq!(shape.servo.stiffness, [Number::learned(10.0); 2]);
-    assert_eq!(shape.friction.viscous, [Number::learned(1.0); 2]);
+    let follows = |start, part| Number { part: Some(part), ..Number::learned(start) };
+    assert_eq!(shape.servo.stiffness, [follows(10.0, 1.0); 2]);
+    assert_eq!(shape.friction.viscous, [follows(1.0, 0.3); 2]);
     assert_eq!(weights[weights.len() - 4..], [1.0, 1.0, 10.0, 10.0]);
     let both = parse(&format!("{NETWORK}servo = \"learned\"\nfriction = \"learned\"\n")).unwrap();
-    assert_eq!(both.beginning().unwrap().0.friction.viscous, [Number::learned(0.01); 2], "friction says it");
+    assert_eq!(both.beginning().unwrap().0.friction.viscous, [follows(0.01, 0.02); 2], "friction says it");
+    let (mut of_log, mut begins) = (shape.clone(), weights.clone());
+    of_log.follow(&[Scales { speed: 2.0, force: 8.0, deflection: 0.1, ..Scales::default() }; 2], &mut begins);
+    assert_eq!(begins[begins.len() - 4..], [0.3 * 4.0, 0.3 * 4.0, 80.0, 80.0]);
     let names = shape.number_names();
     let last = |k: usize| names[names.len() - k].clone().unwrap();
     assert_eq!((&*last(2).name, last(2).unit), ("coordinate 0: stiffness of the servo", "N/m"));

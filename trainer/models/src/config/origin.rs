@@ -69,11 +69,11 @@ impl Origin {
     /// stay known.
     pub fn friction_to_learn(&self) -> FrictionArchitecture {
         let friction = self.friction();
-        let number = |value: f64| Number { value, learned: value > 0.0 };
+        let number = |value: f64| Number::new(value, value > 0.0);
         let viscous = friction.iter().map(|own| number(own.viscous)).collect::<Vec<_>>();
         let of_dry = |own: &CoordinateFriction| {
             let dry = own.dry?;
-            let width = Number { value: dry.width, learned: dry.constant > 0.0 };
+            let width = Number::new(dry.width, dry.constant > 0.0);
             Some([number(dry.constant), number(dry.load), Number::known(dry.smoothing), width])
         };
         let is_viscous = viscous.iter().any(|number| number.learned);
@@ -108,9 +108,9 @@ impl Origin {
     }
 }
 
-/// Lets a learned number begin at that of an earlier model, if that is above 0.
+/// Lets a number that is learned, or was not given, begin at that of an earlier model, if that is above 0.
 fn begin_at(number: &mut Number, value: f64) {
-    if number.learned && value > 0.0 {
-        number.value = value;
+    if (number.learned || number.part.is_some()) && value > 0.0 {
+        number.give(value);
     }
 }

@@ -108,7 +108,7 @@ impl Range {
         if !single.is_finite() || !(self.holds)(single) {
             return Err(Problem::OutOfRange { key, value, range: self.words });
         }
-        Ok(Number { value, learned })
+        Ok(Number::new(value, learned))
     }
 }
 

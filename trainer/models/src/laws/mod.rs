@@ -9,5 +9,5 @@ pub mod servo;
 pub use actuator::Actuator;
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 pub(crate) use friction::dry_friction;
-pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTHS};
+pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTH_PARTS, WIDTHS};
 pub use servo::Servo;

@@ -40,14 +40,21 @@ pub(crate) struct Rule {
     pub key: &'static str,
     pub known: Range,
     pub start: Range,
-    /// Start of learning if none is given.
+    /// Value if none is given and no log is read.
     pub default: f64,
+    /// Part of the log's scale that replaces it; `None` for a number without a unit.
+    pub part: Option<f64>,
 }
 
 impl Rule {
     /// Start of a learned number that stays above 0.
     pub const ABOVE: Range =
         Range { holds: |x| x > 0.0, words: "a finite number above 0 where it is learned" };
+
+    /// The documented number, learned or known, which follows the scale of the log.
+    pub fn usual(&self, learned: bool) -> Number {
+        Number { part: self.part, ..Number::new(self.default, learned) }
+    }
 
     /// Error of a number, or of the entry `index` of a list.
     pub fn at(&self, index: Option<usize>, problem: Problem) -> ShapeError {
@@ -60,7 +67,7 @@ impl Rule {
 impl GroupNumber {
     fn number(self, rule: &Rule) -> Result<Number, Problem> {
         match self {
-            Self::Learned => Ok(Number::learned(rule.default)),
+            Self::Learned => Ok(rule.usual(true)),
             Self::LearnedFrom(start) => rule.start.number(rule.key, start, true),
             Self::Known(value) => rule.known.number(rule.key, value, false),
         }

@@ -78,7 +78,7 @@ fn network(training: &Training, has_friction: bool) -> Architecture {
     }
     let mut network = Architecture::from(inertia_network);
     if has_friction {
-        let dry = FRICTION.map(|(value, learned)| Number { value, learned });
+        let dry = FRICTION.map(|(value, learned)| Number::new(value, learned));
         network.friction = FrictionArchitecture::new(vec![Number::learned(VISCOUS); n], vec![dry; n]);
     }
     network

@@ -30,7 +30,7 @@ pub(super) fn bodies(mechanism: Mechanism) -> Option<Architecture> {
 }
 
 fn learned(value: f64) -> Number {
-    Number { value, learned: true }
+    Number::learned(value)
 }
 
 /// Returns a link whose joint is turned by `angle` and sits at the distance `length` along the parent.

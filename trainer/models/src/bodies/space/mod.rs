@@ -126,7 +126,7 @@ impl ArmArchitecture {
     fn all_numbers(&self) -> impl Iterator<Item = Number> {
         let of_body = |body: &ArmBody| {
             let frame = body.frame.iter().map(|x| Number::known(*x)).collect::<Vec<_>>();
-            let number = |value| Number { value, learned: body.is_learned };
+            let number = |value| Number::new(value, body.is_learned);
             frame.into_iter().chain(body.inertia.map(number)).chain([body.rotor])
         };
         self.gravity.iter().map(|x| Number::known(*x)).chain(self.bodies.iter().flat_map(of_body))

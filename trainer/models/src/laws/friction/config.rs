@@ -3,7 +3,7 @@
 use crate::config::parts::Range;
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
-use crate::laws::friction::{FrictionArchitecture, MOST_LOAD, WIDTHS};
+use crate::laws::friction::{FrictionArchitecture, MOST_LOAD};
 use crate::laws::numbers::{GroupNumber, GroupNumbers, LEARNED, Rule};
 use crate::number::Number;
 use serde::de::value::MapAccessDeserializer;
@@ -15,19 +15,19 @@ use std::fmt;
 /// "learned"` means that `viscous` and `coulomb` are learned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrictionConfig {
-    /// Viscous damping b, N s/m or N m s/rad. (Start if learned: 0.01.)
+    /// Viscous damping b, N s/m or N m s/rad. (Start if learned: 0.02 of force over speed of the log.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscous: Option<GroupNumbers>,
-    /// Coulomb friction c, N or N m. (Start if learned: 0.1.)
+    /// Coulomb friction c, N or N m. (Start if learned: 0.03 of the log's force.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<GroupNumbers>,
     /// Growth c_load of friction with the load. (Start if learned: 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<GroupNumbers>,
-    /// Width ε of the change of sign, m/s or rad/s. (Default with dry friction: learned, starting at 0.1.)
+    /// Width ε of the change of sign, m/s or rad/s. (Default with dry friction: learned, starting at 0.05 of the log's speed.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<GroupNumbers>,
-    /// Smoothing load τ_s, N or N m. (Start if learned: 0.1. Default with dry friction: known, 0.1.)
+    /// Smoothing load τ_s, N or N m. (Default with dry friction: known; 0.02 of the log's force, which is also the start if it is learned.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<GroupNumbers>,
 }
@@ -37,8 +37,15 @@ const RULES: [Rule; 5] = {
     const START: Range = Rule::ABOVE;
     let table = "friction";
     [
-        Rule { table, key: "viscous", known: Range::NOT_BELOW, start: START, default: 0.01 },
-        Rule { table, key: "coulomb", known: Range::NOT_BELOW, start: START, default: 0.1 },
+        Rule {
+            table,
+            key: "viscous",
+            known: Range::NOT_BELOW,
+            start: START,
+            default: 0.01,
+            part: Some(0.02),
+        },
+        Rule { table, key: "coulomb", known: Range::NOT_BELOW, start: START, default: 0.1, part: Some(0.03) },
         Rule {
             table,
             key: "load",
@@ -48,18 +55,10 @@ const RULES: [Rule; 5] = {
                 words: "above 0 and below 0.95 where it is learned",
             },
             default: 0.1,
+            part: None,
         },
-        Rule { table, key: "smoothing", known: Range::ABOVE, start: START, default: 0.1 },
-        Rule {
-            table,
-            key: "width",
-            known: Range::ABOVE,
-            start: Range {
-                holds: |x| x > WIDTHS[0] as f32 && x < WIDTHS[1] as f32,
-                words: "above 0.02 and below 1 where it is learned",
-            },
-            default: 0.1,
-        },
+        Rule { table, key: "smoothing", known: Range::ABOVE, start: START, default: 0.1, part: Some(0.02) },
+        Rule { table, key: "width", known: Range::ABOVE, start: START, default: 0.1, part: Some(0.05) },
     ]
 };
 
@@ -102,8 +101,8 @@ impl FrictionConfig {
         if is_dry {
             let constant = of(coulomb, &self.coulomb, Number::known(0.0))?;
             let load = of(load, &self.load, Number::known(0.0))?;
-            let smoothing = of(smoothing, &self.smoothing, Number::known(smoothing.default))?;
-            let width = of(width, &self.width, Number::learned(width.default))?;
+            let smoothing = of(smoothing, &self.smoothing, smoothing.usual(false))?;
+            let width = of(width, &self.width, width.usual(true))?;
             friction.dry = (0..groups).map(|i| [constant[i], load[i], smoothing[i], width[i]]).collect();
         }
         Ok(friction)

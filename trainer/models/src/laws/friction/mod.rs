@@ -4,14 +4,20 @@ pub mod config;
 
 use crate::bounds::Range;
 use crate::number::{Number, known_positions};
+use crate::scales::Scales;
 use leastaction_core::forces::DryFriction;
 use leastaction_core::model::{FrictionNumber, Law, Laws, ModelError};
 use leastaction_programs::energies::{DryLaw, FrictionLaws};
 use serde::{Deserialize, Serialize};
 
-/// Bounds of a learned width ε, m/s or rad/s: at the steps of usual logs a narrower transition cannot be distinguished
-/// from a jump, and with a wider one the law is viscous damping.
+/// Bounds of a learned width ε where no log is read, m/s or rad/s.
 pub const WIDTHS: [f64; 2] = [0.02, 1.0];
+/// Bounds of a learned width ε as parts of the log's speed. Below the lower one, a log has hardly a sample within the change of sign, which
+/// then cannot be told from a jump: of samples spread evenly over the speeds, three in a thousand. Above the upper one dry friction never comes
+/// near its full value (tanh 2 = 0.96 at that speed), and the law can hardly be told from viscous damping.
+pub const WIDTH_PARTS: [f64; 2] = [0.003, 0.5];
+/// Distance of a width's start from the bounds, as a factor: they make way for a start beyond them.
+const START_FACTOR: f64 = 2.0;
 /// Upper bound of a learned c_load.
 pub const MOST_LOAD: f64 = 0.95;
 
@@ -30,22 +36,45 @@ pub struct FrictionArchitecture {
     pub viscous: Vec<Number>,
     /// c ≥ 0, 0 ≤ c_load < 1, τ_s > 0 and ε > 0 of every group, in the order of [`FrictionNumber::ALL`]; empty without dry friction.
     pub dry: Vec<[Number; DRY_NUMBERS]>,
+    /// Speed of every group in the log, m/s or rad/s, which bounds learned widths ([`WIDTH_PARTS`]); empty if no log has been read.
+    speeds: Vec<f64>,
 }
 
 impl FrictionArchitecture {
     /// Creates viscous damping and dry friction of every group; either is empty if absent.
     pub fn new(viscous: Vec<Number>, dry: Vec<[Number; DRY_NUMBERS]>) -> Self {
-        Self { viscous, dry }
+        Self { viscous, dry, speeds: Vec::new() }
+    }
+
+    /// Lets the numbers that were not given follow the scales of the groups, which also bound the learned widths.
+    pub(crate) fn follow(&mut self, groups: &[Scales]) {
+        self.speeds = groups.iter().map(|scales| scales.speed).collect();
+        let damping = groups.iter().map(Scales::damping);
+        self.viscous.iter_mut().zip(damping).for_each(|(number, scale)| number.follow(scale));
+        for (numbers, scales) in self.dry.iter_mut().zip(groups) {
+            for (number, kind) in numbers.iter_mut().zip(FrictionNumber::ALL) {
+                number.follow(if kind == FrictionNumber::Width { scales.speed } else { scales.force });
+            }
+        }
+    }
+
+    /// Bounds of the width ε of a group.
+    pub fn widths(&self, group: usize) -> [f64; 2] {
+        let of_speed = |speed: &f64| WIDTH_PARTS.map(|part| part * speed);
+        let speed = self.speeds.get(group).filter(|speed| **speed > 0.0);
+        let [least, most] = speed.map_or(WIDTHS, of_speed);
+        let start = self.dry.get(group).map(|numbers| numbers[FrictionNumber::Width as usize].value);
+        start.map_or([least, most], |x| [least.min(x / START_FACTOR), most.max(x * START_FACTOR)])
     }
 
     /// Replaces the laws that are given; the others stay.
     pub(crate) fn take(&mut self, given: Self) {
-        let Self { viscous, dry } = given;
+        let Self { viscous, dry, speeds } = given;
         if !viscous.is_empty() {
             self.viscous = viscous;
         }
         if !dry.is_empty() {
-            self.dry = dry;
+            (self.dry, self.speeds) = (dry, speeds);
         }
     }
 
@@ -151,21 +180,25 @@ impl FrictionArchitecture {
 
     /// Ranges and positions of the learned numbers, with positions counted from `start`.
     pub(crate) fn ranges(&self, start: usize) -> Vec<(usize, Range)> {
-        let dry = self.dry.iter().flat_map(|_| FrictionNumber::ALL.map(range));
+        let dry =
+            (0..self.dry.len()).flat_map(|group| FrictionNumber::ALL.map(|kind| self.range(group, kind)));
         let ranges = self.viscous.iter().map(|_| Range::Positive).chain(dry);
         let each = (start..).zip(self.numbers().zip(ranges));
         each.filter(|(_, (number, _))| number.learned)
             .map(|(position, (_, range))| (position, range))
             .collect()
     }
-}
 
-/// Range of a learned number.
-fn range(number: FrictionNumber) -> Range {
-    match number {
-        FrictionNumber::Constant | FrictionNumber::Smoothing => Range::Positive,
-        FrictionNumber::Load => Range::Between(0.0, MOST_LOAD),
-        FrictionNumber::Width => Range::Between(WIDTHS[0], WIDTHS[1]),
+    /// Range of a learned number of dry friction.
+    fn range(&self, group: usize, kind: FrictionNumber) -> Range {
+        match kind {
+            FrictionNumber::Constant | FrictionNumber::Smoothing => Range::Positive,
+            FrictionNumber::Load => Range::Between(0.0, MOST_LOAD),
+            FrictionNumber::Width => {
+                let [least, most] = self.widths(group);
+                Range::Between(least, most)
+            }
+        }
     }
 }
 

@@ -14,18 +14,20 @@ use std::fmt;
 /// Servos whose commands u are positions: τ = k (u − q) − d v. `servo = "learned"` means that both numbers are learned.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ServoConfig {
-    /// Stiffness k, N/m or N m/rad. (Default: learned, starting at 10.)
+    /// Stiffness k, N/m or N m/rad. (Default: learned, starting at force over deflection of the log.)
     pub stiffness: GroupNumbers,
-    /// Damping d, N s/m or N m s/rad, which is viscous friction. (Default: that of `friction`; without it learned, starting at 1.)
+    /// Damping d, N s/m or N m s/rad, which is viscous friction. (Default: that of `friction`; without it learned, starting at 0.3 of force
+    /// over speed of the log.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<GroupNumbers>,
 }
 
-const STIFFNESS: Rule = rule("stiffness", 10.0);
-const DAMPING: Rule = rule("damping", 1.0);
+const STIFFNESS: Rule = rule("stiffness", (10.0, 1.0));
+const DAMPING: Rule = rule("damping", (1.0, 0.3));
 
-const fn rule(key: &'static str, default: f64) -> Rule {
-    Rule { table: "servo", key, known: Range::NOT_BELOW, start: Rule::ABOVE, default }
+const fn rule(key: &'static str, (default, part): (f64, f64)) -> Rule {
+    let (table, known, start) = ("servo", Range::NOT_BELOW, Rule::ABOVE);
+    Rule { table, key, known, start, default, part: Some(part) }
 }
 
 impl ServoConfig {

@@ -4,6 +4,7 @@ pub mod config;
 
 use crate::bounds::Range;
 use crate::number::{Number, known_positions};
+use crate::scales::Scales;
 use leastaction_core::model::{Law, Laws, ModelError};
 use leastaction_programs::energies::{Energies, GroupForce, WithGroupLaw};
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,12 @@ impl Servo {
     /// Whether commands are forces.
     pub fn is_none(&self) -> bool {
         self.stiffness.is_empty()
+    }
+
+    /// Lets the numbers that were not given follow the scales of the groups.
+    pub(crate) fn follow(&mut self, groups: &[Scales]) {
+        let each = self.stiffness.iter_mut().zip(groups);
+        each.for_each(|(number, scales)| number.follow(scales.stiffness()));
     }
 
     /// Count of the numbers.
