@@ -114,7 +114,7 @@ pub enum ModelError {
         number: u8,
         /// Group, from 0: a coordinate of an inertia network or of bodies, an element type of a modular model.
         group: u16,
-        /// Its value.
+        /// Value of the number.
         value: f32,
     },
     /// The file states neither a step nor an order: the model was trained without steps.

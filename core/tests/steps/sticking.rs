@@ -339,7 +339,7 @@ fn a_motion_starts_from_two_positions() {
     check::<Galerkin>();
 }
 
-/// What is not a number is refused, also where everything sticks, and leaves the state as it was.
+/// A value that is not a number is refused, also where everything sticks, and leaves the state as it was.
 #[test]
 fn numbers_that_are_none_are_refused() {
     let system = masses_of(ACROBOT, [[5.0; 2]; 2]);

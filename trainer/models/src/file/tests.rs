@@ -147,7 +147,7 @@ fn what_the_chip_would_refuse_is_not_written() {
     let damping = encode(&architecture, &weights, None, "").unwrap_err();
     assert_eq!(
         damping,
-        EncodeError::Model(ModelError::LawNumber { law: Law::Viscous, number: 0, group: 0, value: -1.0 })
+        EncodeError::Model(ModelError::LawNumber { law: Law::Viscous, number: 0, group: 1, value: -1.0 })
     );
     weights.pop();
     assert!(matches!(
