@@ -126,12 +126,17 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         Self { w: add_scaled(&self.w, part, dw), s: add_scaled(&self.s, part, ds), ..*self }
     }
 
-    /// The path with w and s exactly 0 in the coordinates that are at rest.
+    /// The path with these increments, and no bubble, where they are given.
     #[must_use]
-    #[inline(always)]
-    pub(super) fn at_rest(&self, resting: &[bool; N]) -> Self {
-        let still = |x: &[R; N]| core::array::from_fn(|i| if resting[i] { R::zero() } else { x[i] });
-        Self { w: still(&self.w), s: still(&self.s), ..*self }
+    pub(super) fn with_increments(&self, given: &[Option<R>; N]) -> Self {
+        let w = core::array::from_fn(|i| given[i].unwrap_or(self.w[i]));
+        let s = core::array::from_fn(|i| if given[i].is_some() { R::zero() } else { self.s[i] });
+        Self { w, s, ..*self }
+    }
+
+    /// Position q₀ at the start.
+    pub(super) fn start(&self) -> &[R; N] {
+        &self.q0
     }
 
     /// Position q₁ at the end.

@@ -95,6 +95,7 @@
 //! Sources: Marsden and West, "Discrete mechanics and variational integrators", Acta Numerica 2001, sections 1.5, 2.6
 //! and 3.2; Ober-Blöbaum and Saake, "Construction and analysis of higher order Galerkin variational integrators", 2015.
 
+mod contact;
 mod derivative;
 mod interval;
 mod newton;

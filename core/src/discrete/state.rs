@@ -1,5 +1,5 @@
+use super::contact::End;
 use super::newton::{Residual, Target};
-use super::sticking::End;
 use super::{Control, Interval, Path, Solved, StepError};
 use crate::lagrangian::Lagrangian;
 use crate::linear;
@@ -138,7 +138,7 @@ impl<R: Real, const N: usize> State<R, N> {
 
     /// The guess with coordinates at rest that were at rest in the last step.
     pub(super) fn rested<P: Path>(&self, guess: Interval<R, P, N>) -> Interval<R, P, N> {
-        guess.at_rest(&self.last_increment().map(|w| w == R::zero()))
+        guess.with_increments(&self.last_increment().map(|w| (w == R::zero()).then_some(w)))
     }
 
     /// Advances by one step; an error leaves the state unchanged.
@@ -156,9 +156,13 @@ impl<R: Real, const N: usize> State<R, N> {
     ) -> Result<(), StepError<R>> {
         let p = core::array::from_fn(|i| {
             let momentum = end.momentum[i];
-            if end.sticks[i] { Compensated::new(momentum) } else { self.p[i].plus(momentum) }
+            if end.held[i] { Compensated::new(momentum) } else { self.p[i].plus(momentum) }
         });
-        self.advance_with(h, solved, p)
+        self.advance_with(h, solved, p)?;
+        for (q, stop) in self.q.iter_mut().zip(end.on_stop) {
+            *q = stop.map_or(*q, Compensated::new);
+        }
+        Ok(())
     }
 
     #[inline(always)]

@@ -18,6 +18,7 @@ mod pair;
 mod seen;
 mod servo;
 mod sticking;
+mod stops;
 mod viscous;
 
 pub use actuator::{Actuator, ControlKind};
@@ -29,6 +30,7 @@ pub use dissipation::Dissipation;
 pub use seen::Seen;
 pub use servo::Servo;
 pub use sticking::{Grip, Sticking, StickingFriction};
+pub use stops::{Stop, Stops};
 pub use viscous::Viscous;
 
 use crate::lagrangian::{Energies, Lagrangian};
@@ -80,6 +82,12 @@ pub trait Forces<S: Scalar, const N: usize> {
     #[inline(always)]
     fn grips(&self, _tau: &[S; N]) -> [Grip<S>; N] {
         [Grip::none(); N]
+    }
+
+    /// End stops of every coordinate.
+    #[inline(always)]
+    fn stops(&self) -> [Stop<S>; N] {
+        [Stop::none(); N]
     }
 
     /// Potential energy that the force stores, J: V for a force Q = −∂V/∂q, 0 for any other force.
@@ -154,6 +162,11 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
     #[inline(always)]
     fn grips(&self, tau: &[S; N]) -> [Grip<S>; N] {
         (**self).grips(tau)
+    }
+
+    #[inline(always)]
+    fn stops(&self) -> [Stop<S>; N] {
+        (**self).stops()
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-use super::{Forces, Grip, smaller};
+use super::{Forces, Grip, Stop, smaller};
 use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
 use crate::scalar::{Real, Scalar};
 
@@ -49,6 +49,12 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
     fn grips(&self, tau: &[S; N]) -> [Grip<S>; N] {
         let (a, b) = (self.0.grips(tau), self.1.grips(tau));
         core::array::from_fn(|i| a[i].plus(b[i]))
+    }
+
+    #[inline(always)]
+    fn stops(&self) -> [Stop<S>; N] {
+        let (a, b) = (self.0.stops(), self.1.stops());
+        core::array::from_fn(|i| a[i].both(b[i]))
     }
 
     #[inline(always)]

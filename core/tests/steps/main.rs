@@ -16,3 +16,4 @@ mod rattle_order;
 mod rattle_start;
 mod rattle_state;
 mod sticking;
+mod stops;

@@ -10,10 +10,10 @@ use leastaction_core::scalar::{Real, Scalar};
 
 /// Masses coupled by inertia and springs under a constant force: L = ½vᵀMv − ½qᵀKq + fᵀq.
 #[derive(Clone, Copy, Debug)]
-struct Masses<const N: usize> {
-    mass: [[f64; N]; N],
-    springs: [[f64; N]; N],
-    force: [f64; N],
+pub struct Masses<const N: usize> {
+    pub mass: [[f64; N]; N],
+    pub springs: [[f64; N]; N],
+    pub force: [f64; N],
 }
 
 impl<const N: usize> Masses<N> {
@@ -42,7 +42,7 @@ impl<S: Scalar, const N: usize> Lagrangian<S, N> for Masses<N> {
     }
 }
 
-fn friction<R: Real>(forward: f64, backward: f64) -> StickingFriction<R> {
+pub fn friction<R: Real>(forward: f64, backward: f64) -> StickingFriction<R> {
     let mean = (forward + backward) / 2.0;
     let asymmetry = R::constant(if mean > 0.0 { (forward - mean) / mean } else { 0.0 });
     let (constant, width) = (R::constant(mean), R::constant(0.01));
@@ -87,7 +87,7 @@ fn a_block_on_a_slope_stays() {
 }
 
 /// A random positive definite matrix.
-fn definite<const N: usize>(random: &mut Random) -> [[f64; N]; N] {
+pub fn definite<const N: usize>(random: &mut Random) -> [[f64; N]; N] {
     let factor: [[f64; N]; N] = core::array::from_fn(|_| random.array(1.0));
     core::array::from_fn(|i| {
         core::array::from_fn(|j| dot(&factor[i], &factor[j]) + if i == j { 0.05 } else { 0.0 })
@@ -95,7 +95,7 @@ fn definite<const N: usize>(random: &mut Random) -> [[f64; N]; N] {
 }
 
 /// T(p) = ½pᵀM⁻¹p in double precision.
-fn kinetic<R: Real, const N: usize>(system: &Masses<N>, p: [R; N]) -> f64 {
+pub fn kinetic<R: Real, const N: usize>(system: &Masses<N>, p: [R; N]) -> f64 {
     let p = p.map(|p| p.to_f64());
     let v = leastaction_core::linear::solve(system.mass, p).unwrap();
     dot(&p, &v) / 2.0
