@@ -123,9 +123,9 @@ impl ModelError {
             Self::Law { number } => Coded::new(44, [number.into(), 0, 0]),
             Self::Order { found, compiled } => Coded::new(45, [found.into(), compiled.into(), 0]),
             Self::LawNumber { law, number, group, value } => {
-                let of = law.numbers().get(usize::from(number));
+                let symbol = law.symbols().get(usize::from(number)).copied();
                 let numbers = [group.into(), number.into(), value.to_bits() as usize];
-                Coded::new(46, numbers).about(of.map_or(law.name(), |of| of.symbol))
+                Coded::new(46, numbers).about(symbol.unwrap_or(law.name()))
             }
             Self::Tree(error) => error.coded(),
             Self::Graph(error) => error.coded(),

@@ -110,7 +110,7 @@ pub enum ModelError {
     LawNumber {
         /// The law.
         law: Law,
-        /// Position among the numbers of the group ([`Law::numbers`]), from 0.
+        /// Position among the numbers of the group ([`Law::ranges`]), from 0.
         number: u8,
         /// Group, from 0: a coordinate of an inertia network or of bodies, an element type of a modular model.
         group: u16,
@@ -209,8 +209,9 @@ impl fmt::Display for ModelError {
                 None => write!(f, "law of force {number} is not known to this build"),
             },
             Self::LawNumber { law, number, group, value } => {
-                let of = law.numbers().get(usize::from(*number));
-                let (symbol, range) = of.map_or(("", ""), |of| (of.symbol, of.range.words()));
+                let number = usize::from(*number);
+                let symbol = law.symbols().get(number).copied().unwrap_or_default();
+                let range = law.ranges().get(number).map_or("", |range| range.words());
                 write!(
                     f,
                     "{symbol} of the law {} of group {group} is {value}: it must be {range}",

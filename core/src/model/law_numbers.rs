@@ -3,15 +3,6 @@
 use super::{Law, ModelError};
 use crate::scalar::FileWeightFormat;
 
-/// A number that a law has for every group of coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LawNumber {
-    /// Symbol in the equation of the law.
-    pub symbol: &'static str,
-    /// Valid values.
-    pub range: NumberRange,
-}
-
 /// Valid values of a number of a law.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,58 +94,36 @@ pub enum StickingNumber {
 }
 
 impl Law {
-    /// Numbers that the law has for every group of coordinates, in the order of a file; none for a law with a network.
-    pub const fn numbers(self) -> &'static [LawNumber] {
-        const fn number(symbol: &'static str, range: NumberRange) -> LawNumber {
-            LawNumber { symbol, range }
-        }
+    /// Valid values of the numbers that the law has for every group of coordinates, in the order of a file; none for a law with a network.
+    pub const fn ranges(self) -> &'static [NumberRange] {
         use NumberRange::{NotBelowOne, NotNegative, Positive, Share, Signed};
         match self {
-            Self::Viscous => const { &[number("b", NotNegative)] },
-            Self::Coulomb => {
-                const {
-                    &[
-                        number("c", NotNegative),
-                        number("c_load", Share),
-                        number("tau_s", Positive),
-                        number("epsilon", Positive),
-                    ]
-                }
-            }
+            Self::Viscous | Self::Servo => &[NotNegative],
+            Self::Coulomb => &[NotNegative, Share, Positive, Positive],
             Self::Dissipation | Self::Potential => &[],
-            Self::Servo => const { &[number("k", NotNegative)] },
-            Self::Directional => {
-                const {
-                    &[
-                        number("b", NotNegative),
-                        number("beta", Signed),
-                        number("c", NotNegative),
-                        number("delta", Signed),
-                        number("epsilon", Positive),
-                    ]
-                }
-            }
-            Self::Sticking => {
-                const {
-                    &[
-                        number("c", NotNegative),
-                        number("delta", Signed),
-                        number("c_load", Share),
-                        number("tau_s", Positive),
-                        number("s", NotBelowOne),
-                        number("epsilon", Positive),
-                    ]
-                }
-            }
+            Self::Directional => &[NotNegative, Signed, NotNegative, Signed, Positive],
+            Self::Sticking => &[NotNegative, Signed, Share, Positive, NotBelowOne, Positive],
+        }
+    }
+
+    /// Symbols of these numbers in the equation of the law. Apart from their ranges, so that a program without messages has no texts.
+    pub const fn symbols(self) -> &'static [&'static str] {
+        match self {
+            Self::Viscous => &["b"],
+            Self::Coulomb => &["c", "c_load", "tau_s", "epsilon"],
+            Self::Dissipation | Self::Potential => &[],
+            Self::Servo => &["k"],
+            Self::Directional => &["b", "beta", "c", "delta", "epsilon"],
+            Self::Sticking => &["c", "delta", "c_load", "tau_s", "s", "epsilon"],
         }
     }
 
     /// Checks the numbers of all groups.
     pub(super) fn validate<W: FileWeightFormat>(self, numbers: &[W]) -> Result<(), ModelError> {
-        for (group, own) in numbers.chunks(self.numbers().len().max(1)).enumerate() {
-            for (number, (value, of)) in own.iter().zip(self.numbers()).enumerate() {
+        for (group, own) in numbers.chunks(self.ranges().len().max(1)).enumerate() {
+            for (number, (value, range)) in own.iter().zip(self.ranges()).enumerate() {
                 let value = value.wide();
-                if !of.range.contains(value) {
+                if !range.contains(value) {
                     return Err(ModelError::LawNumber {
                         law: self,
                         number: number as u8,

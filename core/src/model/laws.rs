@@ -156,7 +156,7 @@ impl<'a> Laws<'a> {
     pub(super) fn parameters_of(&self, law: Law, groups: usize) -> Option<usize> {
         match law {
             Law::Dissipation | Law::Potential => self.network(law)?.parameters(law),
-            _ => groups.checked_mul(law.numbers().len()),
+            _ => groups.checked_mul(law.ranges().len()),
         }
     }
 

@@ -134,6 +134,14 @@ fn servos_are_what_was_written() {
     }
 }
 
+#[test]
+fn numbers_of_laws_have_symbols_and_ranges() {
+    for law in Law::ALL {
+        assert_eq!(law.symbols().len(), law.ranges().len(), "{law:?}");
+    }
+    assert_eq!(Law::Coulomb.ranges().len(), FrictionNumber::ALL.len());
+}
+
 /// Friction by direction and friction that sticks follow every other law, with their numbers group after group.
 #[test]
 fn friction_by_direction_and_at_rest_is_what_was_written() {

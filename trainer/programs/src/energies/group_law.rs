@@ -21,7 +21,7 @@ pub enum GroupForce {
     },
 }
 
-/// A model with such a law. The law's numbers ([`Law::numbers`]), group after group, follow the model's in the weight block.
+/// A model with such a law. The law's numbers ([`Law::ranges`]), group after group, follow the model's in the weight block.
 #[derive(Clone, Debug)]
 pub struct WithGroupLaw<E> {
     model: E,
@@ -60,13 +60,13 @@ impl<E: Energies> WithGroupLaw<E> {
 
     /// Count of the law's numbers.
     fn count(&self) -> usize {
-        self.groups * self.force.law().numbers().len()
+        self.groups * self.force.law().ranges().len()
     }
 
     /// One of the law's numbers for every coordinate.
     fn number(&self, builder: &mut Builder, number: usize) -> Node {
         let all = builder.parameters(self.model.parameters(), self.count());
-        let each = self.force.law().numbers().len();
+        let each = self.force.law().ranges().len();
         let own: Vec<usize> = self.of.iter().map(|group| each * group + number).collect();
         builder.gather(all, &own)
     }

@@ -77,8 +77,8 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
     }
     for law in [Law::Directional, Law::Sticking].into_iter().filter(|law| laws.contains(*law)) {
         let each =
-            random.vector(groups * law.numbers().len(), 0.5).into_iter().zip(law.numbers().iter().cycle());
-        numbers.extend(each.map(|(x, of)| match of.range {
+            random.vector(groups * law.ranges().len(), 0.5).into_iter().zip(law.ranges().iter().cycle());
+        numbers.extend(each.map(|(x, range)| match range {
             NumberRange::NotBelowOne => 1.0 + x.abs(),
             _ => x.abs() + 0.0625,
         }));
