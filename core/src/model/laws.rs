@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 /// Laws of force that a model file can have. Friction has numbers for every *group* of coordinates: a coordinate of inertia networks or of
 /// bodies, an element type of modular models. A law with a network says which coordinates it sees ([`LawNetwork`]).
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Law {
