@@ -150,25 +150,23 @@ impl<R: Real, const N: usize> Contact<R, N> {
     /// Impulse of sliding friction; 0 where a coordinate rests.
     #[inline(always)]
     pub fn sliding(&self, i: usize) -> R {
-        let [_, upper] = self.to_stops[i];
         match self.motion[i] {
-            Motion::Forward => -self.grips[i].forward,
-            Motion::Backward => self.grips[i].backward,
+            _ if self.rests(i) => R::zero(),
             // Slides until it strikes.
-            Motion::AtUpper if upper > R::zero() => -self.grips[i].forward,
-            Motion::AtLower if !self.rests(i) => self.grips[i].backward,
-            _ => R::zero(),
+            Motion::Forward | Motion::AtUpper => -self.grips[i].forward,
+            Motion::Backward | Motion::AtLower => self.grips[i].backward,
+            Motion::Free | Motion::Sticks => R::zero(),
         }
     }
 
     /// The motion of coordinate i that agrees with its increment, which must lie between those to the stops, or, where it is held, with the
     /// impulse that this needs.
     #[inline(always)]
-    fn agreeing(&self, i: usize, v: R, needed: R, slack: R) -> Motion {
+    fn agreeing(&self, i: usize, v: R, needed: R, known_to: R) -> Motion {
         let Grip { forward, backward, breakaway } = self.grips[i];
         let [lower, upper] = self.to_stops[i];
-        let [forward_hold, backward_hold] = [breakaway * forward + slack, breakaway * backward + slack];
-        let is_there = |at: R| (v - at).abs() <= crate::discrete::contact::slack(v.abs() + at.abs());
+        let [forward_hold, backward_hold] = [breakaway * forward + known_to, breakaway * backward + known_to];
+        let is_there = |at: R| (v - at).abs() <= slack(v.abs() + at.abs());
         match self.motion[i] {
             // Not where it is held yet: the impulse tells nothing.
             Motion::Sticks if v != R::zero() => Motion::Sticks,
@@ -179,8 +177,8 @@ impl<R: Real, const N: usize> Contact<R, N> {
             // A stop only pushes; friction holds too where the coordinate rests, and slides where it strikes.
             Motion::AtUpper if upper == R::zero() && needed > backward_hold => self.moving(i, -R::one()),
             Motion::AtLower if lower == R::zero() && needed < -forward_hold => self.moving(i, R::one()),
-            Motion::AtUpper if upper > R::zero() && needed > slack - forward => self.moving(i, R::one()),
-            Motion::AtLower if lower < R::zero() && needed < backward - slack => self.moving(i, -R::one()),
+            Motion::AtUpper if upper > R::zero() && needed > known_to - forward => self.moving(i, R::one()),
+            Motion::AtLower if lower < R::zero() && needed < backward - known_to => self.moving(i, -R::one()),
             Motion::Forward | Motion::Free if v > upper => Motion::AtUpper,
             Motion::Backward | Motion::Free if v < lower => Motion::AtLower,
             Motion::Forward if v < R::zero() => Motion::Sticks,

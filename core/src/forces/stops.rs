@@ -1,4 +1,4 @@
-use super::{Forces, Grip};
+use super::Forces;
 use crate::linear::Matrix;
 use crate::scalar::{Real, Scalar};
 
@@ -73,11 +73,6 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Stops<S, N> {
         S: Real,
     {
         self.coordinates.iter().any(|stop| stop.lower.is_finite() || stop.upper.is_finite())
-    }
-
-    #[inline(always)]
-    fn grips(&self, _: &[S; N]) -> [Grip<S>; N] {
-        [Grip::none(); N]
     }
 
     #[inline(always)]

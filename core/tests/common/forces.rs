@@ -105,9 +105,13 @@ pub fn all<S: Scalar, const N: usize>() -> All<S, N> {
 
 pub type Dry<S, const N: usize> = (Viscous<S, N>, Coulomb<S, N>);
 
+/// A number that differs from coordinate to coordinate.
+fn number<S: Scalar>(start: f64, i: usize, step: f64) -> S {
+    S::constant(start + step * i as f64)
+}
+
 /// Dry friction of up to eight coordinates, all numbers different.
 pub fn coulomb<S: Scalar, const N: usize>() -> Coulomb<S, N> {
-    let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
     Coulomb {
         coordinates: core::array::from_fn(|i| DryFriction {
             constant: number(0.3, i, 0.17),
@@ -120,7 +124,6 @@ pub fn coulomb<S: Scalar, const N: usize>() -> Coulomb<S, N> {
 
 /// Friction by direction, all numbers different.
 pub fn directional<S: Scalar, const N: usize>() -> Directional<S, N> {
-    let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
     Directional {
         coordinates: core::array::from_fn(|i| DirectionalFriction {
             viscous: number(0.4, i, 0.13),
@@ -134,7 +137,6 @@ pub fn directional<S: Scalar, const N: usize>() -> Directional<S, N> {
 
 /// Friction that sticks, all numbers different.
 pub fn sticking<S: Scalar, const N: usize>() -> Sticking<S, N> {
-    let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
     Sticking {
         coordinates: core::array::from_fn(|i| StickingFriction {
             constant: number(0.3, i, 0.17),

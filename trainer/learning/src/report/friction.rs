@@ -2,7 +2,7 @@
 
 use super::pictures::MOST;
 use super::shape::column;
-use super::unit_of;
+use super::{force_unit, unit_of};
 use crate::evaluate::horizons::{Predictions, Predictor};
 use crate::evaluate::percentile;
 use leastaction_core::model::ModelError;
@@ -66,11 +66,7 @@ impl Ranges {
     ) -> Result<Option<Result<String, NotDrawn>>, ModelError> {
         let letters = predictor.model.architecture.coordinates();
         let unit = unit_of(&letters, i);
-        let force = match unit {
-            "m" => "N",
-            "rad" => "N m",
-            _ => "N or N m",
-        };
+        let force = force_unit(unit);
         let mut curves = Vec::<(Curve, Vec<f64>)>::new();
         for curve in self.curves(i, (unit, force)) {
             let values = self.forces(i, predictor, &curve)?;

@@ -96,6 +96,15 @@ pub struct Page<'a> {
     pub torques: Option<&'a TorqueNumbers>,
 }
 
+/// The unit of a force on a coordinate of this unit ([`unit_of`]).
+pub(crate) fn force_unit(unit: &str) -> &'static str {
+    match unit {
+        "m" => "N",
+        "rad" => "N m",
+        _ => "N or N m",
+    }
+}
+
 /// The unit of coordinate i: m for a translation, rad for an angle; a cyclic coordinate may have either.
 pub(crate) fn unit_of(letters: &str, i: usize) -> &'static str {
     match letters.as_bytes().get(i) {

@@ -11,21 +11,41 @@ const COVERED: f64 = 0.95;
 /// Time over which positions are differenced, s: over a shorter time noise hides velocities.
 const APART: f64 = 0.03;
 
+/// Logs and their step, s.
+type Logs<'l> = (&'l [Trajectory], f64);
+
+/// Lets the numbers of laws that were not given follow the scales of the first `training` logs.
+///
+/// # Errors
+/// An error if the shape is inconsistent or the weights do not fit it.
+pub(super) fn follow(
+    architecture: &mut Architecture,
+    initial: &mut [f64],
+    (data, training): (&Dataset, usize),
+) -> Result<(), ModelError> {
+    // The fit of an arm to torques solves for these numbers, and their starts do not matter to it.
+    let is_fitted_to_torques = architecture.family.arm().is_some() && architecture.servo.is_none();
+    if architecture.follows_scales() && !is_fitted_to_torques {
+        let logs = data.trajectories.get(..training).unwrap_or(&data.trajectories);
+        let scales = of((logs, data.h), (architecture, initial))?;
+        architecture.follow(&scales, initial);
+    }
+    Ok(())
+}
+
 /// Scales of every coordinate in these training logs. A coordinate without a logged force gets that of the inertia and the potential at the
 /// weights with which training begins, in the proportion in which logged forces of other coordinates stand to theirs.
 ///
 /// # Errors
 /// An error if the shape is inconsistent or the weights do not fit it.
-pub(super) fn of(
-    data: &Dataset,
-    (architecture, initial): (&Architecture, &[f64]),
-) -> Result<Vec<Scales>, ModelError> {
+fn of(logs: Logs, (architecture, initial): (&Architecture, &[f64])) -> Result<Vec<Scales>, ModelError> {
+    let n = architecture.n();
     let are_positions = !architecture.servo.is_none();
-    let mut scales: Vec<Scales> = (0..data.n).map(|i| of_coordinate(data, i, are_positions)).collect();
+    let mut scales: Vec<Scales> = (0..n).map(|i| of_coordinate(logs, i, are_positions)).collect();
     if scales.iter().all(|own| own.force > 0.0) {
         return Ok(scales);
     }
-    let inner = inner_forces(data, (architecture, initial), &scales)?;
+    let inner = inner_forces(logs, (architecture, initial), &scales)?;
     let mut factors: Vec<f64> =
         scales.iter().zip(&inner).map(|(own, inner)| own.force / inner).filter(|x| *x > 0.0).collect();
     let factor = covered(&mut factors, 0.5).filter(|factor| factor.is_finite()).unwrap_or(1.0);
@@ -35,9 +55,9 @@ pub(super) fn of(
 }
 
 /// Scales that the rows of a coordinate show; commands are forces or positions.
-fn of_coordinate(data: &Dataset, i: usize, are_positions: bool) -> Scales {
+fn of_coordinate((logs, h): Logs, i: usize, are_positions: bool) -> Scales {
     let amounts = |of: &dyn Fn(&Trajectory) -> Vec<f64>| {
-        let mut all: Vec<f64> = data.trajectories.iter().flat_map(of).map(f64::abs).collect();
+        let mut all: Vec<f64> = logs.iter().flat_map(of).map(f64::abs).collect();
         all.retain(|x| x.is_finite());
         covered(&mut all, COVERED).unwrap_or(0.0)
     };
@@ -45,7 +65,7 @@ fn of_coordinate(data: &Dataset, i: usize, are_positions: bool) -> Scales {
     let deflections = |log: &Trajectory| -> Vec<f64> {
         commands(log).iter().zip(column(&log.q, i)).map(|(u, q)| u - q).collect()
     };
-    let rates = |log: &Trajectory| differences(&column(&log.q, i), data.h);
+    let rates = |log: &Trajectory| differences(&column(&log.q, i), h);
     Scales {
         speed: amounts(&|log| rates(log)[0].clone()),
         acceleration: amounts(&|log| rates(log)[1].clone()),
@@ -78,15 +98,15 @@ fn covered(amounts: &mut [f64], part: f64) -> Option<f64> {
 
 /// Force of the inertia at the log's accelerations or of the potential at its positions, whichever is larger, N or N m.
 fn inner_forces(
-    data: &Dataset,
+    (logs, _): Logs,
     (architecture, initial): (&Architecture, &[f64]),
     scales: &[Scales],
 ) -> Result<Vec<f64>, ModelError> {
-    let positions = ringing::positions(data);
+    let positions = ringing::positions(logs);
     let positions: Vec<&[f64]> = positions.iter().map(Vec::as_slice).collect();
     let own = initial.get(..architecture.parameters()?).unwrap_or_default().to_vec();
     let at_rest = Model::new(architecture.clone(), own).at_rest(&positions)?;
-    let n = data.n;
+    let n = scales.len();
     let force = |i: usize| {
         let mut inertias: Vec<f64> = at_rest.iter().map(|at| at.mass[i * n + i].abs()).collect();
         let mut slopes: Vec<f64> = at_rest.iter().map(|at| at.slope[i].abs()).collect();
@@ -116,18 +136,24 @@ mod tests {
         }
     }
 
+    fn logs(data: &Dataset) -> Logs<'_> {
+        (&data.trajectories, data.h)
+    }
+
     #[test]
     fn differences_show_speed_and_acceleration() {
         for h in [0.001, 0.01, 0.1] {
-            let scales = of_coordinate(&log(1.0, h), 0, false);
+            let scales = of_coordinate(logs(&log(1.0, h)), 0, false);
             assert!((scales.speed / 6.0 - 1.0).abs() < 0.03, "{scales:?}");
             assert!((scales.acceleration / 18.0 - 1.0).abs() < 0.03, "{scales:?}");
             assert_eq!((scales.force, scales.deflection), (5.0, 0.0));
-            assert!((of_coordinate(&log(1e3, h), 0, false).speed / scales.speed / 1e3 - 1.0).abs() < 1e-9);
+            assert!(
+                (of_coordinate(logs(&log(1e3, h)), 0, false).speed / scales.speed / 1e3 - 1.0).abs() < 1e-9
+            );
         }
         let mut short = log(1.0, 0.1);
         short.trajectories[0] = short.trajectories[0].part(0..1, 0.1);
-        assert_eq!(of_coordinate(&short, 0, false).speed, 0.0, "a single position");
+        assert_eq!(of_coordinate(logs(&short), 0, false).speed, 0.0, "a single position");
     }
 
     #[test]
@@ -146,9 +172,9 @@ mod tests {
         let weights = architecture.initial_weights(0);
         let mut free = log(1.0, 0.01);
         free.trajectories[0].u = None;
-        let scales = of(&free, (&architecture, &weights)).unwrap()[0];
+        let scales = of(logs(&free), (&architecture, &weights)).unwrap()[0];
         assert!(scales.force > 0.0 && scales.force.is_finite(), "{scales:?}");
-        let forced = of(&log(1.0, 0.01), (&architecture, &weights)).unwrap()[0];
+        let forced = of(logs(&log(1.0, 0.01)), (&architecture, &weights)).unwrap()[0];
         assert_eq!((forced.force, forced.speed), (5.0, scales.speed));
     }
 }

@@ -100,12 +100,7 @@ impl Plan {
             }
             Scope::Fold { training, .. } => training,
         };
-        // The fit of an arm to torques solves for these numbers, and their starts do not matter to it.
-        let is_fitted_to_torques = architecture.family.arm().is_some() && architecture.servo.is_none();
-        if architecture.follows_scales() && !is_fitted_to_torques {
-            let scales = log_scales::of(&data.split(training).0, (&architecture, &initial))?;
-            architecture.follow(&scales, &mut initial);
-        }
+        log_scales::follow(&mut architecture, &mut initial, (&data, training))?;
         let mut given = initial.clone();
         // The bodies of an arm are fitted separately, before any stage.
         let of_samples =
@@ -152,7 +147,7 @@ impl Plan {
             given,
             trained_step: Order::from_number(order).filter(|_| has_step).map(step),
             range: range::of(&architecture, &data),
-            positions: ringing::positions(&data),
+            positions: ringing::positions(&data.trajectories),
             data_fingerprint: fingerprint::of_data(&data, loss),
             origin,
             windows,

@@ -2,7 +2,7 @@
 
 use super::notice::Notice;
 use super::plan::Plan;
-use crate::data::Dataset;
+use crate::data::Trajectory;
 use crate::matrix::cholesky;
 use leastaction_core::discrete::Order;
 use leastaction_core::model::TrainedStep;
@@ -12,10 +12,10 @@ use nalgebra::DMatrix;
 /// Number of positions that are checked.
 const POSITIONS: usize = 64;
 
-/// A sample of about `POSITIONS` positions from throughout the data.
-pub(super) fn positions(data: &Dataset) -> Vec<Vec<f64>> {
-    let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples()).sum();
-    let positions = data.trajectories.iter().flat_map(|trajectory| trajectory.q.iter());
+/// A sample of about `POSITIONS` positions from throughout the logs.
+pub(super) fn positions(logs: &[Trajectory]) -> Vec<Vec<f64>> {
+    let all: usize = logs.iter().map(|trajectory| trajectory.samples()).sum();
+    let positions = logs.iter().flat_map(|trajectory| trajectory.q.iter());
     positions.step_by(all.div_ceil(POSITIONS).max(1)).map(<[f64]>::to_vec).collect()
 }
 

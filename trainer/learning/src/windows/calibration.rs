@@ -1,5 +1,6 @@
 use super::logs::WindowLogs;
 use crate::data::Rows;
+use crate::report::force_unit;
 use leastaction_models::Actuator;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -207,11 +208,7 @@ impl CalibrationLayout {
         unit: impl Fn(usize) -> &'static str,
     ) -> Option<(String, &'static str)> {
         let place = position.checked_sub(self.start).filter(|_| position < self.end())?;
-        let force = |i: usize| match unit(i) {
-            "m" => "N",
-            "rad" => "N m",
-            _ => "N or N m",
-        };
+        let force = |i: usize| force_unit(unit(i));
         Some(match place.checked_sub(self.controls()) {
             Some(zero) => {
                 let (log, i) = (zero / self.n, zero % self.n);

@@ -1,12 +1,10 @@
 //! Friction in addition to the forces of a family: damping, and dry friction that grows with the load.
 
 use super::Energies;
-use super::group_law::load_growth;
+use super::group_law::{load_growth, smooth_sign};
 use crate::builder::Builder;
-use crate::function::Function;
 use crate::operation::Node;
 use leastaction_core::model::FrictionNumber;
-use leastaction_core::network::Activation;
 
 /// Count of the numbers of dry friction of one group.
 const DRY_NUMBERS: usize = FrictionNumber::ALL.len();
@@ -91,9 +89,7 @@ impl<E: Energies> WithFriction<E> {
     /// tanh(v/ε).
     fn direction(&self, builder: &mut Builder, v: Node) -> Node {
         let width = self.dry(builder, FrictionNumber::Width);
-        let inverse = builder.map(Function::Reciprocal, width);
-        let relative = builder.product(v, inverse);
-        builder.map(Function::Activation(Activation::Tanh), relative)
+        smooth_sign(builder, v, width)
     }
 }
 

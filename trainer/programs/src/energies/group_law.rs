@@ -82,9 +82,7 @@ impl<E: Energies> WithGroupLaw<E> {
     /// t = tanh(v/ε).
     fn direction(&self, builder: &mut Builder, width: usize, v: Node) -> Node {
         let width = self.number(builder, width);
-        let inverse = builder.map(Function::Reciprocal, width);
-        let relative = builder.product(v, inverse);
-        builder.map(Function::Activation(Activation::Tanh), relative)
+        smooth_sign(builder, v, width)
     }
 
     /// k (τ − q) − τ.
@@ -119,6 +117,13 @@ impl<E: Energies> WithGroupLaw<E> {
         }
         builder.product(level, t)
     }
+}
+
+/// tanh(v/ε).
+pub(super) fn smooth_sign(builder: &mut Builder, v: Node, width: Node) -> Node {
+    let inverse = builder.map(Function::Reciprocal, width);
+    let relative = builder.product(v, inverse);
+    builder.map(Function::Activation(Activation::Tanh), relative)
 }
 
 /// √(τ² + τ_s²) − τ_s = τ²/(√(τ² + τ_s²) + τ_s).
