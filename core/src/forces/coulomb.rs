@@ -62,9 +62,14 @@ impl<S: Scalar> DryFriction<S> {
 
     /// ∂Q/∂v = −level (1 − tanh²)/ε.
     #[inline(always)]
-    pub(super) fn velocity_derivative(&self, v: S, tau: S) -> S {
-        let direction = self.direction(v);
-        -(self.level(tau) * (S::one() - direction) * (S::one() + direction) / self.width)
+    fn velocity_derivative(&self, v: S, tau: S) -> S {
+        self.slope(self.direction(v), tau)
+    }
+
+    /// ∂Q/∂v where tanh(v/ε) = t.
+    #[inline(always)]
+    pub(super) fn slope(&self, t: S, tau: S) -> S {
+        -(self.level(tau) * (S::one() - t) * (S::one() + t) / self.width)
     }
 
     /// ∂Q/∂τ = −c_load τ/√(τ² + τ_s²) tanh(v/ε), above −1 and below 1.

@@ -66,6 +66,11 @@ impl<S: Scalar> StickingFriction<S> {
         Self { constant: zero, asymmetry: zero, load: zero, smoothing: one, breakaway: one, width: one }
     }
 
+    #[inline(always)]
+    fn direction(&self, v: S) -> S {
+        (v / self.width).tanh()
+    }
+
     /// Friction of one level in place of c.
     #[inline(always)]
     fn with_constant(&self, constant: S) -> DryFriction<S> {
@@ -75,15 +80,20 @@ impl<S: Scalar> StickingFriction<S> {
     /// The smooth law at velocity v: c (1 + δt) in place of c.
     #[inline(always)]
     fn smooth(&self, v: S) -> DryFriction<S> {
-        let t = (v / self.width).tanh();
+        self.smooth_towards(self.direction(v))
+    }
+
+    /// The smooth law where tanh(v/ε) = t.
+    #[inline(always)]
+    fn smooth_towards(&self, t: S) -> DryFriction<S> {
         self.with_constant(self.constant * (S::one() + self.asymmetry * t))
     }
 
     /// ∂Q/∂v of the smooth law; c (1 + δt) varies with v too, by cδ (1 − t²)/ε.
     fn velocity_derivative(&self, v: S, tau: S) -> S {
-        let t = (v / self.width).tanh();
+        let t = self.direction(v);
         let slope = (S::one() - t) * (S::one() + t) / self.width;
-        self.smooth(v).velocity_derivative(v, tau) - self.constant * self.asymmetry * slope * t
+        self.smooth_towards(t).slope(t, tau) - self.constant * self.asymmetry * slope * t
     }
 
     /// Levels at the load τ.
