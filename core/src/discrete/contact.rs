@@ -39,7 +39,7 @@ pub(super) struct End<R, const N: usize> {
     pub momentum: [R; N],
     /// Coordinates whose velocity is given: at rest, or leaving a stop.
     pub held: [bool; N],
-    /// The stop on which a coordinate ends, m or rad.
+    /// The stop on which a coordinate ends that was away from it, m or rad.
     pub on_stop: [Option<R>; N],
 }
 
@@ -234,8 +234,10 @@ impl<R: Real, const N: usize> Contact<R, N> {
         (0..N).all(holds).then(end)
     }
 
+    /// The stops on which coordinates end that were away from them. What rests beyond a stop stays where it is.
     fn on_stop(&self) -> [Option<R>; N] {
         core::array::from_fn(|i| match self.motion[i] {
+            _ if self.rests(i) => None,
             Motion::AtLower => Some(self.stops[i].lower),
             Motion::AtUpper => Some(self.stops[i].upper),
             _ => None,
