@@ -10,7 +10,8 @@ use leastaction_core::control::riccati::{Weights, stationary};
 use leastaction_core::control::{Plant, Stepped};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
 use leastaction_core::forces::{
-    Actuator, Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous,
+    Actuator, Coulomb, Directional, Dissipation, Forces, PotentialCorrection, Sticking, Stops, System,
+    Viscous,
 };
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Model, ModelError};
@@ -26,7 +27,9 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
 
 /// Damping and dry friction.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
-/// All laws of force.
+/// Friction by direction, friction that sticks, and end stops.
+pub type Axes<const N: usize> = (Directional<f32, N>, (Sticking<f32, N>, Stops<f32, N>));
+/// Friction and corrections by networks.
 pub type AllForces<const N: usize> =
     (Friction<N>, (Dissipation<'static, f32, N, 8, 2>, PotentialCorrection<'static, f32, N, 8, 2>));
 

@@ -223,8 +223,8 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_ORDER = 45,
     /**
-     * A parameter of dry friction is out of range; `what`: its name. `numbers`: the coordinate of an inertia network, of bodies or of an
-     * arm, or the element type of a modular model; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the value as a float.
+     * A number of a law of force is out of range; `what`: its symbol. `numbers`: the coordinate of an inertia network, of bodies or of an
+     * arm, or the element type of a modular model; its position among the law's numbers, from 0; the bits of the value as a float.
      */
     LEASTACTION_STATUS_FRICTION = 46,
     /**

@@ -95,8 +95,8 @@ pub enum Status {
     Law = 44,
     /// The model was trained with an integrator of another order. `numbers`: order in the file, order asked for.
     Order = 45,
-    /// A parameter of dry friction is out of range; `what`: its name. `numbers`: the coordinate of an inertia network, of bodies or of an
-    /// arm, or the element type of a modular model; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the value as a float.
+    /// A number of a law of force is out of range; `what`: its symbol. `numbers`: the coordinate of an inertia network, of bodies or of an
+    /// arm, or the element type of a modular model; its position among the law's numbers, from 0; the bits of the value as a float.
     Friction = 46,
     /// The tree was refused for a reason that this list does not know.
     OtherTreeError = 49,

@@ -5,8 +5,8 @@ use crate::scalar::{Real, Scalar};
 /// End stops of every coordinate, which it cannot pass: a set-valued law.
 ///
 /// A stop at q̄ only pushes: Q_i ≤ 0 at the upper one, and 0 below it. A coordinate that strikes it with the velocity v leaves with −e v; one
-/// that rests on it stays there. Steps of [`Del`](crate::discrete::Del) solve this law ([`Forces::stops`]); to all other methods a stop is
-/// no force.
+/// that rests on it stays there, and one that begins beyond it goes no further. Steps of [`Del`](crate::discrete::Del) solve this law
+/// ([`Forces::stops`]); to all other methods a stop is no force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stops<S, const N: usize> {
     /// The stops of each coordinate.
@@ -30,9 +30,12 @@ impl<S: Scalar> Stop<S> {
         let [lower, upper] = [f64::NEG_INFINITY, f64::INFINITY].map(S::constant);
         Self { lower, upper, restitution: S::zero() }
     }
-}
 
-impl<S: Scalar> Stop<S> {
+    /// Stops at the distance `half` > 0, m or rad, on both sides of `centre`, with a restitution. A sum that overflows is no stop.
+    pub fn about(centre: S, half: S, restitution: S) -> Self {
+        Self { lower: centre - half, upper: centre + half, restitution }
+    }
+
     /// The stops of two laws: the narrower limits, and the larger restitution.
     #[must_use]
     #[inline(always)]

@@ -50,7 +50,7 @@ pub const CATALOGUE: [Entry; 44] = [
     entry(43, "tree_coordinates", c"the tree has not the coordinates that the program was built for"),
     entry(44, "law", c"a law of force that the program was not built for"),
     entry(45, "order", c"the model was trained with steps of another order"),
-    entry(46, "friction", c"a number of dry friction is out of range"),
+    entry(46, "friction", c"a number of a law of force is out of range"),
     entry(49, "other_tree_error", c"the tree was refused"),
     entry(50, "graph_empty", c"a graph without nodes"),
     entry(51, "graph_too_many_nodes", c"more nodes than an edge can name"),

@@ -17,6 +17,10 @@ pub enum NumberRange {
     NotBelowOne,
     /// −1 ≤ x ≤ 1.
     Signed,
+    /// 0 ≤ x ≤ 1.
+    Fraction,
+    /// Any finite number.
+    Finite,
 }
 
 impl NumberRange {
@@ -28,6 +32,8 @@ impl NumberRange {
             Self::Share => (0.0..1.0).contains(&value),
             Self::NotBelowOne => value >= 1.0,
             Self::Signed => (-1.0..=1.0).contains(&value),
+            Self::Fraction => (0.0..=1.0).contains(&value),
+            Self::Finite => value.is_finite(),
         }
     }
 
@@ -39,6 +45,8 @@ impl NumberRange {
             Self::Share => "0 or more and below 1",
             Self::NotBelowOne => "1 or more",
             Self::Signed => "between -1 and 1",
+            Self::Fraction => "between 0 and 1",
+            Self::Finite => "finite",
         }
     }
 }
@@ -96,13 +104,14 @@ pub enum StickingNumber {
 impl Law {
     /// Valid values of the numbers that the law has for every group of coordinates, in the order of a file; none for a law with a network.
     pub const fn ranges(self) -> &'static [NumberRange] {
-        use NumberRange::{NotBelowOne, NotNegative, Positive, Share, Signed};
+        use NumberRange::{Finite, Fraction, NotBelowOne, NotNegative, Positive, Share, Signed};
         match self {
             Self::Viscous | Self::Servo => &[NotNegative],
             Self::Coulomb => &[NotNegative, Share, Positive, Positive],
             Self::Dissipation | Self::Potential => &[],
             Self::Directional => &[NotNegative, Signed, NotNegative, Signed, Positive],
             Self::Sticking => &[NotNegative, Signed, Share, Positive, NotBelowOne, Positive],
+            Self::Stops => &[Finite, Positive, Fraction],
         }
     }
 
@@ -115,6 +124,7 @@ impl Law {
             Self::Servo => &["k"],
             Self::Directional => &["b", "beta", "c", "delta", "epsilon"],
             Self::Sticking => &["c", "delta", "c_load", "tau_s", "s", "epsilon"],
+            Self::Stops => &["centre", "half", "e"],
         }
     }
 

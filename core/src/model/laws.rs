@@ -26,11 +26,14 @@ pub enum Law {
     Directional = 5,
     /// [`Sticking`](crate::forces::Sticking): c, δ, c_load, τ_s, s and ε of each group, one group after another.
     Sticking = 6,
+    /// [`Stops`](crate::forces::Stops): of each group the middle between its stops, half the distance between them, and the restitution e,
+    /// one group after another. Stops at half = [`f32::MAX`] are out of reach.
+    Stops = 7,
 }
 
 impl Law {
     /// All laws, in the order of a file.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Viscous,
         Self::Coulomb,
         Self::Dissipation,
@@ -38,6 +41,7 @@ impl Law {
         Self::Servo,
         Self::Directional,
         Self::Sticking,
+        Self::Stops,
     ];
 
     /// Name of the law.
@@ -50,6 +54,7 @@ impl Law {
             Self::Servo => "servo",
             Self::Directional => "directional",
             Self::Sticking => "sticking",
+            Self::Stops => "stops",
         }
     }
 

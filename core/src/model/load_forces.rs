@@ -4,7 +4,7 @@ use super::{Law, LawNetwork, Laws, ModelError};
 use crate::expected::expected;
 use crate::forces::{
     Coulomb, Directional, DirectionalFriction, Dissipation, DryFriction, Forces, PotentialCorrection, Servo,
-    Sticking, StickingFriction, Viscous,
+    Sticking, StickingFriction, Stop, Stops, Viscous,
 };
 use crate::scalar::{Scalar, WeightFormat};
 
@@ -176,6 +176,12 @@ group_law!(Sticking, 6, StickingFriction::none(), |[
     breakaway,
     width
 });
+
+group_law!(Stops, 3, Stop::none(), |[centre, half, restitution]: [S; 3]| Stop::about(
+    centre,
+    half,
+    restitution
+));
 
 impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
     for Servo<S, N>

@@ -13,7 +13,7 @@ use leastaction_core::energy::modular::{
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
     ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header,
-    InertiaNetworkHeader, Interval, LawNetwork, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError,
+    InertiaNetworkHeader, Interval, Law, LawNetwork, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError,
     ModularHeader, Section, TrainedStep, TrainingRange, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
@@ -101,6 +101,22 @@ pub fn of_networks() -> Vec<f32> {
 /// The file with laws of every kind, given the numbers of the two network laws.
 pub fn with_networks(header: Header, networks: &[f32]) -> Vec<u8> {
     write(header, &[&weights(&CARTPOLE), FRICTION.as_flattened(), networks].concat())
+}
+
+/// Friction by direction (b, β, c, δ, ε), friction that sticks (c, δ, c_load, τ_s, s, ε) and end stops (centre, half distance, e) of both
+/// coordinates.
+pub const AXES: [f32; 28] = [
+    0.5, 0.25, 0.375, -0.75, 0.0625, 0.125, -1.0, 1.5, 0.25, 0.03125, // friction by direction
+    0.75, 0.375, 0.25, 0.5, 1.25, 0.0625, 0.0, -0.5, 0.5, 1.0, 1.0, 0.125, // friction that sticks
+    0.5, 0.75, 0.5, -0.25, 2.0, 1.0, // end stops
+];
+
+pub const AXES_HEADER: Header<'static> =
+    Header { laws: Laws::VISCOUS.with(Law::Directional).with(Law::Sticking).with(Law::Stops), ..HEADER };
+
+/// The cart-pole of the golden file with laws of axes of these numbers.
+pub fn with_axes(numbers: &[f32]) -> Vec<u8> {
+    write(AXES_HEADER, &[&weights(&CARTPOLE), numbers].concat())
 }
 
 /// Multiples of 1/64 in ±1.

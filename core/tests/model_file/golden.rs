@@ -64,9 +64,13 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
     ];
     before.extend(DAMPED);
     let [start, end] = file::place(bytes, Section::Forces);
-    let (dry, corrected) = (end - start > 1, end - start > 2);
+    let axes = bytes[start..end] == [0, 5, 6, 7];
+    let (dry, corrected) = (end - start > 1 && !axes, end - start > 2 && !axes);
     if dry {
         before.push((1, "law 1: coulomb"));
+    }
+    if axes {
+        before.extend([(1, "law 5: directional"), (1, "law 6: sticking"), (1, "law 7: stops")]);
     }
     if corrected {
         before.extend([
@@ -97,6 +101,16 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
         weights.extend([
             (each * 4, "coulomb, of x: c, c_load, tau_s, epsilon"),
             (each * 4, "coulomb, of the angle: the same"),
+        ]);
+    }
+    if axes {
+        weights.extend([
+            (each * 5, "directional, of x: b, beta, c, delta, epsilon"),
+            (each * 5, "directional, of the angle: the same"),
+            (each * 6, "sticking, of x: c, delta, c_load, tau_s, s, epsilon"),
+            (each * 6, "sticking, of the angle: the same"),
+            (each * 3, "stops, of x: centre, half distance, e"),
+            (each * 3, "stops, of the angle: the same"),
         ]);
     }
     if corrected {
@@ -277,6 +291,12 @@ fn the_inertia_network_file_in_half_precision_is_unchanged() {
 fn the_file_with_dry_friction_is_unchanged() {
     let file = file::with_friction(file::FRICTION.as_flattened());
     file::assert_golden("cartpole-friction.hex", &file, &cartpole_text(&file, 4));
+}
+
+#[test]
+fn the_file_with_laws_of_axes_is_unchanged() {
+    let file = file::with_axes(&file::AXES);
+    file::assert_golden("cartpole-axes.hex", &file, &cartpole_text(&file, 4));
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod common;
 
 mod actuator;
 mod arm_model;
+mod axes;
 mod bodies_model;
 mod golden;
 mod graph_model;

@@ -7,9 +7,7 @@ use crate::common::file::{
 use crate::common::forces::Dry;
 use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
 use leastaction_core::discrete::{Galerkin, Midpoint, Order};
-use leastaction_core::forces::{
-    Actuator, ControlKind, Coulomb, Directional, DryFriction, Forces, Servo, Sticking, Viscous,
-};
+use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Servo, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{
     ActuatorBytes, FrictionNumber, GraphModel, Header, InertiaNetworkModel, Law, LawNumbers, Laws,
@@ -55,12 +53,12 @@ impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForce
 fn laws_are_known_rising_and_compiled() {
     let file = file::golden();
     let with = |laws: &[u8]| with_content(&file, Section::Forces, laws);
-    for number in [7, 8, 255] {
+    for number in [8, 9, 255] {
         assert_eq!(refusal(&with(&[number])), ModelError::Law { number });
         assert_eq!(refusal(&with(&[0, number])), ModelError::Law { number });
     }
     assert_eq!(refusal(&with(&[0, 0])), ModelError::Malformed);
-    assert!(ModelError::Law { number: 7 }.to_string().contains("law of force 7 is not known"));
+    assert!(ModelError::Law { number: 8 }.to_string().contains("law of force 8 is not known"));
     let file = Aligned::new(&file);
     let refused = CartpoleUnder::<Frictionless>::load(file.bytes()).map(|_| ()).unwrap_err();
     assert_eq!(refused, ModelError::Law { number: 0 });
@@ -140,45 +138,6 @@ fn numbers_of_laws_have_symbols_and_ranges() {
         assert_eq!(law.symbols().len(), law.ranges().len(), "{law:?}");
     }
     assert_eq!(Law::Coulomb.ranges().len(), FrictionNumber::ALL.len());
-}
-
-/// Friction by direction and friction that sticks follow every other law, with their numbers group after group.
-#[test]
-fn friction_by_direction_and_at_rest_is_what_was_written() {
-    let header = Header { laws: HEADER.laws.with(Law::Directional).with(Law::Sticking), ..HEADER };
-    let mut friction: [f32; 22] = core::array::from_fn(|k| 1.0 + k as f32 / 64.0);
-    // Asymmetries are at most 1, and c_load is below.
-    for (k, share) in
-        [(1, 0.5), (3, -0.75), (6, -1.0), (8, 0.25), (11, 0.375), (12, 0.25), (17, -0.5), (18, 0.5)]
-    {
-        friction[k] = share;
-    }
-    let write = |own: &[f32]| Aligned::new(&file::write(header, &[&file::weights(&CARTPOLE), own].concat()));
-    type Both = (Viscous<f32, 2>, (Directional<f32, 2>, Sticking<f32, 2>));
-    type Axes<'a> = CartpoleUnder<'a, Both>;
-    let whole = write(&friction);
-    let (viscous, (directional, sticking)) = Axes::load(whole.bytes()).unwrap().system.forces;
-    assert_eq!(viscous.coefficients, [0.125; 2]);
-    let by_direction = directional
-        .coordinates
-        .map(|of| [of.viscous, of.viscous_asymmetry, of.constant, of.asymmetry, of.width]);
-    assert_eq!(by_direction.as_flattened(), &friction[..10]);
-    let at_rest = sticking
-        .coordinates
-        .map(|of| [of.constant, of.asymmetry, of.load, of.smoothing, of.breakaway, of.width]);
-    assert_eq!(at_rest.as_flattened(), &friction[10..]);
-    assert_eq!(Cartpole::load(whole.bytes()).map(|_| ()), Err(ModelError::Law { number: 5 }));
-    for (index, wrong) in
-        [(2, -0.5), (3, -1.5), (9, 0.0), (11, 1.25), (12, 1.0), (14, 0.75), (20, 0.5), (21, 0.0)]
-    {
-        let mut numbers = friction;
-        numbers[index] = wrong;
-        let refused = Axes::load(write(&numbers).bytes()).map(|_| ()).unwrap_err();
-        let (law, own, each) =
-            if index < 10 { (Law::Directional, index, 5) } else { (Law::Sticking, index - 10, 6) };
-        let (number, group) = ((own % each) as u8, (own / each) as u16);
-        assert_eq!(refused, ModelError::LawNumber { law, number, group, value: wrong });
-    }
 }
 
 /// Dry friction of the modular family has its numbers per element type.

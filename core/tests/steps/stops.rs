@@ -3,7 +3,7 @@
 use crate::common::Random;
 use crate::sticking::{Masses, definite, friction, kinetic};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
-use leastaction_core::forces::{Sticking, Stop, Stops, System};
+use leastaction_core::forces::{Forces, Sticking, Stop, Stops, System, Viscous};
 use leastaction_core::scalar::Real;
 
 fn stop<R: Real>(lower: f64, upper: f64, restitution: f64) -> Stop<R> {
@@ -119,4 +119,62 @@ fn what_is_pressed_against_a_stop_stays() {
         }
     }
     assert!(rested > 9_000 && state.last_increment()[1] != 0.0);
+}
+
+/// Positions and momenta of a hundred steps of two coupled coordinates on springs.
+fn motion_under<F: Forces<f32, 2>, P: Path>(forces: F) -> Vec<[f32; 4]> {
+    let lagrangian =
+        Masses { mass: [[1.0, 0.3], [0.3, 0.5]], springs: [[9.0, 0.0], [0.0, 4.0]], force: [2.0, 0.0] };
+    let system = System { lagrangian, forces };
+    let mut state = State::new(&lagrangian, [0.1, 0.2], [0.5, -0.75]).unwrap();
+    let step = |_| {
+        Del::<f32, P>::new(1e-2).step(&system, &mut state, &Control::held([0.125, 0.0])).unwrap();
+        let ([q0, q1], [p0, p1]) = (state.q(), state.p());
+        [q0, q1, p0, p1]
+    };
+    (0..100).map(step).collect()
+}
+
+/// Stops that no motion reaches, as a file has them for a coordinate without stops, leave it free; and coordinates whose stops coincide,
+/// or where they are out of all proportion, still step.
+#[test]
+fn stops_may_be_far_away_or_coincide() {
+    fn check<P: Path>() {
+        let far = |centre| Stop::about(centre, f32::MAX, 0.5);
+        let free = motion_under::<_, P>(Viscous::none());
+        for centre in [0.0, 7.5, -1e30] {
+            let stopped = motion_under::<_, P>(Stops { coordinates: [far(centre), far(-centre)] });
+            for (found, expected) in stopped.iter().zip(&free) {
+                let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert!(off < 2e-5, "{found:?} instead of {expected:?}");
+            }
+        }
+        // Half the distance is lost beside the centre.
+        let shut = Stop::about(0.1, 1e-10, 1.0);
+        assert_eq!(shut.lower, shut.upper);
+        let stuck = motion_under::<_, P>(Stops { coordinates: [shut, far(0.0)] });
+        assert!(stuck.iter().all(|[q, ..]| *q == 0.1), "{stuck:?}");
+        let moves = stuck.windows(2).filter(|pair| pair[0][1] != pair[1][1]).count();
+        assert!(moves > 90, "{moves}");
+        for centre in [f32::MAX, -f32::MAX] {
+            let beyond =
+                motion_under::<_, P>(Stops { coordinates: [far(0.0), Stop::about(centre, 1.0, 0.0)] });
+            assert!(beyond.as_flattened().iter().all(|x| x.is_finite()), "{beyond:?}");
+        }
+    }
+    check::<Midpoint>();
+    check::<Galerkin>();
+}
+
+/// A coordinate that begins beyond a stop comes back freely, and does not jump onto the stop.
+#[test]
+fn what_is_beyond_a_stop_goes_no_further() {
+    let stops = [Stop::about(1.5, 0.5, 0.5), Stop::about(0.0, f32::MAX, 0.5)];
+    let motion = motion_under::<_, Midpoint>(Stops { coordinates: stops });
+    let q = || motion.iter().map(|[q, ..]| *q);
+    let highest = q().fold(0.1, f32::max);
+    assert!(q().all(|q| q > 0.1) && highest < 1.0, "{motion:?}");
+    assert!(q().is_sorted(), "{motion:?}");
+    assert_eq!(motion[99][0], highest);
+    assert_eq!(motion[90][0], highest);
 }

@@ -3,7 +3,9 @@
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::Edge;
-use leastaction_core::forces::{Coulomb, Dissipation, PotentialCorrection, Viscous};
+use leastaction_core::forces::{
+    Coulomb, Directional, Dissipation, PotentialCorrection, Servo, Sticking, Stops, Viscous,
+};
 use leastaction_core::model::{
     ArmModel, BodiesModel, FORMAT_VERSION, Family, GraphModel, InertiaNetworkModel, MAGIC, ModelError,
     ModularModel, parse,
@@ -47,8 +49,10 @@ impl File {
 }
 
 /// Every law, with networks of up to 8 units.
-type Laws<'a, W, const N: usize> =
-    ((Viscous<f32, N>, Coulomb<f32, N>), (Dissipation<'a, W, N, 8, 2>, PotentialCorrection<'a, W, N, 8, 2>));
+type Laws<'a, W, const N: usize> = (
+    ((Viscous<f32, N>, Coulomb<f32, N>), (Dissipation<'a, W, N, 8, 2>, PotentialCorrection<'a, W, N, 8, 2>)),
+    (Servo<f32, N>, (Directional<f32, N>, (Sticking<f32, N>, Stops<f32, N>))),
+);
 
 /// Loads the file as any family, and then like the programs of a chip. The latter may refuse a valid file only for its size, its precision
 /// or its laws, and must accept nothing but valid files.

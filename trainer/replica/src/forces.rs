@@ -2,7 +2,8 @@
 
 use crate::{LAYERS, UNITS};
 use leastaction_core::forces::{
-    Coulomb, Directional, Dissipation, Forces, Grip, PotentialCorrection, Servo, Sticking, Viscous,
+    Coulomb, Directional, Dissipation, Forces, Grip, PotentialCorrection, Servo, Sticking, Stop, Stops,
+    Viscous,
 };
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
@@ -17,7 +18,9 @@ pub type Networks<'f, const N: usize> =
 pub type WithNetworks<'f, const N: usize> = (Friction<N>, Networks<'f, N>);
 /// Friction by direction, and friction that sticks.
 pub type Axes<const N: usize> = (Directional<f32, N>, Sticking<f32, N>);
-/// Every law that a file can have.
+/// Friction by direction, friction that sticks, and end stops.
+pub type StoppedAxes<const N: usize> = (Directional<f32, N>, (Sticking<f32, N>, Stops<f32, N>));
+/// Every law that a file can have, but end stops.
 pub type AllForces<'f, const N: usize> = ((WithNetworks<'f, N>, Servo<f32, N>), Axes<N>);
 
 /// The laws of force of any file, computed exactly as by a program that is compiled only for the laws of that file.
@@ -33,8 +36,12 @@ pub enum ForcesOf<'f, const N: usize> {
     Servo(Box<(Friction<N>, Servo<f32, N>)>),
     /// Damping, dry friction, friction by direction and friction that sticks.
     Axes(Box<(Friction<N>, Axes<N>)>),
-    /// Every law.
+    /// Damping, dry friction, friction by direction, friction that sticks and end stops.
+    Stopped(Box<(Friction<N>, StoppedAxes<N>)>),
+    /// Every law but end stops.
     All(Box<AllForces<'f, N>>),
+    /// Every law.
+    AllStopped(Box<(AllForces<'f, N>, Stops<f32, N>)>),
 }
 
 /// Evaluates `$do` with `$law` bound to the law that is present.
@@ -55,7 +62,15 @@ macro_rules! with_law {
                 let $law = &**all;
                 $do
             }
+            Self::Stopped(all) => {
+                let $law = &**all;
+                $do
+            }
             Self::All(all) => {
+                let $law = &**all;
+                $do
+            }
+            Self::AllStopped(all) => {
                 let $law = &**all;
                 $do
             }
@@ -71,7 +86,9 @@ impl<const N: usize> ForcesOf<'_, N> {
             Self::Networks(all) => all.0.0.coefficients,
             Self::Servo(all) => all.0.0.coefficients,
             Self::Axes(all) => all.0.0.coefficients,
+            Self::Stopped(all) => all.0.0.coefficients,
             Self::All(all) => all.0.0.0.0.coefficients,
+            Self::AllStopped(all) => all.0.0.0.0.0.coefficients,
         }
     }
 
@@ -88,8 +105,10 @@ impl<const N: usize> ForcesOf<'_, N> {
             Self::Friction((_, dry)) => (dry, None),
             Self::Networks(all) => (&mut all.0.1, None),
             Self::Servo(all) => (&mut all.0.1, None),
-            Self::Axes(all) => (&mut all.0.1, Some(&mut all.1)),
-            Self::All(all) => (&mut all.0.0.0.1, Some(&mut all.1)),
+            Self::Axes(all) => (&mut all.0.1, Some((&mut all.1.0, &mut all.1.1))),
+            Self::Stopped(all) => (&mut all.0.1, Some((&mut all.1.0, &mut all.1.1.0))),
+            Self::All(all) => (&mut all.0.0.0.1, Some((&mut all.1.0, &mut all.1.1))),
+            Self::AllStopped(all) => (&mut all.0.0.0.0.1, Some((&mut all.0.1.0, &mut all.0.1.1))),
         };
         let dry = dry.coordinates.iter_mut().map(|of| &mut of.width);
         let mut widths: Vec<&mut f32> = dry.collect();
@@ -106,19 +125,24 @@ impl<const N: usize> ForcesOf<'_, N> {
 
 impl<'f, const N: usize> LoadForces<'f, f32, f32, N> for ForcesOf<'f, N> {
     fn knows(law: Law) -> bool {
-        <AllForces<N> as LoadForces<f32, f32, N>>::knows(law)
+        <(AllForces<N>, Stops<f32, N>) as LoadForces<f32, f32, N>>::knows(law)
     }
 
     fn take(laws: &mut LawNumbers<'_, 'f, f32>, groups: &[u8; N]) -> Result<Self, ModelError> {
         let present = laws.laws();
         let networks = present.contains(Law::Dissipation) || present.contains(Law::Potential);
         let axes = present.contains(Law::Directional) || present.contains(Law::Sticking);
-        match (networks, present.contains(Law::Servo), axes) {
-            (false, false, false) => {}
-            (true, false, false) => return Ok(Self::Networks(Box::new(LoadForces::take(laws, groups)?))),
-            (false, true, false) => return Ok(Self::Servo(Box::new(LoadForces::take(laws, groups)?))),
-            (false, false, true) => return Ok(Self::Axes(Box::new(LoadForces::take(laws, groups)?))),
-            _ => return Ok(Self::All(Box::new(LoadForces::take(laws, groups)?))),
+        let kinds = (networks, present.contains(Law::Servo), axes, present.contains(Law::Stops));
+        match kinds {
+            (false, false, false, false) => {}
+            (true, false, false, false) => {
+                return Ok(Self::Networks(Box::new(LoadForces::take(laws, groups)?)));
+            }
+            (false, true, false, false) => return Ok(Self::Servo(Box::new(LoadForces::take(laws, groups)?))),
+            (false, false, true, false) => return Ok(Self::Axes(Box::new(LoadForces::take(laws, groups)?))),
+            (false, false, _, true) => return Ok(Self::Stopped(Box::new(LoadForces::take(laws, groups)?))),
+            (.., false) => return Ok(Self::All(Box::new(LoadForces::take(laws, groups)?))),
+            (.., true) => return Ok(Self::AllStopped(Box::new(LoadForces::take(laws, groups)?))),
         }
         if present.contains(Law::Coulomb) {
             return Ok(Self::Friction(Friction::take(laws, groups)?));
@@ -159,6 +183,10 @@ impl<const N: usize> Forces<f32, N> for ForcesOf<'_, N> {
 
     fn grips(&self, tau: &[f32; N]) -> [Grip<f32>; N] {
         with_law!(self, law => law.grips(tau))
+    }
+
+    fn stops(&self) -> [Stop<f32>; N] {
+        with_law!(self, law => law.stops())
     }
 
     fn potential(&self, q: &[f32; N]) -> f32 {

@@ -1,50 +1,24 @@
-//! The slice interface gives the same results as core's types, bit for bit.
+//! The slice interface of systems in generalised coordinates gives the same results as core's types, bit for bit.
 
 mod common;
 
 use common::{
-    BodiesSample, GRAPHS, GraphSample, InertiaNetworkSample, NETWORK, Random, TREES, TreeSample, bytes, step,
+    BodiesSample, InertiaNetworkSample, NETWORK, Random, STEPS, TREES, TreeSample, aligned, bits, bytes,
+    file, flash, step,
 };
-use leastaction_core::constraints::{Constrained, Holonomic};
-use leastaction_core::continuous::{
-    Baumgarte, Drive, acceleration, constrained_acceleration, constrained_inverse_dynamics,
-    constrained_workspace, inverse_dynamics,
-};
-use leastaction_core::discrete::rattle::{ParticleState, Rattle};
+use leastaction_core::continuous::{acceleration, inverse_dynamics};
 use leastaction_core::discrete::{Control as CoreControl, Del, Galerkin, Midpoint, Order, Path, State};
-use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::forces::{
-    Directional, Dissipation, Forces, PotentialCorrection, Servo, Sticking, System, Viscous,
+    Directional, Dissipation, Forces, PotentialCorrection, Servo, Sticking, Stops, System, Viscous,
 };
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{
-    BodiesModel, GraphModel, InertiaNetworkModel, Law, Laws, LoadForces, ModularModel,
-};
+use leastaction_core::model::{BodiesModel, InertiaNetworkModel, Law, Laws, LoadForces, ModularModel};
 use leastaction_core::network::Activation;
-use leastaction_core::particles::Particles;
 use leastaction_core::scalar::f16;
 use leastaction_replica::{Control, Friction, ModelFile, Motion, Replica, Step};
 use proptest::prelude::*;
-
-/// Number of steps of a motion.
-const STEPS: usize = 4;
-
-fn bits(x: &[f32]) -> Vec<u32> {
-    x.iter().map(|x| x.to_bits()).collect()
-}
-
-/// Bytes with the alignment of flash.
-fn aligned(bytes: &[u8]) -> Vec<u32> {
-    let mut words = vec![0_u32; bytes.len().div_ceil(4)];
-    bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
-    words
-}
-
-fn flash<'w>(words: &'w [u32], bytes: &[u8]) -> &'w [u8] {
-    &bytemuck::cast_slice(words)[..bytes.len()]
-}
 
 /// Bytes that live as long as the program, like those in flash.
 fn in_flash(bytes: &[u8]) -> &'static [u8] {
@@ -147,6 +121,9 @@ fn same_motion<P: Path, L, F, const N: usize>(
 type All<const N: usize> =
     (Friction<N>, (Dissipation<'static, f32, N, 6, 2>, PotentialCorrection<'static, f32, N, 6, 2>));
 
+/// Laws of axes with end stops.
+type Stopped<const N: usize> = (Friction<N>, (Directional<f32, N>, (Sticking<f32, N>, Stops<f32, N>)));
+
 fn has_networks(laws: Laws) -> bool {
     laws.network(Law::Dissipation).or(laws.network(Law::Potential)).is_some()
 }
@@ -192,7 +169,9 @@ fn same_tree_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &
 /// Loads bodies both ways; core is compiled for the laws of the file.
 fn same_bodies<const N: usize>(laws: Laws<'static>, seed: u64) {
     let sample = BodiesSample::chain(N, laws, seed);
-    if laws.contains(Law::Sticking) {
+    if laws.contains(Law::Stops) {
+        same_bodies_with::<Stopped<N>, N>(&sample);
+    } else if laws.contains(Law::Sticking) {
         same_bodies_with::<(Friction<N>, (Directional<f32, N>, Sticking<f32, N>)), N>(&sample);
     } else if laws.contains(Law::Servo) {
         same_bodies_with::<(Friction<N>, Servo<f32, N>), N>(&sample);
@@ -209,101 +188,6 @@ fn same_bodies_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample:
     let bytes = sample.file(Order::Four);
     let core = BodiesModel::<N, f32, F>::load(in_flash(&bytes)).unwrap();
     same(&ModelFile::new(&bytes).unwrap().replica(None).unwrap(), &core.system, sample.seed ^ 77);
-}
-
-/// Loads a graph both ways.
-fn same_graph<const D: usize>(sample: &GraphSample, part: usize) {
-    let bytes = sample.file(Order::Four);
-    let words = aligned(&bytes);
-    let unused = Holonomic::Anchor { node: 0, to: [0.0; D], length: 1.0 };
-    let (mut edges, mut rods) = ([Edge::default(); 16], [unused; 16]);
-    let name = GRAPHS[part];
-    let core = GraphModel::<D, 2, 16, 2>::load(flash(&words, &bytes), name, &mut edges, &mut rods).unwrap();
-    let system = core.system.constrained().unwrap();
-    let file = ModelFile::new(&bytes).unwrap();
-    let chip = file.replica(Some(name)).unwrap();
-    let mut random = Random(sample.seed ^ 77);
-    let n = chip.n();
-    let [v, u, a] = [0.5, 1.0, 3.0].map(|size| random.vector(n, size));
-    let q = sample.positions();
-    same_evaluations(&chip, &system, [&q, &v, &u, &a]);
-    same_rattle(&chip, &system, Order::Two, [&q, &v, &u]);
-    same_rattle(&chip, &system, Order::Four, [&q, &v, &u]);
-}
-
-type OnRods<'a, S, const D: usize> = Constrained<'a, f32, S, [Holonomic<f32, D>], D>;
-
-fn vectors<const D: usize>(x: &[f32]) -> Vec<[f32; D]> {
-    x.as_chunks().0.to_vec()
-}
-
-/// Compares energies, accelerations and inverse dynamics of particles.
-fn same_evaluations<S: Particles<f32, D>, const D: usize>(
-    chip: &Replica,
-    system: &OnRods<S, D>,
-    [q, v, u, a]: [&[f32]; 4],
-) {
-    let mut workspace = vec![0.0; constrained_workspace(system)];
-    let (mut evaluator, mut found) = (chip.evaluator().unwrap(), vec![0.0; q.len()]);
-    let (mut expected, mut lambda) = (vectors::<D>(q), vec![0.0; system.equations()]);
-    let ours = evaluator.energies(q, v).unwrap();
-    let theirs = system.system().energies(&vectors(q), &vectors(v), &mut workspace);
-    assert_eq!(bits(&[ours.kinetic, ours.potential]), bits(&[theirs.kinetic, theirs.potential]));
-
-    let force = vectors(u);
-    let drive = Drive { force: Some(&force), baumgarte: Baumgarte::none() };
-    let to = (expected.as_mut_slice(), lambda.as_mut_slice());
-    evaluator.acceleration(q, v, u, &mut found).unwrap();
-    constrained_acceleration(system, (&vectors(q), &vectors(v)), &drive, &mut workspace, to).unwrap();
-    assert_eq!(bits(&found), bits(expected.as_flattened()));
-
-    let state = [q, v, a].map(vectors);
-    evaluator.inverse_dynamics(q, v, a, &mut found).unwrap();
-    let state = state.each_ref().map(Vec::as_slice);
-    constrained_inverse_dynamics(system, state, &mut workspace, &mut expected).unwrap();
-    assert_eq!(bits(&found), bits(expected.as_flattened()));
-
-    let n = q.len();
-    let mut masses = vec![f32::NAN; n * n];
-    evaluator.mass_matrix(q, &mut masses).unwrap();
-    for (k, mass) in masses.iter().enumerate() {
-        let (row, column) = (k / n, k % n);
-        let block = system.system().mass(row / D, &[0.0; D]);
-        let theirs = if row / D == column / D { block[row % D][column % D] } else { 0.0 };
-        assert_eq!(mass.to_bits(), theirs.to_bits());
-    }
-}
-
-/// Compares motions of particles from both kinds of beginning.
-fn same_rattle<S: Particles<f32, D>, const D: usize>(
-    chip: &Replica,
-    system: &OnRods<S, D>,
-    order: Order,
-    [q, v, u]: [&[f32]; 3],
-) {
-    let (step, force, nodes) = (Step::from(step(order)), vectors(u), q.len() / D);
-    let rattle = Rattle::new(step.h, order);
-    let mut workspace = vec![0.0; Rattle::workspace(system)];
-    let mut memory = vec![0.0; ParticleState::<f32, D>::workspace(nodes, system.equations())];
-    let mut theirs =
-        ParticleState::new(system, &vectors(q), &vectors(v), &mut memory, &mut workspace).unwrap();
-    let (mut ours, mut found) = (chip.motion_at(step, q, v).unwrap(), vec![0.0; q.len()]);
-    let mut before = Vec::new();
-    for _ in 0..STEPS {
-        before = ours.q().to_vec();
-        let report = ours.step(Control::held(u)).unwrap();
-        assert_eq!(report, rattle.step(system, &mut theirs, Some(&force), &mut workspace).unwrap());
-        assert_eq!(bits(ours.q()), bits(theirs.q().as_flattened()));
-        assert_eq!(bits(ours.p()), bits(theirs.p().as_flattened()));
-        ours.velocity(&mut found).unwrap();
-        assert_eq!(bits(&found), bits(theirs.v().as_flattened()));
-    }
-    let ends = [vectors(&before), vectors(ours.q())];
-    let theirs = rattle
-        .start(system, ends.each_ref().map(Vec::as_slice), Some(&force), &mut memory, &mut workspace)
-        .unwrap();
-    let ours = chip.motion_between(step, [&before, ours.q()], Control::held(u)).unwrap();
-    assert_eq!(bits(ours.p()), bits(theirs.p().as_flattened()));
 }
 
 fn activations() -> impl Strategy<Value = Activation> {
@@ -364,21 +248,16 @@ proptest! {
     }
 
     #[test]
-    fn bodies_have_the_bits_of_core(laws in laws(), more in 0..3_usize, seed: u64) {
+    fn bodies_have_the_bits_of_core(laws in laws(), more in 0..4_usize, seed: u64) {
         let laws = match more {
             1 if !has_networks(laws) => laws.with(Law::Servo),
             2 if !has_networks(laws) => laws.with(Law::Directional).with(Law::Sticking),
+            3 if !has_networks(laws) => laws.with(Law::Sticking).with(Law::Stops),
             _ => laws,
         };
         same_bodies::<1>(laws, seed);
         same_bodies::<3>(laws, seed);
         same_bodies::<7>(laws, seed);
-    }
-
-    #[test]
-    fn graphs_have_the_bits_of_core(nodes in 2..9_u16, width in 1..16_u16, part in 0..2_usize, seed: u64) {
-        same_graph::<2>(&GraphSample::row(2, nodes, width, seed), part);
-        same_graph::<3>(&GraphSample::row(3, nodes, width, seed), part);
     }
 }
 
@@ -410,4 +289,41 @@ fn weights_in_half_precision_have_the_bits_of_core() {
     let core = InertiaNetworkModel::<3, 13, 2, f16, Friction<3>>::load(flash(&words, &bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.replica(None).unwrap(), &core.system, 9);
+}
+
+/// Axes that run against their stops, and rest on them, step with the bits of core.
+#[test]
+fn stops_have_the_bits_of_core() {
+    const N: usize = 3;
+    let mut ended = 0;
+    for seed in 0..8 {
+        let laws = Laws::FRICTION.with(Law::Sticking).with(Law::Stops);
+        let sample = BodiesSample::chain(N, laws, seed);
+        let mut weights = sample.weights();
+        let stops = [[0.25, 0.015625, 0.5], [-0.5, 0.03125, 0.0], [0.0, f32::MAX, 1.0]];
+        let first = weights.len() - stops.as_flattened().len();
+        weights[first..].copy_from_slice(stops.as_flattened());
+        let bytes = file(&sample.header(Order::Four), &weights);
+        let core = BodiesModel::<N, f32, Stopped<N>>::load(in_flash(&bytes)).unwrap();
+        let model = ModelFile::new(&bytes).unwrap();
+        let chip = model.replica(None).unwrap();
+        let mut random = Random(seed);
+        let controls: Vec<_> = (0..40).map(|_| [random.vector(N, 9.0), random.vector(N, 9.0)]).collect();
+        let start = [&[0.25, -0.5, 0.0][..], &[1.0, -0.75, 0.5]];
+        same_motion::<Midpoint, _, _, N>(&chip, Order::Two, &core.system, start, &controls);
+        same_motion::<Galerkin, _, _, N>(&chip, Order::Four, &core.system, start, &controls);
+        ended += on_stops(&chip, start, &controls);
+    }
+    assert!(ended > 40, "only {ended} steps ended on a stop");
+}
+
+/// Number of steps that end with a coordinate exactly on its stop.
+fn on_stops(chip: &Replica, [q, v]: [&[f32]; 2], controls: &[[Vec<f32>; 2]]) -> usize {
+    let mut motion = chip.motion_at(Step::from(step(Order::Two)), q, v).unwrap();
+    let ends = controls.iter().filter(|[start, end]| {
+        motion.step(Control { start, end }).unwrap();
+        let q = motion.q();
+        [0.234375, 0.265625].contains(&q[0]) || [-0.53125, -0.46875].contains(&q[1])
+    });
+    ends.count()
 }

@@ -52,6 +52,26 @@ pub fn bytes(header: &Header, block: &[u8]) -> Vec<u8> {
     write(header, block, &mut memory).unwrap().to_vec()
 }
 
+/// Number of steps of a motion.
+pub const STEPS: usize = 4;
+
+/// The bits of numbers.
+pub fn bits(x: &[f32]) -> Vec<u32> {
+    x.iter().map(|x| x.to_bits()).collect()
+}
+
+/// Bytes with the alignment of flash.
+pub fn aligned(bytes: &[u8]) -> Vec<u32> {
+    let mut words = vec![0_u32; bytes.len().div_ceil(4)];
+    bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
+    words
+}
+
+/// Bytes in words with the alignment of flash.
+pub fn flash<'w>(words: &'w [u32], bytes: &[u8]) -> &'w [u8] {
+    &bytemuck::cast_slice(words)[..bytes.len()]
+}
+
 /// Numbers of the laws for the given number of groups, in the order of a file.
 fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
     let mut numbers = Vec::new();
@@ -75,11 +95,12 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
     if laws.contains(Law::Servo) {
         numbers.extend(random.vector(groups, 2.0).into_iter().map(f32::abs));
     }
-    for law in [Law::Directional, Law::Sticking].into_iter().filter(|law| laws.contains(*law)) {
+    for law in [Law::Directional, Law::Sticking, Law::Stops].into_iter().filter(|law| laws.contains(*law)) {
         let each =
             random.vector(groups * law.ranges().len(), 0.5).into_iter().zip(law.ranges().iter().cycle());
         numbers.extend(each.map(|(x, range)| match range {
             NumberRange::NotBelowOne => 1.0 + x.abs(),
+            NumberRange::Finite => x,
             _ => x.abs() + 0.0625,
         }));
     }

@@ -4,7 +4,7 @@
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::model::{Laws, MAGIC};
+use leastaction_core::model::{Law, Laws, MAGIC};
 use leastaction_core::network::Activation;
 use leastaction_core::plan;
 use std::error::Error;
@@ -138,6 +138,8 @@ fn small() -> Vec<Vec<u8>> {
         files.push(samples::TreeSample::chain(2, 2, pair, laws, seed).file(Order::Four));
         files.push(samples::BodiesSample::chain(1 + seed as usize % 3, laws, seed).file(Order::Two));
     }
+    let axes = Laws::VISCOUS.with(Law::Directional).with(Law::Sticking).with(Law::Stops);
+    files.push(samples::BodiesSample::chain(2, axes, 6).file(Order::Two));
     for (dimension, nodes) in [(2, 2), (3, 3), (2, 4)] {
         files.push(samples::GraphSample::row(dimension, nodes, 2, 1).file(Order::Two));
     }
