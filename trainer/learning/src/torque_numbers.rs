@@ -5,7 +5,9 @@ use crate::torque::Samples;
 use crate::torque::fit::{Alone, Arm, Bodies, FitError, JointNumber, JointNumbers, Learned, alone};
 use crate::torques::{arm, samples};
 use crate::windows::{Certainty, LearnedNumber, Shown};
-use leastaction_models::{Actuator, Architecture, ArmArchitecture, Family, Model, NumberName};
+use leastaction_models::{
+    Actuator, Architecture, ArmArchitecture, Family, LawEntry, Model, NumberKind, NumberName,
+};
 use serde::Serialize;
 use std::fmt;
 
@@ -53,12 +55,19 @@ pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<Tor
     let architecture = &model.architecture;
     let (family, arm) = (architecture.family.arm()?, arm(model)?);
     let samples = samples(&data.trajectories, (data.h, data.control_kind()), &drives(model), cut_off).ok()?;
-    let friction = &architecture.friction;
-    let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());
+    let has = |kind: NumberKind| architecture.law_entries().any(|entry| entry.kind == kind);
     let load = arm.joints.iter().any(|joint| joint.load > 0.0);
     let smoothing = |(i, joint): (usize, &JointNumbers)| (i, JointNumber::Smoothing, joint.smoothing);
     let held = arm.joints.iter().enumerate().map(smoothing).collect();
-    let learned = Learned { bodies: Bodies::Free, viscous, coulomb: dry, load, held, ..Learned::default() };
+    let learned = Learned {
+        bodies: Bodies::Free,
+        viscous: has(NumberKind::Damping),
+        coulomb: has(NumberKind::Friction),
+        load,
+        asymmetries: [NumberKind::DampingAsymmetry, NumberKind::FrictionAsymmetry].map(has),
+        held,
+        ..Learned::default()
+    };
     TorqueNumbers::of((architecture, family), &arm, (&samples, &learned)).ok()
 }
 
@@ -179,22 +188,20 @@ fn names(
         let unknown = || NumberName { name: format!("number {position}"), unit: "" };
         (all.get(position).cloned().flatten().unwrap_or_else(unknown), 1.0)
     };
-    let (start, n) = (architecture.friction_start(), family.n());
-    let dry = |i: usize, place: usize| {
-        let viscous = if architecture.friction.viscous.is_empty() { 0 } else { n };
-        of(start + viscous + 4 * i + place)
+    let entries: Vec<LawEntry> = architecture.law_entries().collect();
+    let of_law = |i: usize, number: JointNumber| {
+        let own = entries.iter().filter(|of| of.group == i && JointNumber::of(of.kind) == Some(number));
+        // Among laws with the same part, the one that is learned or acts.
+        let acts = |of: &&LawEntry| of.number.learned || of.number.value != 0.0;
+        own.clone().find(acts).or(own.clone().next()).map_or(usize::MAX, |entry| entry.position)
     };
     let joint = |(i, number): &(usize, JointNumber)| match number {
         JointNumber::Rotor => of(ArmArchitecture::rotor_position(*i)),
-        JointNumber::Viscous => of(start + i),
-        JointNumber::Coulomb => dry(*i, 0),
-        JointNumber::Load => dry(*i, 1),
-        JointNumber::Smoothing => dry(*i, 2),
-        JointNumber::Width => dry(*i, 3),
         JointNumber::Offset => {
             let unit = if letters.as_bytes().get(*i) == Some(&b't') { "N" } else { "N m" };
             (NumberName { name: format!("coordinate {i}: offset of the actuator"), unit }, -1.0)
         }
+        _ => of(of_law(*i, *number)),
     };
     let base = found.base.independent.iter().map(|column| of(position(family, *column)));
     base.chain(found.joints.iter().map(joint)).unzip()

@@ -137,9 +137,9 @@ pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<
         .map(|rotor| JointNumbers { rotor: *rotor, width: 1.0, ..JointNumbers::default() })
         .collect();
     for (joint, friction) in joints.iter_mut().zip(architecture.friction_of_coordinates(weights)) {
-        joint.viscous = friction.viscous;
+        (joint.viscous, joint.viscous_asymmetry) = (friction.viscous, friction.viscous_asymmetry);
         let Some(dry) = friction.dry else { continue };
-        (joint.coulomb, joint.load) = (dry.constant, dry.load);
+        (joint.coulomb, joint.asymmetry, joint.load) = (dry.constant, dry.asymmetry, dry.load);
         (joint.width, joint.smoothing) = (dry.width, dry.smoothing);
     }
     let offsets = &facts.actuator.offset;

@@ -1,38 +1,30 @@
-//! Shape of a model: the energies of a family, additional friction, and networks that correct both.
+//! Shape of a model: the energies of a family, laws of force beside them, and networks that correct both.
 
 use crate::bounds::{Bounds, Range};
 use crate::family::Parts;
-use crate::laws::{CoordinateFriction, Corrections, FrictionArchitecture, Servo, dry_friction};
-use crate::number::Number;
+use crate::laws::{CoordinateFriction, Corrections, GroupLaws, LawEntry, NumberKind};
 use crate::registry::AnyFamily;
 use crate::scales::Scales;
-use leastaction_core::model::{Family as FamilyHeader, FrictionNumber, Header, Law, Laws, ModelError};
+use leastaction_core::model::{Family as FamilyHeader, Header, Law, Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
-use leastaction_programs::energies::{Energies, WithFriction};
+use leastaction_programs::energies::Energies;
 use serde::{Deserialize, Serialize};
+use std::ops;
 
-/// Shape of a model: the energies of a family, additional friction, and networks that correct both.
+/// Shape of a model: the energies of a family, laws of force beside them, and networks that correct both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Architecture {
     /// Energies, with the forces that belong to the family.
     pub family: AnyFamily,
-    /// Friction in addition to the family's forces.
-    pub friction: FrictionArchitecture,
+    /// Friction and servos, in addition to the family's forces.
+    pub group_laws: GroupLaws,
     /// Correction networks.
     pub corrections: Corrections,
-    /// Servos, whose commands are positions.
-    #[serde(default)]
-    pub servo: Servo,
 }
 
 impl<F: Into<AnyFamily>> From<F> for Architecture {
     fn from(family: F) -> Self {
-        Self {
-            family: family.into(),
-            friction: FrictionArchitecture::default(),
-            corrections: Corrections::default(),
-            servo: Servo::default(),
-        }
+        Self { family: family.into(), group_laws: GroupLaws::default(), corrections: Corrections::default() }
     }
 }
 
@@ -48,12 +40,12 @@ impl Architecture {
         if let Some(law) = laws.iter().next().filter(|_| family.groups() == 0) {
             return Err(ModelError::Law { number: law as u8 });
         }
-        let servo = Servo::from_laws(laws, family.groups(), weights);
-        let weights = without_last(weights, servo.count());
-        let corrections = Corrections::from_laws(laws, weights);
-        let weights = without_last(weights, corrections.count());
-        let friction = FrictionArchitecture::from_laws(laws, family.laws(), family.groups(), weights);
-        Ok(Self { family, friction, corrections, servo })
+        let both = (laws, family.laws());
+        // The scales of the velocities that a network sees are known to the corrections, and stand before the laws after it.
+        let after = GroupLaws::from_laws(both, family.groups(), (&[], 0)).count_after_networks();
+        let corrections = Corrections::from_laws(laws, without_last(weights, after));
+        let group_laws = GroupLaws::from_laws(both, family.groups(), (weights, corrections.count()));
+        Ok(Self { family, group_laws, corrections })
     }
 
     /// The word for the mechanisms of the model (tree or graph), and the name of the selected one; `None` for a family
@@ -124,27 +116,43 @@ impl Architecture {
 
     /// Laws of force beside the energies; their numbers are at the end of the weight block.
     pub fn laws(&self) -> Laws<'_> {
-        self.servo.laws(self.corrections.laws(self.friction_laws()))
+        self.corrections.laws(self.group_laws.laws(self.family.laws()))
     }
 
-    /// Laws of force without a network.
-    pub fn friction_laws(&self) -> Laws<'static> {
-        self.friction.laws(self.family.laws())
-    }
-
-    /// Position of the first number of the additional friction in the weight block.
-    pub fn friction_start(&self) -> usize {
+    /// Position of the first number of the laws beside the family's own in the weight block.
+    pub fn laws_start(&self) -> usize {
         self.family.parameters().unwrap_or(0)
     }
 
     /// Position of the first number of the correction networks in the weight block.
     pub fn corrections_start(&self) -> usize {
-        self.friction_start() + self.friction.count()
+        self.laws_start() + self.group_laws.count_before_networks()
     }
 
-    /// Position of the first number of the servos in the weight block.
-    pub fn servo_start(&self) -> usize {
-        self.corrections_start() + self.corrections.count()
+    /// Place of the numbers of the correction networks in the weight block.
+    pub fn corrections_place(&self) -> ops::Range<usize> {
+        let start = self.corrections_start();
+        start..start + self.corrections.count()
+    }
+
+    /// Numbers of friction and servos beside the family's own, with their places in the weight block.
+    pub fn law_entries(&self) -> impl Iterator<Item = LawEntry> {
+        self.group_laws.entries(self.laws_place())
+    }
+
+    fn laws_place(&self) -> (usize, usize) {
+        (self.laws_start(), self.corrections.count())
+    }
+
+    /// Numbers of a law for the groups of coordinates in a weight block, the family's own damping included; empty for a law that is absent.
+    pub(crate) fn law_numbers<'w>(&self, law: Law, weights: &'w [f64]) -> &'w [f64] {
+        let groups = self.family.groups();
+        let is_own = self.family.laws().contains(law);
+        let beside = self.law_entries().find(|entry| entry.law == law).map(|entry| entry.position);
+        let own = is_own.then(|| self.laws_start().saturating_sub(groups));
+        let numbers =
+            beside.or(own).and_then(|start| weights.get(start..)?.get(..groups * law.ranges().len()));
+        numbers.unwrap_or_default()
     }
 
     /// Number of entries of the weight block that training changes.
@@ -162,9 +170,10 @@ impl Architecture {
 
     /// Appends the given numbers of friction and servos and random weights of the correction networks to the family's weights.
     pub fn with_laws(&self, mut weights: Vec<f64>, seed: u64) -> Vec<f64> {
-        weights.extend(self.friction.numbers().map(|number| number.value));
-        weights.extend(self.corrections.initial_weights(seed));
-        weights.extend(self.servo.stiffness.iter().map(|number| number.value));
+        let place = self.corrections_place();
+        weights.resize(place.end + self.group_laws.count_after_networks(), 0.0);
+        weights.splice(place, self.corrections.initial_weights(seed));
+        self.law_entries().for_each(|entry| weights[entry.position] = entry.number.value);
         weights
     }
 
@@ -175,63 +184,46 @@ impl Architecture {
         for (group, own) in self.family.group_of_coordinates().into_iter().zip(scales) {
             groups[group] = groups[group].max(own);
         }
-        let before: Vec<Number> = self.law_numbers().map(|(_, number)| number).collect();
-        self.friction.follow(&groups);
-        self.servo.follow(&groups);
-        let followed = self.law_numbers().zip(before).filter(|((_, now), before)| now != before);
-        for ((position, number), _) in followed {
-            if let Some(weight) = weights.get_mut(position) {
-                *weight = number.value;
+        let before: Vec<LawEntry> = self.law_entries().collect();
+        self.group_laws.follow(&groups);
+        for (now, _) in self.law_entries().zip(before).filter(|(now, before)| now.number != before.number) {
+            if let Some(weight) = weights.get_mut(now.position) {
+                *weight = now.number.value;
             }
         }
     }
 
-    /// Numbers of friction and servos with their positions in the weight block.
-    fn law_numbers(&self) -> impl Iterator<Item = (usize, Number)> {
-        let friction = (self.friction_start()..).zip(self.friction.numbers());
-        friction.chain((self.servo_start()..).zip(self.servo.stiffness.iter().copied()))
-    }
-
     /// Whether numbers of the laws, or their bounds, follow the scales of a log.
     pub fn follows_scales(&self) -> bool {
-        !self.friction.dry.is_empty() || self.law_numbers().any(|(_, number)| number.part.is_some())
+        self.group_laws.follows_scales()
     }
 
     /// Friction of every coordinate at these weights, including the family's own damping; empty if there is no law.
     pub fn friction_of_coordinates(&self, weights: &[f64]) -> Vec<CoordinateFriction> {
-        let (laws, groups) = (self.friction_laws(), self.family.groups());
-        let weights = without_last(weights, self.corrections.count() + self.servo.count());
-        let start = weights.len().saturating_sub(laws.parameters(groups).unwrap_or(0));
-        let mut rest = weights.get(start..).unwrap_or_default();
-        let mut of_law = |law: Law, each: usize| {
-            let count = if laws.contains(law) { each * groups } else { 0 };
-            let (own, others) = rest.split_at(count.min(rest.len()));
-            rest = others;
-            own
-        };
-        let viscous = of_law(Law::Viscous, 1);
-        let dry = of_law(Law::Coulomb, FrictionNumber::ALL.len()).as_chunks().0;
-        let of = |group: usize| CoordinateFriction {
-            viscous: viscous.get(group).copied().unwrap_or(0.0),
-            dry: dry.get(group).copied().map(dry_friction),
-        };
-        let coordinates = if laws == Laws::NONE { Vec::new() } else { self.family.group_of_coordinates() };
-        coordinates.into_iter().map(of).collect()
+        let mut groups = vec![CoordinateFriction::default(); self.family.groups()];
+        let (laws, mut is_there) = (self.laws(), false);
+        for law in laws.iter().filter(|law| NumberKind::are_of_friction(*law)) {
+            is_there = true;
+            let numbers = self.law_numbers(law, weights).chunks(law.ranges().len());
+            groups.iter_mut().zip(numbers).for_each(|(group, numbers)| group.add(law, numbers));
+        }
+        let coordinates = if is_there { self.family.group_of_coordinates() } else { Vec::new() };
+        coordinates.into_iter().map(|group| groups[group]).collect()
     }
 
     /// Stiffness of the servo of every coordinate at these weights, N/m or N m/rad; empty if commands are forces.
     pub fn stiffness_of_coordinates(&self, weights: &[f64]) -> Vec<f64> {
-        let numbers = &weights[weights.len().saturating_sub(self.servo.count())..];
-        if numbers.is_empty() {
+        if !self.group_laws.has_servos() {
             return Vec::new();
         }
+        let numbers = self.law_numbers(Law::Servo, weights);
         let groups = self.family.group_of_coordinates();
         groups.into_iter().map(|group| numbers.get(group).copied().unwrap_or_default()).collect()
     }
 
     /// Unit of the force on a coordinate, or of its command if that is a position.
     pub fn command_unit(&self, i: usize) -> &'static str {
-        match (self.servo.is_none(), self.coordinates().as_bytes().get(i) == Some(&b't')) {
+        match (!self.group_laws.has_servos(), self.coordinates().as_bytes().get(i) == Some(&b't')) {
             (true, true) => "N",
             (true, false) => "N m",
             (false, true) => "m",
@@ -241,17 +233,14 @@ impl Architecture {
 
     /// Positions of the numbers in the weight block that training must leave unchanged.
     pub fn fixed_positions(&self) -> Vec<usize> {
-        let friction = self.friction.fixed_positions(self.friction_start());
+        let laws = self.law_entries().filter(|entry| !entry.number.learned).map(|entry| entry.position);
         let networks = self.corrections.fixed_positions(self.corrections_start());
-        let servo = self.servo.fixed_positions(self.servo_start());
-        self.family.fixed_positions().into_iter().chain(friction).chain(networks).chain(servo).collect()
+        self.family.fixed_positions().into_iter().chain(laws).chain(networks).collect()
     }
 
     /// Ranges, with positions, of the numbers that are learned through free parameters ([`Bounds`]).
     pub fn ranges(&self) -> Vec<(usize, Range)> {
-        let friction = self.friction.ranges(self.friction_start());
-        let servo = self.servo.ranges(self.servo_start());
-        self.family.ranges().into_iter().chain(friction).chain(servo).collect()
+        self.family.ranges().into_iter().chain(self.group_laws.ranges(self.laws_place())).collect()
     }
 
     /// Ranges of all learned numbers, as the optimisers see them.
@@ -269,19 +258,14 @@ impl Architecture {
     /// # Errors
     /// [`ModelError`] if the shape is inconsistent.
     pub fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
-        let corrected = self.corrections.energies(self.with_friction(self.family.energies()?)?)?;
-        self.servo.energies(corrected, self.family.group_of_coordinates())
-    }
-
-    fn with_friction(&self, family: Box<dyn Energies>) -> Result<Box<dyn Energies>, ModelError> {
-        if self.friction.is_none() {
-            return Ok(family);
+        if self.group_laws.is_none() {
+            return self.corrections.energies(self.family.energies()?);
         }
-        let groups = self.family.groups();
-        self.friction.check(self.family.laws(), groups)?;
-        let beside = self.family.group_of_coordinates();
-        let all = WithFriction::new(family, self.friction.laws_beside(), groups, beside);
-        Ok(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
+        let of = self.family.group_of_coordinates();
+        let groups = (self.family.groups(), of.as_slice());
+        let family = self.group_laws.before_networks(self.family.energies()?, self.family.laws(), groups)?;
+        let corrected = self.corrections.energies(family)?;
+        self.group_laws.after_networks(corrected, groups)
     }
 
     /// Rods of the selected graph; none for any other family.

@@ -74,9 +74,7 @@ impl Model {
 
 #[cfg(test)]
 mod tests {
-    use crate::{
-        Actuator, Architecture, Facts, FrictionArchitecture, InertiaNetworkArchitecture, Model, Number,
-    };
+    use crate::{Actuator, Architecture, Facts, GroupLaws, InertiaNetworkArchitecture, Model, Number};
     use leastaction_core::energy::inertia_network::Coordinate;
 
     const STATE: [[f64; 2]; 3] = [[0.3, -0.7], [0.4, -0.2], [0.6, 0.9]];
@@ -86,7 +84,7 @@ mod tests {
     fn machine() -> Model {
         let dry = [0.3, 0.4, 0.2, 0.25].map(Number::known);
         let architecture = Architecture {
-            friction: FrictionArchitecture::new(vec![Number::known(0.1); 2], vec![dry; 2]),
+            group_laws: GroupLaws::of_friction(vec![Number::known(0.1); 2], vec![dry; 2]),
             ..InertiaNetworkArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 5).into()
         };
         let weights = architecture.initial_weights(3);

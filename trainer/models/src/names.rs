@@ -1,7 +1,7 @@
 //! Names of the numbers of a weight block.
 
 use crate::architecture::Architecture;
-use leastaction_core::model::{FrictionNumber, Law};
+use crate::laws::NumberKind;
 
 /// Readable name of a number.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,42 +16,24 @@ pub(crate) fn named(whose: &str, name: &str, unit: &'static str) -> NumberName {
     NumberName { name: format!("{whose}: {name}"), unit }
 }
 
-/// Names of a group's viscous friction and of its numbers of dry friction.
-fn of_friction(whose: &str, letter: Option<char>) -> [NumberName; 1 + FrictionNumber::ALL.len()] {
-    let slides = letter == Some('t');
-    let pick = |of_length, of_angle| if slides { of_length } else { of_angle };
-    let force = pick("N", "N m");
-    let dry = FrictionNumber::ALL.map(|number| match number {
-        FrictionNumber::Constant => ("Coulomb friction", force),
-        FrictionNumber::Load => ("Coulomb friction, growth with the load", ""),
-        FrictionNumber::Smoothing => ("Coulomb friction, load from which it grows", force),
-        FrictionNumber::Width => ("Coulomb friction, width of the change of sign", pick("m/s", "rad/s")),
-    });
-    let viscous = ("viscous friction", pick("N s/m", "N m s/rad"));
-    let [c, load, smoothing, width] = dry;
-    [viscous, c, load, smoothing, width].map(|(name, unit)| named(whose, name, unit))
-}
-
 impl Architecture {
     /// Names of all numbers of the weight block; `None` for weights and scales of networks and for a graph's numbers.
     pub fn number_names(&self) -> Vec<Option<NumberName>> {
         let count = self.parameters().unwrap_or(0);
         let mut names = self.family.number_names();
-        let friction = self.friction_names();
-        let servo = self.servo_names();
-        let beside = self.corrections.count() + servo.len();
-        names.resize(count.saturating_sub(friction.len() + beside), None);
-        names.extend(friction.into_iter().map(Some));
-        names.resize(count.saturating_sub(servo.len()), None);
-        names.extend(servo.into_iter().map(Some));
+        names.resize(count, None);
+        let own = self.family.laws();
+        let before = self.laws_start().saturating_sub(own.parameters(self.family.groups()).unwrap_or(0));
+        let own = own.iter().flat_map(|law| (0..self.family.groups()).map(move |group| (law, group)));
+        let own = own.flat_map(|(law, group)| NumberKind::of(law).iter().map(move |kind| (group, *kind)));
+        let beside = self.law_entries().map(|entry| (entry.position, (entry.group, entry.kind)));
+        for (position, (group, kind)) in (before..).zip(own).chain(beside) {
+            if let Some(name) = names.get_mut(position) {
+                let unit = kind.unit(self.letter_of(group) == Some('t'));
+                *name = Some(named(&self.family.group_name(group), kind.words(), unit));
+            }
+        }
         names
-    }
-
-    /// Names of the stiffnesses of servos.
-    fn servo_names(&self) -> Vec<NumberName> {
-        let unit = |group| if self.letter_of(group) == Some('t') { "N/m" } else { "N m/rad" };
-        let name = |group| named(&self.family.group_name(group), "stiffness of the servo", unit(group));
-        (0..self.servo.count()).map(name).collect()
     }
 
     /// Kind of the first coordinate of a group.
@@ -59,31 +41,16 @@ impl Architecture {
         let first = self.family.group_of_coordinates().iter().position(|of| *of == group)?;
         self.coordinates().chars().nth(first)
     }
-
-    /// Names of all friction numbers, the family's own included.
-    fn friction_names(&self) -> Vec<NumberName> {
-        let (laws, groups) = (self.friction_laws(), self.family.groups());
-        let group = |group: usize| of_friction(&self.family.group_name(group), self.letter_of(group));
-        let all: Vec<[NumberName; 5]> = (0..groups).map(group).collect();
-        let mut names = Vec::new();
-        if laws.contains(Law::Viscous) {
-            names.extend(all.iter().map(|[viscous, ..]| viscous.clone()));
-        }
-        if laws.contains(Law::Coulomb) {
-            names.extend(all.iter().flat_map(|[_, dry @ ..]| dry.iter().cloned()));
-        }
-        names
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::{Architecture, BodiesArchitecture, FrictionArchitecture, InertiaNetworkArchitecture, Number};
+    use crate::{Architecture, BodiesArchitecture, GroupLaws, InertiaNetworkArchitecture, Number};
     use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
     use leastaction_core::energy::inertia_network::Coordinate;
 
-    fn friction(groups: usize) -> FrictionArchitecture {
-        FrictionArchitecture::new(vec![Number::learned(0.1); groups], vec![[Number::learned(0.1); 4]; groups])
+    fn friction(groups: usize) -> GroupLaws {
+        GroupLaws::of_friction(vec![Number::learned(0.1); groups], vec![[Number::learned(0.1); 4]; groups])
     }
 
     #[test]
@@ -92,7 +59,7 @@ mod tests {
         let body = |joint, parent| TreeBody { joint, parent };
         let bodies = [(body(Joint::Prismatic, None), own), (body(Joint::Revolute, Some(0)), own)];
         let family = BodiesArchitecture::new([Number::known(0.0); 2], bodies).unwrap();
-        let architecture = Architecture { friction: friction(2), ..Architecture::from(family) };
+        let architecture = Architecture { group_laws: friction(2), ..Architecture::from(family) };
         let names = architecture.number_names();
         assert_eq!(names.len(), architecture.parameters().unwrap());
         let text = |k: usize| {

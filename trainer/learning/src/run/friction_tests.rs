@@ -2,6 +2,7 @@ use super::tests::{Warned, config, data};
 use super::*;
 use crate::config::Config;
 use crate::data::Rows;
+use leastaction_core::model::Law;
 
 /// A configuration of the pendulum with these friction keys.
 fn rubbing(friction: &str) -> Config {
@@ -33,16 +34,16 @@ fn what_is_held_back_does_not_matter_to_the_start() {
             *rows = Rows::from_flat(1, rows.as_flat().iter().map(|x| 1.5 * x).collect()).unwrap();
         }
         let plan = Plan::new(config.clone(), &data).unwrap();
-        let start = plan.initial[plan.architecture.friction_start()..].to_vec();
-        (start, plan.architecture.friction.widths(0))
+        let start = plan.initial[plan.architecture.laws_start()..].to_vec();
+        (start, plan.architecture.group_laws.widths(Law::Coulomb, 0))
     };
     let [first, last, other] = [0, 3, 1].map(with);
     let plain = Plan::new(config.clone(), &data(4, true)).unwrap();
     assert_eq!(
         last,
         (
-            plain.initial[plain.architecture.friction_start()..].to_vec(),
-            plain.architecture.friction.widths(0)
+            plain.initial[plain.architecture.laws_start()..].to_vec(),
+            plain.architecture.group_laws.widths(Law::Coulomb, 0)
         )
     );
     assert!(first != last && other != last, "{first:?}");

@@ -24,7 +24,7 @@ pub(super) fn follow(
     (data, training): (&Dataset, usize),
 ) -> Result<(), ModelError> {
     // The fit of an arm to torques solves for these numbers, and their starts do not matter to it.
-    let is_fitted_to_torques = architecture.family.arm().is_some() && architecture.servo.is_none();
+    let is_fitted_to_torques = architecture.family.arm().is_some() && !architecture.group_laws.has_servos();
     if architecture.follows_scales() && !is_fitted_to_torques {
         let logs = data.trajectories.get(..training).unwrap_or(&data.trajectories);
         let scales = of((logs, data.h), (architecture, initial))?;
@@ -40,7 +40,7 @@ pub(super) fn follow(
 /// An error if the shape is inconsistent or the weights do not fit it.
 fn of(logs: Logs, (architecture, initial): (&Architecture, &[f64])) -> Result<Vec<Scales>, ModelError> {
     let n = architecture.n();
-    let are_positions = !architecture.servo.is_none();
+    let are_positions = architecture.group_laws.has_servos();
     let mut scales: Vec<Scales> = (0..n).map(|i| of_coordinate(logs, i, are_positions)).collect();
     if scales.iter().all(|own| own.force > 0.0) {
         return Ok(scales);

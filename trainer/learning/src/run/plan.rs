@@ -242,8 +242,8 @@ impl Plan {
 /// Whether a known force acts; known friction counts as a known force.
 pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
     // The force of a servo of unknown stiffness is not known.
-    let is_known = architecture.servo.is_none() && data.is_forced();
-    is_known || architecture.servo.shows_scale() || architecture.friction.shows_scale()
+    let is_known = !architecture.group_laws.has_servos() && data.is_forced();
+    is_known || architecture.group_laws.shows_scale()
 }
 
 /// Least number of samples of a trajectory that the loss can learn from: those of a window.
@@ -281,7 +281,7 @@ fn begin_windows(
     (stages, windows, mut initial): (&[Stage], &Windowed, Vec<f64>),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<f64>, PlanError> {
-    if let Some(arm) = architecture.family.arm().filter(|_| architecture.servo.is_none()) {
+    if let Some(arm) = architecture.family.arm().filter(|_| !architecture.group_laws.has_servos()) {
         let fitted = torques::fitted((architecture, arm), &initial, (data, training), config)?;
         initial = fitted.weights;
         notices.push(Notice::Torques(fitted.report));
@@ -296,8 +296,7 @@ fn begin_windows(
     }
     if config.model.source() != Source::Weights {
         let numbers = architecture.corrections.without_effect();
-        let start = architecture.corrections_start();
-        initial.splice(start..start + architecture.corrections.count(), numbers);
+        initial.splice(architecture.corrections_place(), numbers);
     }
     Ok(initial)
 }
@@ -325,7 +324,7 @@ fn loss_of(config: &Config, architecture: &Architecture, data: &Dataset) -> (Tra
     let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);
     let of_torques = architecture.family.arm().map(|_| TrainingLoss::Torque);
     // Nothing tells the force of a servo at a sample, only where it moves the joints.
-    let of_servos = (!architecture.servo.is_none()).then_some(TrainingLoss::Windows);
+    let of_servos = (architecture.group_laws.has_servos()).then_some(TrainingLoss::Windows);
     if let Some(loss) = training.loss.or(of_noise).or(of_servos).or(of_torques) {
         return (loss, None);
     }

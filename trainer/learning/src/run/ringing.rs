@@ -33,7 +33,7 @@ fn limit(order: Order) -> f64 {
 pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
     let TrainedStep { order, h, .. } = plan.trained_step?;
     let friction = plan.architecture.friction_of_coordinates(weights);
-    friction.iter().find(|friction| friction.dry.is_some())?;
+    friction.iter().find(|friction| friction.dry.is_some_and(|dry| dry.breakaway.is_none()))?;
     let positions: Vec<&[f64]> = plan.positions.iter().map(Vec::as_slice).collect();
     let own = weights.get(..plan.architecture.parameters().ok()?)?.to_vec();
     let at_rest = Model::new(plan.architecture.clone(), own).at_rest(&positions).ok()?;
@@ -50,7 +50,8 @@ fn stiffness(h: f64, mass: &[f64], friction: &[CoordinateFriction]) -> Vec<f64> 
     let Some(factor) = cholesky(DMatrix::from_row_slice(n, n, mass)) else { return Vec::new() };
     let inverse = factor.inverse();
     let of = |(i, friction): (usize, &CoordinateFriction)| {
-        friction.dry.map_or(0.0, |dry| 0.5 * h * dry.constant * inverse[(i, i)] / dry.width)
+        let smooth = friction.dry.filter(|dry| dry.breakaway.is_none());
+        smooth.map_or(0.0, |dry| 0.5 * h * dry.constant * inverse[(i, i)] / dry.width)
     };
     friction.iter().enumerate().map(of).collect()
 }
@@ -59,6 +60,7 @@ fn stiffness(h: f64, mass: &[f64], friction: &[CoordinateFriction]) -> Vec<f64> 
 mod tests {
     use super::*;
     use leastaction_core::forces::{Coulomb, DryFriction};
+    use leastaction_models::DryNumbers;
 
     #[test]
     fn it_is_the_stiffness_of_core() {
@@ -66,7 +68,10 @@ mod tests {
         let dry = |constant: f64, width| DryFriction { constant, load: 0.2, smoothing: 0.5, width };
         let coordinates = [dry(0.4, 0.05), dry(0.02, 0.3)];
         let expected = Coulomb { coordinates }.stiffness(h, mass, &[0.0; 2]).unwrap();
-        let friction = coordinates.map(|dry| CoordinateFriction { viscous: 0.1, dry: Some(dry) });
+        let friction = coordinates.map(|DryFriction { constant, width, .. }| {
+            let dry = Some(DryNumbers { constant, width, ..DryNumbers::default() });
+            CoordinateFriction { viscous: 0.1, dry, ..CoordinateFriction::default() }
+        });
         for (found, expected) in stiffness(h, mass.as_flattened(), &friction).iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
         }

@@ -10,7 +10,7 @@ use crate::windows::Setting;
 use leastaction_core::model::ModelError;
 use leastaction_models::tree::Tree;
 use leastaction_models::{
-    Actuator, Architecture, ArmArchitecture, Facts, Family, FrictionArchitecture, Model,
+    Actuator, Architecture, ArmArchitecture, Facts, Family, LawEntry, Model, NumberKind,
 };
 use std::fmt;
 use thiserror::Error;
@@ -127,45 +127,50 @@ fn folds(samples: &Samples) -> Vec<usize> {
 
 /// The numbers of the shape that are learned; known friction numbers stay fixed.
 fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) -> Learned {
-    let friction = &architecture.friction;
-    let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());
+    let has = |kind: NumberKind| architecture.law_entries().any(|entry| entry.kind == kind);
     let known = arm.bodies.iter().enumerate().filter(|(_, body)| !body.is_learned).map(|(k, _)| k).collect();
     let bodies = arm.bodies.iter().any(|body| body.is_learned);
     let rotors = arm.bodies.iter().any(|body| body.rotor.learned);
-    let bodies = if bodies { Bodies::Consistent } else { Bodies::Known };
-    let (load, held) = (dry, held(friction));
-    let smoothing = SMOOTHINGS;
     Learned {
-        bodies,
+        bodies: if bodies { Bodies::Consistent } else { Bodies::Known },
         known,
         rotors,
-        viscous,
-        coulomb: dry,
-        load,
+        viscous: has(NumberKind::Damping),
+        coulomb: has(NumberKind::Friction),
+        load: has(NumberKind::Load),
+        asymmetries: [NumberKind::DampingAsymmetry, NumberKind::FrictionAsymmetry].map(has),
         offsets,
-        smoothing,
-        held,
+        smoothing: SMOOTHINGS,
+        held: held(architecture),
         ..Learned::default()
     }
 }
 
-/// The known friction numbers, each with its coordinate.
-fn held(friction: &FrictionArchitecture) -> Vec<(usize, JointNumber, f64)> {
-    const DRY: [JointNumber; 4] =
-        [JointNumber::Coulomb, JointNumber::Load, JointNumber::Smoothing, JointNumber::Width];
-    let viscous = friction.viscous.iter().enumerate().map(|(i, own)| (i, JointNumber::Viscous, own));
-    let dry = friction.dry.iter().enumerate();
-    let dry = dry.flat_map(|(i, own)| DRY.into_iter().zip(own).map(move |(number, own)| (i, number, own)));
-    let known = viscous.chain(dry).filter(|(.., own)| !own.learned);
-    known.map(|(i, number, own)| (i, number, own.value)).collect()
+/// The friction numbers that no law learns, each with its coordinate; parts of several laws add up.
+fn held(architecture: &Architecture) -> Vec<(usize, JointNumber, f64)> {
+    let entries: Vec<LawEntry> = architecture.law_entries().collect();
+    let place = |entry: &LawEntry| Some((entry.group, JointNumber::of(entry.kind)?));
+    let is_learned = |of| entries.iter().any(|entry| place(entry) == Some(of) && entry.number.learned);
+    let mut held: Vec<(usize, JointNumber, f64)> = Vec::new();
+    for entry in &entries {
+        let Some(of) = place(entry).filter(|of| !is_learned(*of)) else { continue };
+        let (i, number) = of;
+        let adds = matches!(number, JointNumber::Viscous | JointNumber::Coulomb | JointNumber::Load);
+        match held.iter_mut().find(|(group, own, _)| (*group, *own) == of) {
+            Some((.., value)) if adds => *value += entry.number.value,
+            Some((.., value)) => *value = entry.number.value,
+            None => held.push((i, number, entry.number.value)),
+        }
+    }
+    held
 }
 
-/// Writes b, then c, c_load, τ_s and ε of every joint into the weights, as far as the shape has these numbers.
+/// Writes the learned friction numbers of every joint into the weights.
 fn put_friction(architecture: &Architecture, joints: &[JointNumbers], weights: &mut [f64]) {
-    let friction = &architecture.friction;
-    let viscous = joints.iter().filter(|_| !friction.viscous.is_empty()).map(|joint| joint.viscous);
-    let dry = joints.iter().filter(|_| !friction.dry.is_empty());
-    let dry = dry.flat_map(|joint| [joint.coulomb, joint.load, joint.smoothing, joint.width]);
-    let own = weights.iter_mut().skip(architecture.friction_start());
-    own.zip(viscous.chain(dry)).for_each(|(weight, number)| *weight = number);
+    for entry in architecture.law_entries().filter(|entry| entry.number.learned) {
+        let joint = joints.get(entry.group).zip(JointNumber::of(entry.kind));
+        if let Some((joint, number)) = joint {
+            weights[entry.position] = joint.array()[number as usize];
+        }
+    }
 }

@@ -5,7 +5,7 @@ use super::blocks::Blocks;
 use super::{Levenberg, NormalEquations, Objective, Samples};
 use crate::matrix::cholesky;
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
-use leastaction_core::model::{FrictionNumber, Law, ModelError};
+use leastaction_core::model::ModelError;
 use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use leastaction_programs::System;
 use leastaction_programs::losses::TorqueLoss;
@@ -243,19 +243,10 @@ fn linear_numbers(architecture: &Architecture, bodies: &BodiesArchitecture, weig
     linear
 }
 
-/// Positions and initial values of the learned b, c and c_load of friction, then of the learned k of servos.
+/// Positions and initial values of the learned b, c and c_load of friction and k of servos, in which the balance is linear.
 fn of_laws(architecture: &Architecture) -> Vec<(usize, f64)> {
-    let (laws, start) = (architecture.laws(), architecture.friction_start());
-    let viscous = if laws.contains(Law::Viscous) { architecture.friction.viscous.len() } else { 0 };
-    let is_linear = |i: usize| {
-        let dry = i.checked_sub(viscous).map(|k| k % FrictionNumber::ALL.len());
-        dry.is_none_or(|k| k == FrictionNumber::Constant as usize || k == FrictionNumber::Load as usize)
-    };
-    let learned = architecture.friction.numbers().enumerate().filter(|(_, number)| number.learned);
-    let linear = learned.filter(|(i, _)| is_linear(*i));
-    let servo = (architecture.servo_start()..).zip(&architecture.servo.stiffness);
-    let servo = servo.filter(|(_, number)| number.learned).map(|(at, number)| (at, number.value));
-    linear.map(|(i, number)| (start + i, number.value)).chain(servo).collect()
+    let linear = architecture.law_entries().filter(|entry| entry.number.learned && entry.kind.is_linear());
+    linear.map(|entry| (entry.position, entry.number.value)).collect()
 }
 
 /// Weights after one Gauss–Newton step in the linear numbers, which solves the linear problem exactly; `None` if the

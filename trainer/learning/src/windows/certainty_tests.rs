@@ -7,7 +7,7 @@ use crate::training::Levenberg;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::forces::ControlKind;
 use leastaction_models::parallel;
-use leastaction_models::{Architecture, BodiesArchitecture, FrictionArchitecture, Number};
+use leastaction_models::{Architecture, BodiesArchitecture, GroupLaws, Number};
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps};
 use leastaction_programs::{Row, System};
 use rand::SeedableRng;
@@ -34,8 +34,8 @@ fn pendulum(mass: bool) -> Architecture {
     };
     let gravity = [zero, Number::known(-9.81)];
     let body = TreeBody { joint: Joint::Revolute, parent: None };
-    let friction = FrictionArchitecture::new(vec![Number::learned(0.03)], Vec::new());
-    Architecture { friction, ..BodiesArchitecture::new(gravity, [(body, own)]).unwrap().into() }
+    let friction = GroupLaws::of_friction(vec![Number::learned(0.03)], Vec::new());
+    Architecture { group_laws: friction, ..BodiesArchitecture::new(gravity, [(body, own)]).unwrap().into() }
 }
 
 /// Logs of the pendulum, with noise of this seed.
@@ -126,7 +126,7 @@ fn friction_in_a_scale_that_nothing_shows_has_no_error() {
     assert_eq!((all.hidden, all.combinations.len()), (2, 2));
     assert!(all.numbers.iter().all(|of| of.shown == Shown::Together), "{:?}", all.numbers);
     // With friction known, the scale is shown.
-    architecture.friction = FrictionArchitecture::new(vec![Number::known(0.03)], Vec::new());
+    architecture.group_laws = GroupLaws::of_friction(vec![Number::known(0.03)], Vec::new());
     assert_eq!(of(&architecture).hidden, 1);
 }
 

@@ -16,7 +16,7 @@ pub fn first_guess(
     initial: Vec<f64>,
     windows: &dyn Objective,
 ) -> Result<LinearStart, ModelError> {
-    let is_servo_arm = architecture.family.arm().is_some() && !architecture.servo.is_none();
+    let is_servo_arm = architecture.family.arm().is_some() && architecture.group_laws.has_servos();
     if architecture.family.bodies().is_none() && !is_servo_arm {
         return Ok(LinearStart { weights: initial, shows_scale: true });
     }

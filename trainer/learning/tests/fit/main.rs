@@ -21,15 +21,21 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-const JOINTS: [[f64; JOINT]; 4] = [
+const JOINTS: [[f64; 7]; 4] = [
     [0.1, 0.3, 0.5, 0.1, 0.1, 0.2, SOFTNESS],
     [0.2, 0.2, 0.4, 0.05, 0.2, -0.1, SOFTNESS],
     [0.3, 0.1, 0.3, 0.0, 0.3, 0.0, SOFTNESS],
     [0.4, 0.4, 0.2, 0.15, 0.15, 0.3, SOFTNESS],
 ];
 
+/// A joint whose friction is alike in both directions.
+fn joint(numbers: [f64; 7]) -> JointNumbers {
+    let [rotor, viscous, coulomb, load, width, offset, smoothing] = numbers;
+    JointNumbers { rotor, viscous, coulomb, load, width, offset, smoothing, ..JointNumbers::default() }
+}
+
 fn arm(tree: Tree) -> Arm {
-    Arm { tree, joints: JOINTS.map(JointNumbers::of_array).into() }
+    Arm { tree, joints: JOINTS.map(joint).into() }
 }
 
 /// Random states under the torques of an arm, with noise.
@@ -69,9 +75,9 @@ fn an_arm_is_found_again_with_its_friction() {
     pairs[0].iter().zip(&pairs[1]).for_each(|(a, b)| assert!((a - b).abs() < 0.01, "{a} {b}"));
     assert!(found.arm.tree.bodies().iter().all(|body| body.inertia.consistency() > 0.0));
     // The smoothing is known.
-    assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 1));
+    assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 3));
     // The rank counts all numbers of a joint but the rotor, which may be part of a base parameter already.
-    assert_eq!(found.rank, base.count() + 4 * (JOINT - 2));
+    assert_eq!(found.rank, base.count() + 4 * (JOINT - 4));
 }
 
 #[test]
@@ -98,7 +104,7 @@ fn known_friction_stays_and_the_rest_is_found() {
     };
     let (known, found) = error(&held);
     assert!(known < 1e-6, "{known}");
-    assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 1) - 4);
+    assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 3) - 4);
     for (found, truth) in found.arm.joints.iter().zip(&truth.joints) {
         for (found, truth) in found.array().iter().zip(truth.array()).skip(1) {
             assert!((found - truth).abs() < 0.01, "{found} {truth}");
@@ -229,13 +235,15 @@ proptest! {
     #[test]
     fn friction_solves_its_equation_and_has_its_slopes(
         bodies in -30.0..30.0, v in -2.0..2.0, a in -5.0..5.0, load in 0.0..0.9, width in 0.05..0.5,
-        smoothing in 0.05..2.0,
+        smoothing in 0.05..2.0, viscous_asymmetry in -1.0..1.0, asymmetry in -1.0..1.0,
     ) {
-        let joint =
-            JointNumbers { rotor: 0.2, viscous: 0.3, coulomb: 0.4, load, width, offset: 0.6, smoothing };
+        let joint = JointNumbers {
+            rotor: 0.2, viscous: 0.3, coulomb: 0.4, load, width, offset: 0.6, smoothing, viscous_asymmetry, asymmetry,
+        };
         let tau = joint.torque(bodies, v, a) - joint.offset;
         let size = tau.hypot(smoothing) - smoothing;
-        let friction = 0.3 * v + (0.4 + load * size) * (v / width).tanh();
+        let t = (v / width).tanh();
+        let friction = 0.3 * (1.0 + viscous_asymmetry * t) * v + (0.4 * (1.0 + asymmetry * t) + load * size) * t;
         prop_assert!((tau - (bodies + 0.2 * a + friction)).abs() < 1e-9 * (1.0 + tau.abs()), "{tau}");
         let (value, gain, slopes) = joint.slopes(bodies, v, a);
         prop_assert!((value - tau - joint.offset).abs() < 1e-12 * (1.0 + tau.abs()));
@@ -250,6 +258,28 @@ proptest! {
     }
 }
 
+/// Friction that differs by direction is found again, and without it the fit is worse.
+#[test]
+fn friction_by_direction_is_found_again() {
+    let mut truth = arm(tree(3));
+    let asymmetries = [[0.4, -0.3], [-0.2, 0.5], [0.0, 0.25], [0.6, 0.1]];
+    for (joint, [beta, delta]) in truth.joints.iter_mut().zip(asymmetries) {
+        (joint.viscous_asymmetry, joint.asymmetry) = (beta, delta);
+    }
+    let (train, test) = (samples(&truth, 600, 1e-3, 1), samples(&truth, 100, 0.0, 2));
+    let found = |asymmetries: [bool; 2]| {
+        let learned = Learned { asymmetries, ..Learned::default() };
+        let arm = fit(&near(&truth.tree), &train, &learned, 1e-3).unwrap().arm;
+        (mean_nmse(&squared_errors(&arm.torques(&test), &test), &variances(&test)), arm.joints)
+    };
+    let ((error, joints), (without, _)) = (found([true; 2]), found([false; 2]));
+    assert!(error < 1e-6 && without > 30.0 * error, "{error} {without}");
+    for (joint, [beta, delta]) in joints.iter().zip(asymmetries) {
+        assert!((joint.viscous_asymmetry - beta).abs() < 0.02, "{joint:?}");
+        assert!((joint.asymmetry - delta).abs() < 0.02, "{joint:?}");
+    }
+}
+
 #[test]
 fn what_samples_say_alone_has_errors_of_its_size_and_leaves_the_prior_out() {
     let truth = arm(tree(8));
@@ -258,7 +288,7 @@ fn what_samples_say_alone_has_errors_of_its_size_and_leaves_the_prior_out() {
     let found = alone(&near(&truth.tree), &train, &learned).unwrap();
     let other = alone(&near(&near(&truth.tree)), &train, &learned).unwrap();
     let numbers = found.of_model(&truth.tree.parameters(), &truth.joints);
-    assert_eq!(numbers.len(), found.base.count() + 4 * (JOINT - 2));
+    assert_eq!(numbers.len(), found.base.count() + 4 * (JOINT - 4));
     for ((found, other), truth) in found.estimates.iter().zip(&other.estimates).zip(&numbers) {
         if let Shown::Within(error) = found.shown {
             assert!((found.value - truth).abs() < 5.0 * error && error < 0.3, "{found:?} {truth}");

@@ -9,7 +9,7 @@ use leastaction_core::scalar::LANES;
 use leastaction_learning::config::Config;
 use leastaction_learning::training::{Bounds, Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_models::file::{decode, encode};
-use leastaction_models::{Architecture, MOST_LOAD, WIDTHS};
+use leastaction_models::{Architecture, DryNumbers, MOST_LOAD, WIDTHS};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
@@ -64,7 +64,7 @@ fn gradients_of_every_loss_are_its_differences() {
     for (model, friction) in [(INERTIA_NETWORK, ALL), (INERTIA_NETWORK, PARTLY), (TREE, ALL), (TREE, PARTLY)]
     {
         let (shape, weights) = architecture(&format!("{model}{friction}"));
-        let (first, fixed) = (weights.len() - shape.friction.count(), shape.fixed_positions());
+        let (first, fixed) = (weights.len() - shape.group_laws.count(), shape.fixed_positions());
         for (kind, order) in kinds {
             let own = samples(3);
             let objective = objective(&shape, own.clone(), kind, order).unwrap();
@@ -164,7 +164,7 @@ fn friction_is_recovered_from_exact_data() {
 #[test]
 fn learned_friction_only_dissipates() {
     let (shape, weights) = architecture(&format!("{INERTIA_NETWORK}{ALL}"));
-    let (bounds, first) = (Bounds::new(shape.ranges()), weights.len() - shape.friction.count());
+    let (bounds, first) = (Bounds::new(shape.ranges()), weights.len() - shape.group_laws.count());
     assert_eq!(shape.ranges().len(), 15);
     for k in 0..2_000 {
         let size = [1.0, 10.0, 1e3, 1e9][k % 4];
@@ -173,7 +173,7 @@ fn learned_friction_only_dissipates() {
         let numbers = bounds.weights(&theta);
         let friction = shape.friction_of_coordinates(&numbers);
         for friction in &friction {
-            let DryFriction { constant, load, smoothing, width } = friction.dry.unwrap();
+            let DryNumbers { constant, load, smoothing, width, .. } = friction.dry.unwrap();
             assert!(friction.viscous as f32 > 0.0 && constant as f32 > 0.0 && smoothing as f32 > 0.0);
             assert!((0.0..=MOST_LOAD).contains(&load) && (WIDTHS[0]..=WIDTHS[1]).contains(&width));
         }
@@ -226,7 +226,7 @@ fn files_come_back_bit_for_bit() {
         }
         // Numbers read from a file are known.
         assert!(read.architecture.ranges().is_empty());
-        assert_eq!(read.architecture.friction.numbers().filter(|number| number.learned).count(), 0);
+        assert_eq!(read.architecture.law_entries().filter(|entry| entry.number.learned).count(), 0);
     }
 }
 

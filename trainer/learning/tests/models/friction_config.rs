@@ -1,9 +1,10 @@
 //! `[model.friction]`: valid keys, and messages about invalid ones.
 
-use leastaction_core::model::Laws;
+use leastaction_core::model::{Law, Laws};
 use leastaction_learning::config::{Config, ConfigError};
-use leastaction_models::file::encode;
+use leastaction_models::file::{decode, encode};
 use leastaction_models::{Number, Scales};
+use leastaction_programs::energies::Energies;
 use std::path::Path;
 
 const INERTIA_NETWORK: &str = "coordinates = \"ta\"\n";
@@ -28,10 +29,10 @@ fn one_word_learns_damping_and_dry_friction() {
     let (shape, weights) =
         parse(&format!("{INERTIA_NETWORK}friction = \"learned\"\n")).unwrap().beginning().unwrap();
     assert_eq!((shape.laws(), weights.len()), (Laws::FRICTION, shape.parameters().unwrap()));
-    assert_eq!(shape.friction.viscous, [follows(Number::learned(0.01), 0.02); 2]);
+    assert_eq!(shape.group_laws.viscous, [follows(Number::learned(0.01), 0.02); 2]);
     let [constant, width] = [0.03, 0.05].map(|part| follows(Number::learned(0.1), part));
     let dry = [constant, Number::known(0.0), follows(Number::known(0.1), 0.02), width];
-    assert_eq!(shape.friction.dry, [dry; 2]);
+    assert_eq!(shape.group_laws.coulomb, [dry; 2].as_flattened());
     assert_eq!(weights[weights.len() - 10..], [0.01, 0.01, 0.1, 0.0, 0.1, 0.1, 0.1, 0.0, 0.1, 0.1]);
 }
 
@@ -42,12 +43,13 @@ fn parts_are_learned_known_or_absent_one_by_one() {
     );
     let (shape, _) = parse(&text).unwrap().beginning().unwrap();
     // The types have damping of their own, 0.
-    assert_eq!((shape.laws(), shape.friction.viscous.len()), (Laws::FRICTION, 0));
+    assert_eq!((shape.laws(), shape.group_laws.viscous.len()), (Laws::FRICTION, 0));
     let (known, learned) = (Number::known, Number::learned);
     let cart = [known(0.5), known(0.0), known(2.0), known(0.3)];
-    assert_eq!(shape.friction.dry, [cart, [learned(0.2), learned(0.1), known(2.0), known(0.3)]]);
+    let pole = [learned(0.2), learned(0.1), known(2.0), known(0.3)];
+    assert_eq!(shape.group_laws.coulomb, [cart, pole].as_flattened());
     let absent = parse(TREE).unwrap().beginning().unwrap().0;
-    assert!(absent.friction.is_none() && absent.laws() == Laws::VISCOUS);
+    assert!(absent.group_laws.is_none() && absent.laws() == Laws::VISCOUS);
     let (viscous, weights) =
         parse(&format!("{TREE}[model.friction]\nviscous = [0.5, 0.25]\n")).unwrap().beginning().unwrap();
     assert_eq!((viscous.laws(), &weights[weights.len() - 2..]), (Laws::VISCOUS, &[0.5, 0.25][..]));
@@ -71,14 +73,17 @@ fn what_was_not_given_follows_the_log() {
     for (found, expected) in weights[laws..].iter().zip(expected) {
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
     }
-    assert_eq!(shape.friction.numbers().map(|number| number.value).collect::<Vec<_>>(), weights[laws..]);
-    assert_eq!([0, 1].map(|group| shape.friction.widths(group)), [[0.003 * 0.1, 0.05], [0.012, 18.0]]);
+    assert_eq!(shape.law_entries().map(|entry| entry.number.value).collect::<Vec<_>>(), weights[laws..]);
+    assert_eq!(
+        [0, 1].map(|group| shape.group_laws.widths(Law::Coulomb, group)),
+        [[0.003 * 0.1, 0.05], [0.012, 18.0]]
+    );
     // A log that shows nothing changes nothing, neither does a second one.
     let after = shape.clone();
     shape.follow(&[Scales::default(); 2], &mut weights);
-    assert_eq!(shape.friction.dry, after.friction.dry);
+    assert_eq!(shape.group_laws.coulomb, after.group_laws.coulomb);
     assert_eq!(
-        shape.friction.widths(0),
+        shape.group_laws.widths(Law::Coulomb, 0),
         [0.05 * 0.1 / 2.0, 1.0],
         "the usual bounds, which make way for the start"
     );
@@ -94,8 +99,69 @@ fn element_types_follow_the_larger_scale() {
     let scales = [(1.0, 30.0), (2.0, 5.0), (8.0, 4.0)];
     let scales = scales.map(|(speed, force)| Scales { speed, force, ..Scales::default() });
     shape.follow(&scales, &mut weights);
-    let dry: Vec<[f64; 2]> = shape.friction.dry.iter().map(|own| [own[0].value, own[3].value]).collect();
+    let dry: Vec<[f64; 2]> =
+        shape.group_laws.coulomb.chunks(4).map(|own| [own[0].value, own[3].value]).collect();
     assert_eq!(dry, [[0.03 * 30.0, 0.05], [0.03 * 5.0, 0.4]]);
+}
+
+fn laws_and_numbers(friction: &str) -> (Vec<Law>, Vec<f64>) {
+    let (shape, weights) =
+        parse(&format!("{INERTIA_NETWORK}[model.friction]\n{friction}")).unwrap().beginning().unwrap();
+    assert_eq!(shape.parameters(), Ok(weights.len()));
+    shape.energies().unwrap();
+    let own = weights[shape.laws_start()..].to_vec();
+    (shape.laws().iter().collect(), own)
+}
+
+/// Friction that sticks or differs by direction has laws of its own; a part that no law can hold with the others has a second one.
+#[test]
+fn every_combination_has_its_laws() {
+    use Law::{Coulomb, Directional, Sticking, Viscous};
+    let (laws, numbers) = laws_and_numbers("viscous = [0.5, 0.25]\ncoulomb = \"sticking\"\nwidth = 0.3\n");
+    let stuck = [0.1, 0.0, 0.0, 0.1, 1.0, 0.3];
+    assert_eq!(
+        (laws, numbers),
+        (vec![Viscous, Sticking], [vec![0.5, 0.25], [stuck, stuck].concat()].concat())
+    );
+    let all = "viscous = 0.5\nviscous_asymmetry = 0.25\ncoulomb = 0.7\nasymmetry = -0.5\nwidth = 0.3\nload = 0.2\nsmoothing = 2\n";
+    let (laws, numbers) = laws_and_numbers(all);
+    let [grown, turned] = [vec![0.0, 0.2, 2.0, 0.3].repeat(2), vec![0.5, 0.25, 0.7, -0.5, 0.3].repeat(2)];
+    assert_eq!((laws, numbers), (vec![Coulomb, Directional], [grown, turned].concat()));
+    let (laws, numbers) = laws_and_numbers(&format!("{all}sticking = true\nbreakaway = [1.5, 1]\n"));
+    let turned = [0.5, 0.25, 0.0, 0.0, 0.3].repeat(2);
+    let stuck = [1.5, 1.0].map(|breakaway| [0.7, -0.5, 0.2, 2.0, breakaway, 0.3]);
+    assert_eq!((laws, numbers), (vec![Directional, Sticking], [turned, stuck.concat()].concat()));
+}
+
+/// Laws on both sides of the correction networks keep their numbers in a model file, and every coordinate has the friction of all of them.
+#[test]
+fn laws_stand_before_and_after_the_networks() {
+    let text = format!(
+        "{INERTIA_NETWORK}servo = {{ stiffness = 7.0 }}\n[model.dissipation]\nhidden = [3]\nscale = 0.4\n[model.friction]\n\
+         viscous = [0.5, 0.25]\ncoulomb = \"sticking\"\nasymmetry = [0.125, -0.5]\n"
+    );
+    let (shape, weights) = parse(&text).unwrap().beginning().unwrap();
+    let laws: Vec<Law> = shape.laws().iter().collect();
+    assert_eq!(laws, [Law::Viscous, Law::Dissipation, Law::Servo, Law::Sticking]);
+    let read = decode(&encode(&shape, &weights, None, "").unwrap()).unwrap();
+    let single = |numbers: &[f64]| numbers.iter().map(|x| f64::from(*x as f32)).collect::<Vec<_>>();
+    assert_eq!(read.weights, single(&weights));
+    assert_eq!(read.architecture.corrections_place(), shape.corrections_place());
+    let friction = read.architecture.friction_of_coordinates(&read.weights);
+    let of = |i: usize| {
+        (friction[i].viscous, friction[i].dry.unwrap().asymmetry, friction[i].dry.unwrap().breakaway)
+    };
+    assert_eq!([of(0), of(1)], [(0.5, 0.125, Some(1.0)), (0.25, -0.5, Some(1.0))]);
+    assert_eq!(read.architecture.stiffness_of_coordinates(&read.weights), [7.0; 2]);
+    assert_eq!(read.weights[shape.corrections_place()][0], f64::from(0.4_f32), "the scale of the network");
+    let names = shape.number_names();
+    let last = names.last().unwrap().as_ref().unwrap();
+    assert_eq!(
+        (last.name.as_str(), last.unit),
+        ("coordinate 1: Coulomb friction, width of the change of sign", "rad/s")
+    );
+    let model = shape.energies().unwrap();
+    assert_eq!(model.parameters(), weights.len());
 }
 
 #[test]
@@ -103,6 +169,8 @@ fn what_is_written_is_read_again() {
     for friction in [
         "friction = \"learned\"\n",
         "[model.friction]\nviscous = [0.5, \"learned\"]\nload = { learn = 0.2 }\nwidth = 0.3\nsmoothing = 2.0\n",
+        "friction = \"sticking\"\n",
+        "[model.friction]\nviscous = 0.5\nviscous_asymmetry = \"learned\"\ncoulomb = \"sticking\"\nbreakaway = [1.5, 1]\n",
     ] {
         for model in [INERTIA_NETWORK, TREE] {
             let config = parse(&format!("{model}{friction}")).unwrap();
@@ -120,7 +188,25 @@ fn what_is_written_is_read_again() {
 fn errors_name_line_and_key() {
     let cases = [
         ("friction = \"learnt\"", 5, "expected \"learned\""),
-        ("friction = 0.1", 5, "viscous, coulomb, load, width and smoothing"),
+        ("friction = 0.1", 5, "\"learned\", \"sticking\", or a table"),
+        ("friction = { coulomb = \"stiking\" }", 5, "expected \"sticking\", \"learned\", a number"),
+        ("friction = { load = \"sticking\" }", 5, "expected \"learned\", a number"),
+        ("[model.friction]\nviscous = 0.1\nsticking = true", 7, "means nothing without dry friction"),
+        ("[model.friction]\nviscous = 0.1\nasymmetry = 0.5", 7, "means nothing without dry friction"),
+        ("[model.friction]\ncoulomb = 0.1\nviscous_asymmetry = 0.5", 7, "means nothing without damping"),
+        (
+            "[model.friction]\ncoulomb = 0.1\nasymmetry = 1.5",
+            7,
+            "`asymmetry` is 1.5; it must be between -1 and 1",
+        ),
+        (
+            "[model.friction]\ncoulomb = 0.1\nasymmetry = { learn = -1.0 }",
+            7,
+            "without them, where it is learned",
+        ),
+        ("[model.friction]\ncoulomb = 0.1\nbreakaway = 1.5", 7, "add sticking = true"),
+        ("[model.friction]\ncoulomb = \"sticking\"\nbreakaway = \"learned\"", 7, "cannot be learned"),
+        ("[model.friction]\ncoulomb = \"sticking\"\nbreakaway = 0.5", 7, "1 or above"),
         ("[model.friction]\ncolomb = 1.0", 6, "did you mean `coulomb`?"),
         ("[model.friction]\ncoulomb = -1.0", 6, "`coulomb` is -1; it must be a finite number, 0 or above"),
         ("[model.friction]\ncoulomb = { learn = 0.0 }", 6, "above 0 where it is learned"),

@@ -38,11 +38,11 @@ fn arm(folder: &Path, model: &str) -> Config {
 fn one_word_learns_stiffness_and_damping() {
     let (shape, weights) = parse(&format!("{NETWORK}servo = \"learned\"\n")).unwrap().beginning().unwrap();
     let follows = |start, part| Number { part: Some(part), ..Number::learned(start) };
-    assert_eq!(shape.servo.stiffness, [follows(10.0, 1.0); 2]);
-    assert_eq!(shape.friction.viscous, [follows(1.0, 0.3); 2]);
+    assert_eq!(shape.group_laws.servo, [follows(10.0, 1.0); 2]);
+    assert_eq!(shape.group_laws.viscous, [follows(1.0, 0.3); 2]);
     assert_eq!(weights[weights.len() - 4..], [1.0, 1.0, 10.0, 10.0]);
     let both = parse(&format!("{NETWORK}servo = \"learned\"\nfriction = \"learned\"\n")).unwrap();
-    assert_eq!(both.beginning().unwrap().0.friction.viscous, [follows(0.01, 0.02); 2], "friction says it");
+    assert_eq!(both.beginning().unwrap().0.group_laws.viscous, [follows(0.01, 0.02); 2], "friction says it");
     let (mut of_log, mut begins) = (shape.clone(), weights.clone());
     of_log.follow(&[Scales { speed: 2.0, force: 8.0, deflection: 0.1, ..Scales::default() }; 2], &mut begins);
     assert_eq!(begins[begins.len() - 4..], [0.3 * 4.0, 0.3 * 4.0, 80.0, 80.0]);
@@ -67,7 +67,7 @@ fn what_is_written_is_read_again() {
         let model = decode(&encode(&shape, &weights, None, "test").unwrap()).unwrap();
         assert!(model.architecture.laws().contains(Law::Servo));
         let values = |numbers: &[Number]| numbers.iter().map(|number| number.value).collect::<Vec<_>>();
-        assert_eq!(values(&model.architecture.servo.stiffness), values(&shape.servo.stiffness));
+        assert_eq!(values(&model.architecture.group_laws.servo), values(&shape.group_laws.servo));
         let friction = shape.friction_of_coordinates(&weights);
         assert_eq!(model.architecture.friction_of_coordinates(&model.weights), friction);
         assert_eq!(model.architecture.parameters().unwrap(), weights.len());
@@ -143,7 +143,7 @@ fn an_arm_of_known_bodies_is_learned_from_positions_alone() {
     assert!(!plan.notices().contains(&Notice::UnknownScale));
     let trained = plan.train().unwrap();
     let (shape, weights) = (&trained.architecture, &trained.best.weights);
-    let found = &weights[shape.servo_start()..];
+    let found = &weights[shape.corrections_place().end..];
     for (found, truth) in found.iter().zip(STIFFNESS) {
         assert!((found / truth - 1.0).abs() < 0.02, "stiffness {found} {truth}");
     }

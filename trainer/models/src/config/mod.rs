@@ -19,7 +19,7 @@ pub use crate::inertia_network::coordinates::Coordinates;
 pub use crate::laws::corrections::config::{DissipationConfig, PotentialConfig, ScaleConfig};
 pub use crate::laws::friction::config::FrictionConfig;
 pub use crate::laws::numbers::{GroupNumber, GroupNumbers};
-pub use crate::laws::servo::config::ServoConfig;
+pub use crate::laws::servo::ServoConfig;
 pub use crate::modular::config::{
     Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig,
 };

@@ -3,11 +3,10 @@
 use super::place::ShapeError;
 use super::problem::Problem;
 use crate::architecture::Architecture;
-use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
-use crate::laws::servo::Servo;
+use crate::laws::{CoordinateFriction, GroupLaws, NumberKind};
 use crate::model::Model;
 use crate::number::Number;
-use leastaction_core::model::FrictionNumber;
+use leastaction_core::model::Law;
 use std::path::{Path, PathBuf};
 
 /// Opens a trained model named by a configuration, or says why it cannot be read.
@@ -52,8 +51,7 @@ impl Origin {
     /// Weights of the correcting networks of a shape: those of this model if its networks are the same, else numbers without an effect.
     pub fn corrections(&self, architecture: &Architecture) -> Vec<f64> {
         let own = &self.0.architecture;
-        let start = own.corrections_start();
-        match self.0.weights.get(start..start + own.corrections.count()) {
+        match self.0.weights.get(own.corrections_place()) {
             Some(weights) if own.corrections == architecture.corrections => weights.to_vec(),
             _ => architecture.corrections.without_effect(),
         }
@@ -65,52 +63,51 @@ impl Origin {
         (0..self.0.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
     }
 
-    /// Friction of the coordinates as a starting point for learning. Numbers that are 0, and the smoothing loads τ_s,
-    /// stay known.
-    pub fn friction_to_learn(&self) -> FrictionArchitecture {
-        let friction = self.friction();
-        let number = |value: f64| Number::new(value, value > 0.0);
-        let viscous = friction.iter().map(|own| number(own.viscous)).collect::<Vec<_>>();
-        let of_dry = |own: &CoordinateFriction| {
-            let dry = own.dry?;
-            let width = Number::new(dry.width, dry.constant > 0.0);
-            Some([number(dry.constant), number(dry.load), Number::known(dry.smoothing), width])
-        };
-        let is_viscous = viscous.iter().any(|number| number.learned);
-        FrictionArchitecture::new(
-            if is_viscous { viscous } else { Vec::new() },
-            friction.iter().map_while(of_dry).collect(),
-        )
-    }
-
-    /// Sets the learned numbers of friction and servos to those of this model, if it has any.
-    pub fn set_laws(&self, friction: &mut FrictionArchitecture, servo: &mut Servo) {
-        self.set_friction(friction);
-        let stiffness = self.0.architecture.stiffness_of_coordinates(&self.0.weights);
-        servo.stiffness.iter_mut().zip(stiffness).for_each(|(number, own)| begin_at(number, own));
-    }
-
-    fn set_friction(&self, friction: &mut FrictionArchitecture) {
-        let own = self.friction();
-        friction.viscous.iter_mut().zip(&own).for_each(|(number, own)| begin_at(number, own.viscous));
-        for (numbers, own) in friction.dry.iter_mut().zip(&own) {
-            let Some(dry) = own.dry else { continue };
-            for (number, kind) in numbers.iter_mut().zip(FrictionNumber::ALL) {
-                let value = match kind {
-                    FrictionNumber::Constant => dry.constant,
-                    FrictionNumber::Load => dry.load,
-                    FrictionNumber::Smoothing => dry.smoothing,
-                    FrictionNumber::Width => dry.width,
-                };
-                begin_at(number, value);
-            }
+    /// Laws of friction of the coordinates as a starting point for learning, those without an effect left out. Numbers that are 0, smoothing
+    /// loads τ_s and breakaway ratios stay known.
+    pub fn friction_to_learn(&self) -> GroupLaws {
+        let Model { architecture, weights, .. } = &self.0;
+        let (groups, mut laws) = (architecture.family.group_of_coordinates(), GroupLaws::default());
+        for law in architecture.laws().iter().filter(|law| NumberKind::are_of_friction(*law)) {
+            let numbers: Vec<_> = architecture.law_numbers(law, weights).chunks(law.ranges().len()).collect();
+            let own = groups.iter().filter_map(|group| numbers.get(*group)).map(|own| to_learn(law, own));
+            laws.set(law, own.collect::<Vec<_>>().concat());
         }
+        laws
+    }
+
+    /// Lets the learned numbers of friction and servos, of every coordinate, begin at those of this model, as far as it has them.
+    pub fn set_laws(&self, laws: &mut GroupLaws) {
+        let stiffness = self.0.architecture.stiffness_of_coordinates(&self.0.weights);
+        let friction = self.friction();
+        laws.change(|group, kind, number| {
+            let value = match kind {
+                NumberKind::Stiffness => stiffness.get(group).copied(),
+                _ => friction.get(group).and_then(|own| own.number(kind)),
+            };
+            value.into_iter().for_each(|value| begin_at(number, value));
+        });
     }
 }
 
-/// Lets a number that is learned, or was not given, begin at that of an earlier model, if that is above 0.
+/// The numbers of a law for a group, learned as far as they have an effect; none if the whole has none.
+fn to_learn(law: Law, numbers: &[f64]) -> Vec<Number> {
+    let kinds = NumberKind::of(law);
+    let acts = kinds.iter().zip(numbers).any(|(kind, value)| *kind == NumberKind::Friction && *value > 0.0);
+    let number = |(kind, value): (&NumberKind, &f64)| {
+        let is_learned = match kind {
+            NumberKind::Smoothing | NumberKind::Breakaway => false,
+            NumberKind::Width => acts,
+            _ => *value != 0.0,
+        };
+        Number::new(*value, is_learned)
+    };
+    kinds.iter().zip(numbers).map(number).collect()
+}
+
+/// Lets a number that is learned, or was not given, begin at that of an earlier model, unless that is 0.
 fn begin_at(number: &mut Number, value: f64) {
-    if (number.learned || number.part.is_some()) && value > 0.0 {
+    if (number.learned || number.part.is_some()) && value != 0.0 {
         number.give(value);
     }
 }

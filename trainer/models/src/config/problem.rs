@@ -150,6 +150,17 @@ pub enum Problem {
         /// The key.
         key: &'static str,
     },
+    /// An asymmetry of damping in a model without damping.
+    #[error("`viscous_asymmetry` means nothing without damping; add viscous = \"learned\", or leave it out")]
+    NoDamping,
+    /// A breakaway ratio of friction that does not stick.
+    #[error("`breakaway` is for friction that sticks; add sticking = true, or leave it out")]
+    BreakawayOfSmooth,
+    /// A breakaway ratio that is to be learned.
+    #[error(
+        "`breakaway` cannot be learned: gradients see the smooth law, which has none; give a number, as 1.2"
+    )]
+    LearnedBreakaway,
     /// Friction that grows with the load in a model whose commands are positions.
     #[error(
         "friction that grows with the load needs forces as commands, and with `servo` they are positions; leave `load` out"

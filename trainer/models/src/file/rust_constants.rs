@@ -56,8 +56,13 @@ fn constant_type(model: &Model) -> Result<ConstantType, ConstantsError> {
     if laws.contains(Law::Dissipation) || laws.contains(Law::Potential) {
         return Err(ConstantsError::Unsupported { what: "a law of force with a network" });
     }
-    if laws.contains(Law::Servo) {
-        return Err(ConstantsError::Unsupported { what: "a servo" });
+    let others = [
+        (Law::Servo, "a servo"),
+        (Law::Directional, "friction by direction"),
+        (Law::Sticking, "friction that sticks"),
+    ];
+    if let Some((_, what)) = others.into_iter().find(|(law, _)| laws.contains(*law)) {
+        return Err(ConstantsError::Unsupported { what });
     }
     model.architecture.family.constant_type().map_err(|what| ConstantsError::Unsupported { what })
 }

@@ -125,24 +125,32 @@ impl ForcesType {
 
     /// Name of the type.
     pub(super) fn name(&self) -> &'static str {
-        if self.has_networks() || self.has(Law::Servo) { "Forces" } else { "Friction" }
+        let is_friction = |law: &Law| !matches!(law, Law::Dissipation | Law::Potential | Law::Servo);
+        if self.laws.iter().all(is_friction) { "Friction" } else { "Forces" }
     }
 
     /// Laws without networks, in words.
-    fn words(&self) -> &'static str {
-        match (self.has(Law::Coulomb), self.has(Law::Servo)) {
-            (_, false) => "Viscous damping and dry friction",
-            (true, true) => "Viscous damping, dry friction and servos",
-            (false, true) => "Viscous damping and servos",
-        }
+    fn words(&self) -> String {
+        let names = [
+            (Law::Coulomb, "dry friction"),
+            (Law::Servo, "servos"),
+            (Law::Directional, "friction by direction"),
+            (Law::Sticking, "friction that sticks"),
+        ];
+        let present = names.iter().filter(|(law, _)| self.has(*law)).map(|(_, name)| *name);
+        let all: Vec<&str> = std::iter::once("Viscous damping").chain(present).collect();
+        let (last, others) = all.split_last().unwrap_or((&"", &[]));
+        format!("{} and {last}", others.join(", "))
     }
 
     pub(super) fn imports(&self) -> String {
         let names = [
             (self.has(Law::Coulomb), "Coulomb"),
+            (self.has(Law::Directional), "Directional"),
             (self.has(Law::Dissipation), "Dissipation"),
             (self.has(Law::Potential), "PotentialCorrection"),
             (self.has(Law::Servo), "Servo"),
+            (self.has(Law::Sticking), "Sticking"),
             (true, "Viscous"),
         ];
         names
@@ -163,8 +171,9 @@ impl ForcesType {
         for (_, name) in networks.into_iter().filter(|(law, _)| self.has(*law)) {
             text = format!("({text}, {name}<'static, {}, M, LAW_H, LAW_L>)", self.weight);
         }
-        if self.has(Law::Servo) {
-            text = format!("({text}, Servo<f32, M>)");
+        let last = [(Law::Servo, "Servo"), (Law::Directional, "Directional"), (Law::Sticking, "Sticking")];
+        for (_, name) in last.into_iter().filter(|(law, _)| self.has(*law)) {
+            text = format!("({text}, {name}<f32, M>)");
         }
         text
     }

@@ -11,10 +11,9 @@ use crate::config::problem::Problem;
 use crate::inertia_network::{InertiaNetworkArchitecture, largest_factor};
 use crate::laws::corrections::Corrections;
 use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
-use crate::laws::friction::FrictionArchitecture;
 use crate::laws::friction::config::FrictionConfig;
-use crate::laws::servo::Servo;
-use crate::laws::servo::config::ServoConfig;
+use crate::laws::group::GroupLaws;
+use crate::laws::servo::ServoConfig;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -120,7 +119,7 @@ impl InertiaNetworkConfig {
                 Inertia::Factor { rows, epsilon: self.epsilon }
             }
         };
-        let (friction, corrections, servo) = self.laws()?;
+        let (group_laws, corrections) = self.laws()?;
         let family = InertiaNetworkArchitecture {
             widths: hidden.clone(),
             activation: *activation,
@@ -128,7 +127,7 @@ impl InertiaNetworkConfig {
             damped: *damping,
             ..plain
         };
-        Ok(Architecture { family: family.into(), friction, corrections, servo })
+        Ok(Architecture { family: family.into(), group_laws, corrections })
     }
 
     /// Returns the shape with the friction numbers of the model to start from. If the configuration has neither a
@@ -136,22 +135,22 @@ impl InertiaNetworkConfig {
     fn begun(&self, mut architecture: Architecture, origin: Option<&Origin>) -> Architecture {
         match origin {
             Some(origin) if self.friction.is_none() && !self.damping && self.servo.is_none() => {
-                architecture.friction = origin.friction_to_learn();
+                architecture.group_laws = origin.friction_to_learn();
             }
-            Some(origin) => origin.set_laws(&mut architecture.friction, &mut architecture.servo),
+            Some(origin) => origin.set_laws(&mut architecture.group_laws),
             None => {}
         }
         architecture
     }
 
-    /// Returns the friction of the coordinates, the correction networks and the servos.
-    fn laws(&self) -> Result<(FrictionArchitecture, Corrections, Servo), ShapeError> {
+    /// Returns friction and servos, and the correction networks.
+    fn laws(&self) -> Result<(GroupLaws, Corrections), ShapeError> {
         self.friction.check_damping("damping", self.damping)?;
         let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
         let known = Known { letters: &letters, common: letters.len() };
-        let mut friction = self.friction.assemble(letters.len(), "coordinate")?;
-        let servo = ServoConfig::assemble(self.servo.as_ref(), (letters.len(), "coordinate"), &mut friction)?;
-        Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?, servo))
+        let friction = self.friction.assemble(letters.len(), "coordinate")?;
+        let group_laws = ServoConfig::assemble(self.servo.as_ref(), (letters.len(), "coordinate"), friction)?;
+        Ok((group_laws, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
     }
 
     /// Returns the inertia with the requested number of rows.

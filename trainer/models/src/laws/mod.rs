@@ -3,11 +3,11 @@
 mod actuator;
 pub mod corrections;
 pub mod friction;
+pub mod group;
 pub(crate) mod numbers;
 pub mod servo;
 
 pub use actuator::Actuator;
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
-pub(crate) use friction::dry_friction;
-pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTH_PARTS, WIDTHS};
-pub use servo::Servo;
+pub use friction::{CoordinateFriction, DryNumbers};
+pub use group::{GroupLaws, LawEntry, MOST_LOAD, NumberKind, WIDTH_PARTS, WIDTHS};

@@ -75,6 +75,15 @@ impl GroupNumber {
 }
 
 impl GroupNumbers {
+    /// Whether no number is learned.
+    pub(crate) fn are_known(&self) -> bool {
+        let is_known = |number: &GroupNumber| matches!(number, GroupNumber::Known(_));
+        match self {
+            Self::All(one) => is_known(one),
+            Self::Each(each) => each.iter().all(is_known),
+        }
+    }
+
     /// Returns the numbers of `groups` groups; `what` is the word for a group.
     pub(crate) fn assemble(
         &self,
@@ -168,34 +177,40 @@ impl<'de> Deserialize<'de> for GroupNumber {
     }
 }
 
-struct NumbersVisitor;
+/// Visitor of one number or a list; the result says whether it was the other word, which stands for learned numbers too.
+pub(crate) struct NumbersVisitor {
+    /// The other word, if there is one.
+    pub word: Option<&'static str>,
+}
 
 impl<'de> Visitor<'de> for NumbersVisitor {
-    type Value = GroupNumbers;
+    type Value = (GroupNumbers, bool);
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.word.iter().try_for_each(|word| write!(f, "{word:?}, "))?;
         NumberVisitor.expecting(f)?;
         f.write_str(", or a list of them")
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<Self::Value, E> {
-        if word == LEARNED {
-            NumberVisitor.visit_str(word).map(GroupNumbers::All)
+        let is_other = self.word == Some(word);
+        if word == LEARNED || is_other {
+            Ok((GroupNumbers::All(GroupNumber::Learned), is_other))
         } else {
             Err(E::invalid_value(Unexpected::Str(word), &self))
         }
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
-        NumberVisitor.visit_f64(value).map(GroupNumbers::All)
+        NumberVisitor.visit_f64(value).map(of_all)
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
-        NumberVisitor.visit_i64(value).map(GroupNumbers::All)
+        self.visit_f64(value as f64)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-        NumberVisitor.visit_map(map).map(GroupNumbers::All)
+        NumberVisitor.visit_map(map).map(of_all)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
@@ -203,12 +218,16 @@ impl<'de> Visitor<'de> for NumbersVisitor {
         while let Some(one) = list.next_element()? {
             each.push(one);
         }
-        Ok(GroupNumbers::Each(each))
+        Ok((GroupNumbers::Each(each), false))
     }
+}
+
+fn of_all(number: GroupNumber) -> (GroupNumbers, bool) {
+    (GroupNumbers::All(number), false)
 }
 
 impl<'de> Deserialize<'de> for GroupNumbers {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        from.deserialize_any(NumbersVisitor)
+        from.deserialize_any(NumbersVisitor { word: None }).map(|(numbers, _)| numbers)
     }
 }

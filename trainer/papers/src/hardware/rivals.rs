@@ -9,7 +9,7 @@ use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_learning::training::{
     Levenberg, LossKind, Objective, Samples, TorqueTerms, objective, torque_objective,
 };
-use leastaction_models::{Architecture, FrictionArchitecture, InertiaNetworkArchitecture, Number};
+use leastaction_models::{Architecture, GroupLaws, InertiaNetworkArchitecture, Number};
 use leastaction_programs::System;
 use std::time::Instant;
 
@@ -79,7 +79,7 @@ fn network(training: &Training, has_friction: bool) -> Architecture {
     let mut network = Architecture::from(inertia_network);
     if has_friction {
         let dry = FRICTION.map(|(value, learned)| Number::new(value, learned));
-        network.friction = FrictionArchitecture::new(vec![Number::learned(VISCOUS); n], vec![dry; n]);
+        network.group_laws = GroupLaws::of_friction(vec![Number::learned(VISCOUS); n], vec![dry; n]);
     }
     network
 }

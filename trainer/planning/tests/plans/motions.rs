@@ -3,7 +3,7 @@
 use crate::{problem, solved};
 use leastaction_core::control::Status;
 use leastaction_core::plan::PlanFile;
-use leastaction_models::{FrictionArchitecture, Number};
+use leastaction_models::{GroupLaws, Number};
 use leastaction_planning::{Plan, plan};
 use std::sync::atomic::AtomicBool;
 
@@ -128,7 +128,7 @@ fn gains_meet_dry_friction_at_the_deviations() {
         let (mut machine, task) =
             problem("pendulum", |text| format!("{text}\n[search]\nstarts = 1\n")).unwrap();
         let dry = [0.05, 0.0, 1.0, width];
-        machine.model.architecture.friction = FrictionArchitecture::new(vec![], vec![dry.map(Number::known)]);
+        machine.model.architecture.group_laws = GroupLaws::of_friction(vec![], vec![dry.map(Number::known)]);
         machine.model.weights.extend(dry);
         let found = solved(&machine, &task);
         assert!(found.is_feasible() && found.holds, "{}", found.solution.violation);

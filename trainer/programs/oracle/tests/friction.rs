@@ -8,7 +8,7 @@ use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetw
 use leastaction_core::forces::{Coulomb, DryFriction, Forces, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Del, Newton, Order};
-use leastaction_programs::energies::{DryLaw, Energies, FrictionLaws, InertiaNetworkEnergies, WithFriction};
+use leastaction_programs::energies::{Energies, GroupForce, InertiaNetworkEnergies, with_group_laws};
 use leastaction_programs::{Row, System, WIDTH};
 
 const N: usize = 3;
@@ -17,41 +17,38 @@ const INERTIA: Inertia = Inertia::Cholesky { epsilon: 1e-2 };
 /// The groups of the coordinates.
 const OF: [usize; N] = [1, 0, 1];
 
-type Model = WithFriction<InertiaNetworkEnergies>;
+type Model = Box<dyn Energies>;
 
 /// b of both groups.
 const VISCOUS: [f64; 2] = [0.3, 0.05];
 /// c, c_load, τ_s and ε of both groups.
 const DRY: [[f64; 4]; 2] = [[0.7, 0.25, 0.4, 0.5], [0.2, 0.6, 0.15, 0.9]];
-const ALL: FrictionLaws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
-const CASES: [FrictionLaws; 4] = [
-    ALL,
-    FrictionLaws { viscous: false, ..ALL },
-    FrictionLaws { dry: DryLaw::None, ..ALL },
-    FrictionLaws { dry: DryLaw::Unloaded, ..ALL },
-];
+const LOADED: GroupForce = GroupForce::Coulomb { loaded: true };
+const UNLOADED: GroupForce = GroupForce::Coulomb { loaded: false };
+const ALL: &[GroupForce] = &[GroupForce::Viscous, LOADED];
+const CASES: [&[GroupForce]; 4] = [ALL, &[LOADED], &[GroupForce::Viscous], &[GroupForce::Viscous, UNLOADED]];
 
 fn inertia_network(damped: bool) -> InertiaNetworkEnergies {
     InertiaNetworkEnergies::new(KINDS.to_vec(), (&[6, 5], Activation::Tanh), INERTIA, damped)
 }
 
-fn model(laws: FrictionLaws, damped: bool) -> Model {
-    WithFriction::new(inertia_network(damped), laws, 2, OF.to_vec()).unwrap()
+fn model(laws: &[GroupForce], damped: bool) -> Model {
+    with_group_laws(Box::new(inertia_network(damped)), laws, (2, &OF)).unwrap()
 }
 
 /// Numbers of the laws in the order of a weight block.
-fn numbers(laws: FrictionLaws, dry: [[f64; 4]; 2]) -> Vec<f64> {
+fn numbers(laws: &[GroupForce], dry: [[f64; 4]; 2]) -> Vec<f64> {
     let unloaded = |[c, _, smoothing, width]: [f64; 4]| [c, 0.0, smoothing, width];
-    let dry = match laws.dry {
-        DryLaw::None => Vec::new(),
-        DryLaw::Unloaded => dry.map(unloaded).concat(),
-        DryLaw::Loaded => dry.concat(),
+    let of = |law: &GroupForce| match *law {
+        GroupForce::Viscous => VISCOUS.to_vec(),
+        UNLOADED => dry.map(unloaded).concat(),
+        _ => dry.concat(),
     };
-    VISCOUS.iter().copied().filter(|_| laws.viscous).chain(dry).collect()
+    laws.iter().flat_map(of).collect()
 }
 
 /// Random weights of the model, followed by these numbers.
-fn weights(laws: FrictionLaws, dry: [[f64; 4]; 2], damped: bool, seed: u64) -> Vec<f64> {
+fn weights(laws: &[GroupForce], dry: [[f64; 4]; 2], damped: bool, seed: u64) -> Vec<f64> {
     let mut weights = random_weights(inertia_network(damped).parameters(), seed);
     weights.extend(numbers(laws, dry));
     weights
@@ -60,9 +57,9 @@ fn weights(laws: FrictionLaws, dry: [[f64; 4]; 2], damped: bool, seed: u64) -> V
 type Laws = (Viscous<f64, N>, Coulomb<f64, N>);
 
 /// The laws of core with the numbers at the end of a weight block.
-fn laws(which: FrictionLaws, weights: &[f64]) -> Laws {
+fn laws(which: &[GroupForce], weights: &[f64]) -> Laws {
     let own = &weights[weights.len() - numbers(which, DRY).len()..];
-    let (viscous, dry) = own.split_at(if which.viscous { 2 } else { 0 });
+    let (viscous, dry) = own.split_at(if which.contains(&GroupForce::Viscous) { 2 } else { 0 });
     let dry_friction = |group: usize| {
         let [constant, load, smoothing, width] = *dry.as_chunks::<4>().0.get(group)?;
         Some(DryFriction { constant, load, smoothing, width })
@@ -72,7 +69,7 @@ fn laws(which: FrictionLaws, weights: &[f64]) -> Laws {
     (Viscous { coefficients }, Coulomb { coordinates })
 }
 
-fn core(which: FrictionLaws, weights: &[f64]) -> CoreSystem<InertiaNetwork<'_, f64, N, 8, 2>, Laws> {
+fn core<'w>(which: &[GroupForce], weights: &'w [f64]) -> CoreSystem<InertiaNetwork<'w, f64, N, 8, 2>, Laws> {
     let shape = InertiaNetworkShape::new(KINDS, &[6, 5], Activation::Tanh, INERTIA).unwrap();
     let lagrangian = InertiaNetwork::take(&mut &weights[..], &shape).unwrap();
     CoreSystem { lagrangian, forces: laws(which, weights) }
@@ -88,12 +85,11 @@ fn values_and_derivatives_are_cores() {
     }
 }
 
-/// A model's own damping stays, and its numbers precede those of friction; a boxed model gives the same results.
+/// A model's own damping stays, and its numbers precede those of friction.
 #[test]
 fn friction_adds_to_the_forces_of_the_model() {
-    let which = FrictionLaws { viscous: false, ..ALL };
-    let both = WithFriction::new(Box::new(inertia_network(true)) as Box<dyn Energies>, which, 2, OF.to_vec())
-        .unwrap();
+    let which = &[LOADED];
+    let both = model(which, true);
     let (alone, weights) = (inertia_network(true), weights(which, DRY, true, 5));
     assert_eq!((both.parameters(), alone.parameters() + 8), (weights.len(), weights.len()));
     let friction = laws(which, &weights);
@@ -132,7 +128,7 @@ fn gradients_are_the_differences_of_cores_force() {
             // There is no derivative with respect to a c_load that is known to be 0; c_load is the second and the sixth
             // number of dry friction.
             let is_load = (weights.len() - place) % 4 == 3;
-            for sample in (0..WIDTH).filter(|_| which.dry != DryLaw::Unloaded || !is_load) {
+            for sample in (0..WIDTH).filter(|_| !which.contains(&UNLOADED) || !is_load) {
                 let [q, v, tau, y] = [0, 1, 2, 4].map(|vector| own.of(vector, sample));
                 let work = |laws: &Laws| -> f64 {
                     laws.force(&q, &v, &tau).iter().zip(&y).map(|(f, y)| f * y).sum()
@@ -143,15 +139,6 @@ fn gradients_are_the_differences_of_cores_force() {
             }
         }
     }
-}
-
-#[test]
-fn groups_must_fit() {
-    assert!(
-        WithFriction::new(inertia_network(false), ALL, 2, vec![0, 1]).is_none(),
-        "two coordinates of three"
-    );
-    assert!(WithFriction::new(inertia_network(false), ALL, 2, vec![0, 1, 2]).is_none(), "no third group");
 }
 
 /// Friction with such a small width that Newton's method without safeguards jumps back and forth.

@@ -12,7 +12,7 @@ use leastaction_core::model::{Law, LawNetwork as Header};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Del, Newton, Order};
 use leastaction_programs::energies::{
-    DryLaw, Energies, FrictionLaws, InertiaNetworkEnergies, LawNetwork, WithFriction, WithNetworks,
+    Energies, GroupForce, InertiaNetworkEnergies, LawNetwork, WithGroupLaw, WithNetworks,
 };
 use leastaction_programs::{Row, System, WIDTH};
 
@@ -21,7 +21,7 @@ const KINDS: [Coordinate; N] = [Coordinate::Angle, Coordinate::Translation, Coor
 const INERTIA: Inertia = Inertia::Cholesky { epsilon: 1e-2 };
 const VISCOUS: [f64; N] = [0.3, 0.05, 0.2];
 
-type Model = WithNetworks<WithFriction<InertiaNetworkEnergies>>;
+type Model = WithNetworks<WithGroupLaw<InertiaNetworkEnergies>>;
 type Networks<'w> = (Dissipation<'w, f64, N, 6, 2>, PotentialCorrection<'w, f64, N, 6, 2>);
 
 /// Laws on two of three coordinates, one of which enters only by its velocity; on one other coordinate; and on two.
@@ -51,8 +51,7 @@ fn inertia_network() -> InertiaNetworkEnergies {
 }
 
 fn model([dissipation, potential]: [Option<Header>; 2]) -> Model {
-    let laws = FrictionLaws { viscous: true, dry: DryLaw::None };
-    let damped = WithFriction::new(inertia_network(), laws, N, vec![0, 1, 2]).unwrap();
+    let damped = WithGroupLaw::new(inertia_network(), GroupForce::Viscous, N, vec![0, 1, 2]).unwrap();
     let [dissipation, potential] = [dissipation, potential].map(|law| law.as_ref().map(network));
     WithNetworks::new(damped, dissipation.as_ref(), potential.as_ref()).unwrap()
 }

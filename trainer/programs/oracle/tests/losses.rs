@@ -9,7 +9,7 @@ use leastaction_core::forces::{ControlKind, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Accelerations, Order};
 use leastaction_programs::energies::{
-    DryLaw, Energies, FrictionLaws, InertiaNetworkEnergies, WithFriction, WithOffsets,
+    Energies, GroupForce, InertiaNetworkEnergies, WithOffsets, with_group_laws,
 };
 use leastaction_programs::losses::{AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, TorqueLoss};
 use leastaction_programs::steps::RungeKutta;
@@ -164,10 +164,10 @@ fn torques() {
 /// Friction that grows with the load, drives with torque offsets, and a separate unit for each coordinate.
 #[test]
 fn torques_of_drives_in_units_of_their_own() {
-    let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
+    let laws = [GroupForce::Viscous, GroupForce::Coulomb { loaded: true }];
     let plain = InertiaNetworkEnergies::new(vec![KINDS[0]; 3], (&[5], Activation::Tanh), INERTIA, false);
     let of_network = plain.parameters();
-    let model = WithOffsets::new(WithFriction::new(plain, laws, 3, vec![0, 1, 2]).unwrap());
+    let model = WithOffsets::new(with_group_laws(Box::new(plain), &laws, (3, &[0, 1, 2])).unwrap());
     let mut stream = Pcg64::seed_from_u64(7);
     let mut weights: Vec<f64> = (0..model.parameters()).map(|_| stream.random_range(-0.8..0.8)).collect();
     weights[of_network..].iter_mut().for_each(|number| *number = number.abs() + 0.1);

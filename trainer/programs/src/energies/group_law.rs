@@ -4,17 +4,24 @@ use super::Energies;
 use crate::builder::Builder;
 use crate::function::Function;
 use crate::operation::Node;
-use leastaction_core::model::{DirectionalNumber, Law, StickingNumber};
+use leastaction_core::model::{DirectionalNumber, FrictionNumber, Law, StickingNumber};
 use leastaction_core::network::Activation;
 
 /// A law of force in addition to a model's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GroupForce {
+    /// Viscous damping, Q = −b v: [`leastaction_core::forces::Viscous`].
+    Viscous,
+    /// Dry friction with a smooth change of sign: [`leastaction_core::forces::Coulomb`].
+    Coulomb {
+        /// Whether some c_load is learned or not 0.
+        loaded: bool,
+    },
     /// Position servos, τ + Q = k (τ − q) + the model's own forces: [`leastaction_core::forces::Servo`].
     Servo,
     /// Friction that differs by direction: [`leastaction_core::forces::Directional`].
     Directional,
-    /// The smooth law of friction that sticks: [`leastaction_core::forces::Sticking`]. `loaded` says whether it may grow with the load.
+    /// The smooth law of friction that sticks: [`leastaction_core::forces::Sticking`].
     Sticking {
         /// Whether some c_load is learned or not 0.
         loaded: bool,
@@ -31,9 +38,23 @@ pub struct WithGroupLaw<E> {
 }
 
 impl GroupForce {
+    /// The force of a law of a model file, which may grow with the load or not; `None` for a law with a network.
+    pub const fn new(law: Law, loaded: bool) -> Option<Self> {
+        match law {
+            Law::Viscous => Some(Self::Viscous),
+            Law::Coulomb => Some(Self::Coulomb { loaded }),
+            Law::Dissipation | Law::Potential => None,
+            Law::Servo => Some(Self::Servo),
+            Law::Directional => Some(Self::Directional),
+            Law::Sticking => Some(Self::Sticking { loaded }),
+        }
+    }
+
     /// The law of a model file.
     pub const fn law(self) -> Law {
         match self {
+            Self::Viscous => Law::Viscous,
+            Self::Coulomb { .. } => Law::Coulomb,
             Self::Servo => Law::Servo,
             Self::Directional => Law::Directional,
             Self::Sticking { .. } => Law::Sticking,
@@ -43,7 +64,8 @@ impl GroupForce {
     /// Position of the width of the law among its numbers, if it bends.
     const fn width(self) -> Option<usize> {
         match self {
-            Self::Servo => None,
+            Self::Viscous | Self::Servo => None,
+            Self::Coulomb { .. } => Some(FrictionNumber::Width as usize),
             Self::Directional => Some(DirectionalNumber::Width as usize),
             Self::Sticking { .. } => Some(StickingNumber::Width as usize),
         }
@@ -69,6 +91,32 @@ impl<E: Energies> WithGroupLaw<E> {
         let each = self.force.law().ranges().len();
         let own: Vec<usize> = self.of.iter().map(|group| each * group + number).collect();
         builder.gather(all, &own)
+    }
+
+    /// b v.
+    fn viscous(&self, builder: &mut Builder, v: Node) -> Node {
+        let b = self.number(builder, 0);
+        builder.product(b, v)
+    }
+
+    /// (c + c_load (√(τ² + τ_s²) − τ_s)) t.
+    fn coulomb(&self, builder: &mut Builder, loaded: bool, v: Node, tau: Node) -> Node {
+        use FrictionNumber::{Constant, Load, Smoothing, Width};
+        let constant = self.number(builder, Constant as usize);
+        let growth = loaded.then_some([Load as usize, Smoothing as usize]);
+        let level = self.grown(builder, constant, growth, tau);
+        let t = self.direction(builder, Width as usize, v);
+        builder.product(level, t)
+    }
+
+    /// A level of friction with its growth c_load (√(τ² + τ_s²) − τ_s), given the places of c_load and τ_s if it grows.
+    fn grown(&self, builder: &mut Builder, level: Node, growth: Option<[usize; 2]>, tau: Node) -> Node {
+        let Some([load, smoothing]) = growth else { return level };
+        let smoothing = self.number(builder, smoothing);
+        let growth = load_growth(builder, tau, smoothing);
+        let load = self.number(builder, load);
+        let grown = builder.product(load, growth);
+        builder.sum(level, grown)
     }
 
     /// x (1 + at) of a number x and its asymmetry a.
@@ -107,27 +155,34 @@ impl<E: Energies> WithGroupLaw<E> {
     fn sticking(&self, builder: &mut Builder, loaded: bool, v: Node, tau: Node) -> Node {
         use StickingNumber::{Asymmetry, Constant, Load, Smoothing, Width};
         let t = self.direction(builder, Width as usize, v);
-        let mut level = self.by_direction(builder, [Constant as usize, Asymmetry as usize], t);
-        if loaded {
-            let smoothing = self.number(builder, Smoothing as usize);
-            let growth = load_growth(builder, tau, smoothing);
-            let load = self.number(builder, Load as usize);
-            let grown = builder.product(load, growth);
-            level = builder.sum(level, grown);
-        }
+        let level = self.by_direction(builder, [Constant as usize, Asymmetry as usize], t);
+        let growth = loaded.then_some([Load as usize, Smoothing as usize]);
+        let level = self.grown(builder, level, growth, tau);
         builder.product(level, t)
     }
 }
 
+/// Adds laws to a model, in the order of a weight block; `None` as [`WithGroupLaw::new`].
+pub fn with_group_laws(
+    model: Box<dyn Energies>,
+    forces: &[GroupForce],
+    (groups, of): (usize, &[usize]),
+) -> Option<Box<dyn Energies>> {
+    forces.iter().try_fold(model, |model, force| {
+        let with: Box<dyn Energies> = Box::new(WithGroupLaw::new(model, *force, groups, of.to_vec())?);
+        Some(with)
+    })
+}
+
 /// tanh(v/ε).
-pub(super) fn smooth_sign(builder: &mut Builder, v: Node, width: Node) -> Node {
+fn smooth_sign(builder: &mut Builder, v: Node, width: Node) -> Node {
     let inverse = builder.map(Function::Reciprocal, width);
     let relative = builder.product(v, inverse);
     builder.map(Function::Activation(Activation::Tanh), relative)
 }
 
 /// √(τ² + τ_s²) − τ_s = τ²/(√(τ² + τ_s²) + τ_s).
-pub(super) fn load_growth(builder: &mut Builder, tau: Node, smoothing: Node) -> Node {
+fn load_growth(builder: &mut Builder, tau: Node, smoothing: Node) -> Node {
     let [square, own] = [tau, smoothing].map(|x| builder.product(x, x));
     let sum = builder.sum(square, own);
     let root = builder.map(Function::SquareRoot, sum);
@@ -156,13 +211,15 @@ impl<E: Energies> Energies for WithGroupLaw<E> {
                 let drive = self.drive(builder, q, tau);
                 return builder.sum(own, drive);
             }
+            GroupForce::Viscous => self.viscous(builder, v),
+            GroupForce::Coulomb { loaded } => self.coulomb(builder, loaded, v, tau),
             GroupForce::Directional => self.directional(builder, v),
             GroupForce::Sticking { loaded } => self.sticking(builder, loaded, v, tau),
         };
         builder.difference(own, friction)
     }
 
-    /// Half the width of the change of sign; that of the model's own law, if it bends too, is taken to be no narrower.
+    /// Half the width of the change of sign; the width of an inner law that bends too is taken to be no narrower.
     fn bends(&self, builder: &mut Builder) -> Option<Node> {
         let Some(width) = self.force.width() else { return self.model.bends(builder) };
         let width = self.number(builder, width);

@@ -2,7 +2,6 @@
 
 mod arm;
 mod bodies;
-mod friction;
 mod graph;
 mod group_law;
 mod inertia_network;
@@ -13,9 +12,8 @@ mod offsets;
 
 pub use arm::{ArmEnergies, ArmJoint};
 pub use bodies::BodiesEnergies;
-pub use friction::{DryLaw, FrictionLaws, WithFriction};
 pub use graph::GraphEnergies;
-pub use group_law::{GroupForce, WithGroupLaw};
+pub use group_law::{GroupForce, WithGroupLaw, with_group_laws};
 pub use inertia_network::InertiaNetworkEnergies;
 pub use law_networks::{LawNetwork, WithNetworks};
 pub use modular::ModularEnergies;

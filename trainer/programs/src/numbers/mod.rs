@@ -243,7 +243,7 @@ impl<'v> Allocation<'v> {
 
 #[cfg(test)]
 mod tests {
-    use crate::energies::{BodiesEnergies, DryLaw, FrictionLaws, LawNetwork, WithFriction, WithNetworks};
+    use crate::energies::{BodiesEnergies, GroupForce, LawNetwork, WithNetworks, with_group_laws};
     use crate::{Row, System};
     use leastaction_core::energy::bodies::{Joint, TreeBody};
     use leastaction_core::energy::inertia_network::Coordinate;
@@ -262,8 +262,9 @@ mod tests {
         let bodies = BodiesEnergies::new(bodies.to_vec()).unwrap();
         let known = 0..crate::energies::Energies::parameters(&bodies);
         let known = known.map(|k| (k % 3 == 0).then_some([0.0, 1.0, -9.81][k / 3 % 3])).collect();
-        let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
-        let rubbing = WithFriction::new(bodies.with_known(known).unwrap(), laws, 2, vec![0, 1, 1]).unwrap();
+        let laws = [GroupForce::Viscous, GroupForce::Coulomb { loaded: true }];
+        let bodies = Box::new(bodies.with_known(known).unwrap());
+        let rubbing = with_group_laws(bodies, &laws, (2, &[0, 1, 1])).unwrap();
         let law = |coordinates| LawNetwork { coordinates, widths: vec![5], activation: Activation::Tanh };
         let (one, other) = (law(vec![None, Some(Coordinate::Angle)]), law(vec![Some(Coordinate::Angle)]));
         let networks = with_networks.then_some((&one, &other)).unzip();

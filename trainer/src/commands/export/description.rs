@@ -4,6 +4,7 @@ use super::Export;
 use leastaction::cli::{Failure, FileKind, Output, replaceable};
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
+use leastaction_models::NumberKind;
 use leastaction_models::config::{ArmConfig, ModelConfig};
 use leastaction_models::urdf::{Format, Identified, JointNumbers, Written, write_back};
 use serde::Serialize;
@@ -87,7 +88,7 @@ impl Export {
         let (architecture, weights) = (&trained.architecture, &trained.best.weights);
         let tree = architecture.family.arm().and_then(|arm| arm.host_tree(weights));
         let tree = tree.ok_or_else(|| self.no_description())?;
-        let has_viscous = !architecture.friction.viscous.is_empty();
+        let has_viscous = architecture.law_entries().any(|entry| entry.kind == NumberKind::Damping);
         let friction = architecture.friction_of_coordinates(weights).into_iter();
         let joints = friction.map(|own| JointNumbers {
             damping: has_viscous.then_some(own.viscous),
@@ -111,9 +112,12 @@ fn check(file: &Path, source: &Path) -> Result<(), Failure> {
 fn left_out(trained: &Trained) -> Vec<String> {
     let (architecture, weights) = (&trained.architecture, &trained.best.weights);
     let dry = || architecture.friction_of_coordinates(weights).into_iter().filter_map(|own| own.dry);
+    let friction = architecture.friction_of_coordinates(weights);
+    let damping_turns = friction.iter().any(|own| own.viscous_asymmetry != 0.0);
     let actuator = trained.facts().actuator;
     let parts = [
         (dry().any(|dry| dry.load != 0.0), "friction that grows with the load"),
+        (dry().any(|dry| dry.asymmetry != 0.0) || damping_turns, "the differences of friction by direction"),
         (dry().next().is_some(), "the width of the transition of Coulomb friction around rest"),
         (!architecture.corrections.is_none(), "the networks beside the arm"),
         (actuator.offset.iter().any(|offset| *offset != 0.0), "the offsets of the drives' torques"),

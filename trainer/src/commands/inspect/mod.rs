@@ -6,13 +6,12 @@ mod target;
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction::models::load_part;
-use leastaction_core::forces::DryFriction;
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
 use leastaction_models::describe::Description;
 use leastaction_models::file::Precision;
-use leastaction_models::{Actuator, Model};
+use leastaction_models::{Actuator, DryNumbers, Model};
 use network::NetworkReport;
 use serde::Serialize;
 use std::fmt;
@@ -47,6 +46,9 @@ struct Report {
     #[serde(flatten)]
     shape: Description,
     damping: Option<Vec<f64>>,
+    /// Damping by direction: 1 + x of it forwards, 1 − x backwards; empty if it is the same.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    damping_asymmetry: Vec<f64>,
     /// Dry friction of every coordinate; empty if there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     dry_friction: Vec<DryFrictionReport>,
@@ -109,6 +111,8 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
     let friction = architecture.friction_of_coordinates(&model.weights);
     let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
+    let asymmetry: Vec<f64> = friction.iter().map(|friction| friction.viscous_asymmetry).collect();
+    let is_asymmetric = asymmetry.iter().any(|asymmetry| *asymmetry != 0.0);
     // Every modular model has damping numbers, but most are 0.
     let damped =
         architecture.family.inertia_network().is_some() || damping.iter().any(|damping| *damping != 0.0);
@@ -120,6 +124,7 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
         part: architecture.family.parts().map(|parts| [parts.what, parts.meant].map(str::to_owned)),
         shape: Description::of(&architecture.family),
         damping: (!damping.is_empty() && damped).then_some(damping),
+        damping_asymmetry: if is_asymmetric { asymmetry } else { Vec::new() },
         dry_friction: friction.iter().filter_map(|friction| friction.dry).map(Into::into).collect(),
         dissipation: architecture
             .corrections
@@ -142,32 +147,51 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     }
 }
 
-/// Dry friction of a coordinate, −(coulomb + load (√(τ² + smoothing²) − smoothing)) tanh(v/width).
+/// Dry friction of a coordinate, −(coulomb (1 + asymmetry t) + load (√(τ² + smoothing²) − smoothing)) t, t = tanh(v/width), or the law of these
+/// levels that sticks.
 #[derive(Serialize)]
 struct DryFrictionReport {
     /// Constant part, N or N m.
     coulomb: f64,
+    asymmetry: f64,
     load: f64,
     /// Smoothing of the load, N or N m.
     smoothing: f64,
     /// Width, m/s or rad/s.
     width: f64,
+    /// Friction at rest over friction in motion; absent if friction does not stick.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    breakaway: Option<f64>,
 }
 
-impl From<DryFriction<f64>> for DryFrictionReport {
-    fn from(DryFriction { constant, load, smoothing, width }: DryFriction<f64>) -> Self {
-        Self { coulomb: constant, load, smoothing, width }
+impl From<DryNumbers> for DryFrictionReport {
+    fn from(of: DryNumbers) -> Self {
+        let DryNumbers { constant: coulomb, asymmetry, load, smoothing, width, breakaway } = of;
+        Self { coulomb, asymmetry, load, smoothing, width, breakaway }
+    }
+}
+
+/// Writes the asymmetry of a number that differs by direction.
+fn by_direction(f: &mut fmt::Formatter, asymmetry: f64) -> fmt::Result {
+    match asymmetry {
+        0.0 => Ok(()),
+        _ => write!(f, " ({:+.1}% forwards, {:+.1}% backwards)", 100.0 * asymmetry, -100.0 * asymmetry),
     }
 }
 
 impl fmt::Display for DryFrictionReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { coulomb, load, smoothing, width } = self;
+        let Self { coulomb, asymmetry, load, smoothing, width, breakaway } = self;
         write!(f, "{coulomb:.4} N or N m")?;
+        by_direction(f, *asymmetry)?;
         if *load != 0.0 {
             write!(f, " and {load:.4} of the load beyond {smoothing:.4} N or N m")?;
         }
-        write!(f, ", changing sign over {width:.4} m/s or rad/s")
+        match breakaway {
+            None => write!(f, ", changing sign over {width:.4} m/s or rad/s"),
+            Some(1.0) => write!(f, ", sticking at rest"),
+            Some(breakaway) => write!(f, ", sticking at rest, where it is {breakaway:.4} times as large"),
+        }
     }
 }
 
@@ -245,6 +269,10 @@ impl fmt::Display for Report {
         self.shape.lines().iter().try_for_each(|(name, value)| line(f, name, value))?;
         if let Some(damping) = &self.damping {
             line(f, "damping", &format!("{damping:.4?} {}", self.damping_unit()))?;
+        }
+        if !self.damping_asymmetry.is_empty() {
+            let by = &self.damping_asymmetry;
+            line(f, "", &format!("times 1 + x forwards and 1 - x backwards: x = {by:.4?}"))?;
         }
         for (i, dry) in self.dry_friction.iter().enumerate() {
             line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{i}: {dry}"))?;

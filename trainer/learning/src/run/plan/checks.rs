@@ -34,7 +34,7 @@ pub(super) fn check_torque_calibration(
 
 /// Refuses a loss of torques for a model whose commands are positions.
 pub(super) fn check_servo(architecture: &Architecture, loss: TrainingLoss) -> Result<(), PlanError> {
-    let takes = architecture.servo.is_none() || loss != TrainingLoss::Torque;
+    let takes = !architecture.group_laws.has_servos() || loss != TrainingLoss::Torque;
     if takes { Ok(()) } else { Err(PlanError::ServoTorque) }
 }
 
@@ -42,7 +42,7 @@ pub(super) fn check_servo(architecture: &Architecture, loss: TrainingLoss) -> Re
 pub(super) fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
     match architecture.family.open_gauge().filter(|_| !forced) {
         None => Ok(()),
-        Some(_) if !architecture.servo.is_none() => Err(PlanError::ServoScale),
+        Some(_) if architecture.group_laws.has_servos() => Err(PlanError::ServoScale),
         Some(OpenGauge::Masses { types, of }) => Err(PlanError::Masses { types, of }),
         Some(OpenGauge::Torques) => Err(PlanError::NoTorques),
     }

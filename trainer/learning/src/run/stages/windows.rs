@@ -136,7 +136,7 @@ impl<'a> Windows<'a> {
         let TrainingConfig { overlap, integrator, order, .. } = self.config.training;
         let overlap = overlap.unwrap_or_else(|| usual_overlap(self.data, steps));
         let [least, most] = SMOOTH_STEP;
-        let is_smooth = self.architecture.friction.dry.is_empty();
+        let is_smooth = !self.architecture.group_laws.has_dry_friction();
         WindowSettings {
             steps,
             stride: ((1.0 - overlap) * steps as f64).round() as usize,

@@ -1,10 +1,12 @@
 //! Rotor, friction and sensor offset of a joint.
 
-/// Number of parameters per joint.
-pub const JOINT: usize = 7;
+use leastaction_models::NumberKind;
 
-/// Rotor, friction and torque offset of a joint. The torque of its drive solves τ = τ_bodies + J a + b v + (c + l (√(τ² + s²) − s))
-/// tanh(v/ε): friction grows with the load that the model predicts, never with a measured one. The logged torque is τ + o.
+/// Number of parameters per joint.
+pub const JOINT: usize = 9;
+
+/// Rotor, friction and torque offset of a joint. The torque of its drive solves τ = τ_bodies + J a + b (1 + βt) v + (c (1 + δt) + l (√(τ² +
+/// s²) − s)) t with t = tanh(v/ε): friction grows with the load that the model predicts, never with a measured one. The logged torque is τ + o.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointNumbers {
     /// Rotor inertia J ≥ 0, reflected to the joint (kg m², kg).
@@ -21,12 +23,16 @@ pub struct JointNumbers {
     pub offset: f64,
     /// Smoothing s > 0 (N m, N): the effect of a load below s is quadratic.
     pub smoothing: f64,
+    /// Asymmetry −1 ≤ β ≤ 1 of viscous friction.
+    pub viscous_asymmetry: f64,
+    /// Asymmetry −1 ≤ δ ≤ 1 of Coulomb friction.
+    pub asymmetry: f64,
 }
 
 impl Default for JointNumbers {
     /// No rotor, friction or offset.
     fn default() -> Self {
-        Self::of_array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, SOFTNESS])
+        Self::of_array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, SOFTNESS, 0.0, 0.0])
     }
 }
 
@@ -47,12 +53,39 @@ pub enum JointNumber {
     Offset,
     /// Smoothing s.
     Smoothing,
+    /// Asymmetry β.
+    ViscousAsymmetry,
+    /// Asymmetry δ.
+    Asymmetry,
 }
 
 impl JointNumber {
     /// All of them.
-    pub const ALL: [Self; JOINT] =
-        [Self::Rotor, Self::Viscous, Self::Coulomb, Self::Load, Self::Width, Self::Offset, Self::Smoothing];
+    pub const ALL: [Self; JOINT] = [
+        Self::Rotor,
+        Self::Viscous,
+        Self::Coulomb,
+        Self::Load,
+        Self::Width,
+        Self::Offset,
+        Self::Smoothing,
+        Self::ViscousAsymmetry,
+        Self::Asymmetry,
+    ];
+
+    /// The number of this meaning in a law; `None` for a number of no joint's friction.
+    pub const fn of(kind: NumberKind) -> Option<Self> {
+        match kind {
+            NumberKind::Damping => Some(Self::Viscous),
+            NumberKind::DampingAsymmetry => Some(Self::ViscousAsymmetry),
+            NumberKind::Friction => Some(Self::Coulomb),
+            NumberKind::FrictionAsymmetry => Some(Self::Asymmetry),
+            NumberKind::Load => Some(Self::Load),
+            NumberKind::Smoothing => Some(Self::Smoothing),
+            NumberKind::Width => Some(Self::Width),
+            NumberKind::Breakaway | NumberKind::Stiffness => None,
+        }
+    }
 }
 
 /// Default smoothing s of the magnitude of a load, √(τ² + s²) − s (N m, N). The magnitude is smooth at 0, and a load
@@ -63,14 +96,15 @@ impl JointNumbers {
     /// The numbers in the order of the fields.
     #[must_use]
     pub fn array(&self) -> [f64; JOINT] {
-        let Self { rotor, viscous, coulomb, load, width, offset, smoothing } = *self;
-        [rotor, viscous, coulomb, load, width, offset, smoothing]
+        let Self { rotor, viscous, coulomb, load, width, offset, smoothing, .. } = *self;
+        [rotor, viscous, coulomb, load, width, offset, smoothing, self.viscous_asymmetry, self.asymmetry]
     }
 
     /// Inverse of [`JointNumbers::array`].
     #[must_use]
-    pub fn of_array([rotor, viscous, coulomb, load, width, offset, smoothing]: [f64; JOINT]) -> Self {
-        Self { rotor, viscous, coulomb, load, width, offset, smoothing }
+    pub fn of_array(numbers: [f64; JOINT]) -> Self {
+        let [rotor, viscous, coulomb, load, width, offset, smoothing, viscous_asymmetry, asymmetry] = numbers;
+        Self { rotor, viscous, coulomb, load, width, offset, smoothing, viscous_asymmetry, asymmetry }
     }
 
     /// The logged torque, given the torque `bodies` of the bodies alone, at velocity v and acceleration a.
@@ -83,10 +117,16 @@ impl JointNumbers {
     /// friction.
     fn drive(&self, bodies: f64, v: f64, a: f64) -> f64 {
         let sign = (v / self.width).tanh();
-        let rest = bodies + self.rotor * a + self.viscous * v + self.coulomb * sign;
+        let [damping, level] = self.by_direction(sign);
+        let rest = bodies + self.rotor * a + damping * v + level * sign;
         let k = self.load * sign;
         let (rest, part) = (rest - k * self.smoothing, 1.0 - k * k);
         (rest + k * (rest * rest + part * self.smoothing * self.smoothing).sqrt()) / part
+    }
+
+    /// b (1 + βt) and c (1 + δt).
+    fn by_direction(&self, t: f64) -> [f64; 2] {
+        [self.viscous * (1.0 + self.viscous_asymmetry * t), self.coulomb * (1.0 + self.asymmetry * t)]
     }
 
     /// The logged torque, its derivative with respect to `bodies`, and its derivatives with respect to the numbers.
@@ -98,10 +138,15 @@ impl JointNumbers {
         let size = root - self.smoothing;
         let gain = 1.0 / (1.0 - self.load * sign * tau / root);
         let bend = -(v / (self.width * self.width)) * (1.0 - sign * sign);
-        let width = (self.coulomb + self.load * size) * bend;
+        let turned = self.viscous * self.viscous_asymmetry * v + self.coulomb * self.asymmetry * sign;
+        let width = (turned + self.by_direction(sign)[1] + self.load * size) * bend;
+        let [viscous, coulomb] = [self.viscous_asymmetry, self.asymmetry].map(|of| 1.0 + of * sign);
         let smoothing = self.load * sign * (self.smoothing / root - 1.0);
-        let numbers =
-            [gain * a, gain * v, gain * sign, gain * sign * size, gain * width, 1.0, gain * smoothing];
+        let friction = [viscous * v, coulomb * sign, sign * size, width].map(|slope| gain * slope);
+        let [viscous, coulomb, load, width] = friction;
+        let asymmetries = [self.viscous * v, self.coulomb * sign].map(|whole| gain * whole * sign);
+        let [by_beta, by_delta] = asymmetries;
+        let numbers = [gain * a, viscous, coulomb, load, width, 1.0, gain * smoothing, by_beta, by_delta];
         (tau + self.offset, gain, numbers)
     }
 }

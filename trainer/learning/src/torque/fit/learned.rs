@@ -31,6 +31,8 @@ pub struct Learned {
     pub coulomb: bool,
     /// Friction that grows with the load.
     pub load: bool,
+    /// Asymmetries of viscous and of Coulomb friction.
+    pub asymmetries: [bool; 2],
     /// A constant offset of every logged torque.
     pub offsets: bool,
     /// Range of the width ε of tanh(v/ε); equal ends if it is known.
@@ -52,6 +54,7 @@ impl Default for Learned {
             viscous: true,
             coulomb: true,
             load: true,
+            asymmetries: [false; 2],
             offsets: true,
             width: [0.02, 1.0],
             smoothing: [SOFTNESS; 2],
@@ -66,14 +69,17 @@ impl Learned {
         let most = |is_learned: bool, most: f64| if is_learned { most } else { 0.0 };
         let all = |is_learned: bool| most(is_learned, f64::INFINITY);
         let offset = all(self.offsets);
+        let [beta, delta] = self.asymmetries.map(|is_learned| most(is_learned, 1.0));
         let mut ranges = [
             [0.0, all(self.rotors)],
             [0.0, all(self.viscous)],
             [0.0, all(self.coulomb)],
             [0.0, most(self.load, MOST_LOAD)],
-            if self.coulomb || self.load { self.width } else { [width; 2] },
+            if self.coulomb || self.load || self.asymmetries[0] { self.width } else { [width; 2] },
             [-offset, offset],
             if self.load { self.smoothing } else { [SOFTNESS; 2] },
+            [-beta, beta],
+            [-delta, delta],
         ];
         for (_, number, value) in self.held.iter().filter(|(of, ..)| *of == joint) {
             ranges[*number as usize] = [*value; 2];

@@ -11,9 +11,7 @@ use leastaction_learning::torques::torque_errors;
 use leastaction_learning::training::{Samples as States, inverse_dynamics};
 use leastaction_models::file::encode;
 use leastaction_models::urdf::{Inertias, parse as parse_urdf};
-use leastaction_models::{
-    Actuator, Architecture, ArmArchitecture, Facts, FrictionArchitecture, Model, Number,
-};
+use leastaction_models::{Actuator, Architecture, ArmArchitecture, Facts, GroupLaws, Model, Number};
 use leastaction_programs::System;
 use std::sync::atomic::AtomicBool;
 
@@ -97,13 +95,13 @@ fn a_network_is_learned_from_the_same_torques() {
 fn known(robot: &Arm) -> Architecture {
     let numbers =
         |joint: &JointNumbers| [joint.coulomb, joint.load, joint.smoothing, joint.width].map(Number::known);
-    let friction = FrictionArchitecture::new(
+    let friction = GroupLaws::of_friction(
         robot.joints.iter().map(|joint| Number::known(joint.viscous)).collect(),
         robot.joints.iter().map(numbers).collect(),
     );
     let family =
         ArmArchitecture::new(&robot.tree, |_| false, |k| Number::known(robot.tree.rotors[k])).unwrap();
-    Architecture { friction, ..Architecture::from(family) }
+    Architecture { group_laws: friction, ..Architecture::from(family) }
 }
 
 /// Drives with a delay and another gain are judged by the forces that they make of the logged commands; if a coordinate is not driven,

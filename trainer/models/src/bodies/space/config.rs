@@ -12,7 +12,7 @@ use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
 use crate::laws::friction::config::FrictionConfig;
-use crate::laws::servo::config::ServoConfig;
+use crate::laws::servo::ServoConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use crate::tree::{Body, Joint, LogCholesky, Tree};
@@ -224,12 +224,12 @@ impl ArmConfig {
         let (tree, thickened) = self.with_extents(&tree, &mut learned)?;
         notes.extend(thickened);
         let family = self.family(&tree, &learned)?;
-        let mut friction = self.friction.assemble(family.n(), "joint")?;
-        let mut servo = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "joint"), &mut friction)?;
-        origin.iter().for_each(|origin| origin.set_laws(&mut friction, &mut servo));
+        let friction = self.friction.assemble(family.n(), "joint")?;
+        let mut group_laws = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "joint"), friction)?;
+        origin.iter().for_each(|origin| origin.set_laws(&mut group_laws));
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
-        Ok((Architecture { family: family.into(), friction, corrections, servo }, notes))
+        Ok((Architecture { family: family.into(), group_laws, corrections }, notes))
     }
 }
 

@@ -3,24 +3,30 @@
 use crate::config::parts::Range;
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
-use crate::laws::friction::{FrictionArchitecture, MOST_LOAD};
-use crate::laws::numbers::{GroupNumber, GroupNumbers, LEARNED, Rule};
+use crate::laws::group::{GroupLaws, MOST_LOAD};
+use crate::laws::numbers::{GroupNumber, GroupNumbers, LEARNED, NumbersVisitor, Rule};
 use crate::number::Number;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Friction of the coordinates, Q = −(b v + (c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε)); a part that is left out is absent. `friction =
-/// "learned"` means that `viscous` and `coulomb` are learned.
+/// Friction of the coordinates, Q = −(b (1 + βt) v + (c (1 + δt) + c_load (√(τ² + τ_s²) − τ_s)) t) with t = tanh(v/ε); a part that is left
+/// out is absent. `friction = "learned"` means that `viscous` and `coulomb` are learned, `friction = "sticking"` that dry friction sticks, too.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrictionConfig {
     /// Viscous damping b, N s/m or N m s/rad. (Start if learned: 0.02 of force over speed of the log.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscous: Option<GroupNumbers>,
-    /// Coulomb friction c, N or N m. (Start if learned: 0.03 of the log's force.)
+    /// Asymmetry β of damping, which is b (1 + β) forwards and b (1 − β) backwards. (Default: 0; start if learned: 0.)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscous_asymmetry: Option<GroupNumbers>,
+    /// Coulomb friction c, N or N m; `"sticking"` means learned, with `sticking = true`. (Start if learned: 0.03 of the log's force.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<GroupNumbers>,
+    /// Asymmetry δ of Coulomb friction, which is c (1 + δ) forwards and c (1 − δ) backwards. (Default: 0; start if learned: 0.)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub asymmetry: Option<GroupNumbers>,
     /// Growth c_load of friction with the load. (Start if learned: 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<GroupNumbers>,
@@ -30,37 +36,59 @@ pub struct FrictionConfig {
     /// Smoothing load τ_s, N or N m. (Default with dry friction: known; 0.02 of the log's force, which is also the start if it is learned.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<GroupNumbers>,
+    /// Whether dry friction sticks: it holds at rest instead of creeping, and steps solve the set-valued law. (Default: false.)
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub sticking: bool,
+    /// Friction at rest over friction in motion, 1 or more, where it sticks; known. (Default: 1.)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub breakaway: Option<GroupNumbers>,
 }
 
-/// Rules for b, c, c_load, τ_s and ε.
-const RULES: [Rule; 5] = {
-    const START: Range = Rule::ABOVE;
-    let table = "friction";
-    [
-        Rule {
-            table,
-            key: "viscous",
-            known: Range::NOT_BELOW,
-            start: START,
-            default: 0.01,
-            part: Some(0.02),
-        },
-        Rule { table, key: "coulomb", known: Range::NOT_BELOW, start: START, default: 0.1, part: Some(0.03) },
-        Rule {
-            table,
-            key: "load",
-            known: Range { holds: |x| (0.0..1.0).contains(&x), words: "0 or above and below 1" },
-            start: Range {
-                holds: |x| x > 0.0 && x < MOST_LOAD as f32,
-                words: "above 0 and below 0.95 where it is learned",
-            },
-            default: 0.1,
-            part: None,
-        },
-        Rule { table, key: "smoothing", known: Range::ABOVE, start: START, default: 0.1, part: Some(0.02) },
-        Rule { table, key: "width", known: Range::ABOVE, start: START, default: 0.1, part: Some(0.05) },
-    ]
+const fn rule(key: &'static str, [known, start]: [Range; 2], (default, part): (f64, Option<f64>)) -> Rule {
+    Rule { table: "friction", key, known, start, default, part }
+}
+
+const VISCOUS: Rule = rule("viscous", [Range::NOT_BELOW, Rule::ABOVE], (0.01, Some(0.02)));
+const COULOMB: Rule = rule("coulomb", [Range::NOT_BELOW, Rule::ABOVE], (0.1, Some(0.03)));
+const SMOOTHING: Rule = rule("smoothing", [Range::ABOVE, Rule::ABOVE], (0.1, Some(0.02)));
+const WIDTH: Rule = rule("width", [Range::ABOVE, Rule::ABOVE], (0.1, Some(0.05)));
+const VISCOUS_ASYMMETRY: Rule = asymmetry("viscous_asymmetry");
+const ASYMMETRY: Rule = asymmetry("asymmetry");
+const LOAD: Rule = {
+    let known = Range { holds: |x| (0.0..1.0).contains(&x), words: "0 or above and below 1" };
+    let holds = |x| x > 0.0 && x < MOST_LOAD as f32;
+    let start = Range { holds, words: "above 0 and below 0.95 where it is learned" };
+    rule("load", [known, start], (0.1, None))
 };
+const BREAKAWAY: Rule = {
+    const KNOWN: Range = Range { holds: |x| x >= 1.0, words: "a finite number, 1 or above" };
+    rule("breakaway", [KNOWN, KNOWN], (1.0, None))
+};
+
+const fn asymmetry(key: &'static str) -> Rule {
+    let known = Range { holds: |x| x.abs() <= 1.0, words: "between -1 and 1" };
+    let start =
+        Range { holds: |x| x.abs() < 1.0, words: "between -1 and 1, without them, where it is learned" };
+    rule(key, [known, start], (0.0, None))
+}
+
+/// Numbers of every group under the keys of the table.
+struct Assembled {
+    viscous: Vec<Number>,
+    viscous_asymmetry: Vec<Number>,
+    coulomb: Vec<Number>,
+    asymmetry: Vec<Number>,
+    load: Vec<Number>,
+    smoothing: Vec<Number>,
+    width: Vec<Number>,
+    breakaway: Vec<Number>,
+}
+
+/// Numbers of a law, group after group.
+fn by_group<const K: usize>(numbers: [&Vec<Number>; K]) -> Vec<Number> {
+    let groups = numbers.first().map_or(0, |own| own.len());
+    (0..groups).flat_map(|group| numbers.map(|own| own[group])).collect()
+}
 
 impl FrictionConfig {
     /// Whether there is no friction.
@@ -74,44 +102,94 @@ impl FrictionConfig {
         Self { viscous: learned.clone(), coulomb: learned, ..Self::default() }
     }
 
-    /// Returns the friction of `groups` groups of coordinates; `what` is the word for a group.
-    ///
-    /// # Errors
-    /// [`ShapeError`]: a number out of its range, a list of the wrong length, or a key without a meaning.
-    pub(crate) fn assemble(
-        &self,
-        groups: usize,
-        what: &'static str,
-    ) -> Result<FrictionArchitecture, ShapeError> {
-        let [viscous, coulomb, load, smoothing, width] = &RULES;
+    fn is_dry(&self) -> bool {
+        self.coulomb.is_some() || self.load.is_some()
+    }
+
+    /// Refuses keys without a meaning beside the others.
+    fn check(&self) -> Result<(), ShapeError> {
+        let of_dry = [
+            (&WIDTH, self.width.is_some()),
+            (&SMOOTHING, self.smoothing.is_some()),
+            (&ASYMMETRY, self.asymmetry.is_some()),
+            (&BREAKAWAY, self.breakaway.is_some()),
+        ];
+        if let Some((rule, _)) = of_dry.iter().find(|(_, given)| *given && !self.is_dry()) {
+            return Err(rule.at(None, Problem::NoDryFriction { key: rule.key }));
+        }
+        let place = |key: &'static str| ["model".into(), "friction".into(), key.into()].into();
+        if self.sticking && !self.is_dry() {
+            let key = "sticking";
+            return Err(ShapeError { place: place(key), problem: Problem::NoDryFriction { key } });
+        }
+        if self.viscous_asymmetry.is_some() && self.viscous.is_none() {
+            return Err(VISCOUS_ASYMMETRY.at(None, Problem::NoDamping));
+        }
+        let is_known = |numbers: &GroupNumbers| numbers.are_known();
+        match &self.breakaway {
+            Some(_) if !self.sticking => Err(BREAKAWAY.at(None, Problem::BreakawayOfSmooth)),
+            Some(given) if !is_known(given) => Err(BREAKAWAY.at(None, Problem::LearnedBreakaway)),
+            _ => Ok(()),
+        }
+    }
+
+    fn numbers(&self, groups: usize, what: &'static str) -> Result<Assembled, ShapeError> {
         let of = |rule: &Rule, given: &Option<GroupNumbers>, absent: Number| match given {
             None => Ok(vec![absent; groups]),
             Some(given) => given.assemble(rule, groups, what),
         };
-        let is_dry = self.coulomb.is_some() || self.load.is_some();
-        for (rule, given) in [(width, &self.width), (smoothing, &self.smoothing)] {
-            if given.is_some() && !is_dry {
-                return Err(rule.at(None, Problem::NoDryFriction { key: rule.key }));
+        let none = Number::known(0.0);
+        Ok(Assembled {
+            viscous: of(&VISCOUS, &self.viscous, none)?,
+            viscous_asymmetry: of(&VISCOUS_ASYMMETRY, &self.viscous_asymmetry, none)?,
+            coulomb: of(&COULOMB, &self.coulomb, none)?,
+            asymmetry: of(&ASYMMETRY, &self.asymmetry, none)?,
+            load: of(&LOAD, &self.load, none)?,
+            smoothing: of(&SMOOTHING, &self.smoothing, SMOOTHING.usual(false))?,
+            width: of(&WIDTH, &self.width, WIDTH.usual(true))?,
+            breakaway: of(&BREAKAWAY, &self.breakaway, Number::known(1.0))?,
+        })
+    }
+
+    /// Returns the friction of `groups` groups of coordinates; `what` is the word for a group.
+    ///
+    /// Smooth friction without asymmetries is [`Law::Viscous`](leastaction_core::model::Law) and `Coulomb`. Damping with an asymmetry is
+    /// `Directional`, as is smooth dry friction with one, whose growth with the load is `Coulomb`. Dry friction that sticks is `Sticking`.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: a number out of its range, a list of the wrong length, or a key without a meaning.
+    pub(crate) fn assemble(&self, groups: usize, what: &'static str) -> Result<GroupLaws, ShapeError> {
+        self.check()?;
+        let of = self.numbers(groups, what)?;
+        let none = vec![Number::known(0.0); groups];
+        let (dry, turns) = (self.is_dry() && !self.sticking, self.viscous_asymmetry.is_some());
+        let mut laws = GroupLaws::default();
+        if turns || (dry && self.asymmetry.is_some()) {
+            let [constant, asymmetry] = if dry { [&of.coulomb, &of.asymmetry] } else { [&none, &none] };
+            // Without dry friction the width is only that of the damping's change.
+            laws.directional = by_group([&of.viscous, &of.viscous_asymmetry, constant, asymmetry, &of.width]);
+            if dry && self.load.is_some() {
+                laws.coulomb = by_group([&none, &of.load, &of.smoothing, &of.width]);
+            }
+        } else {
+            if self.viscous.is_some() {
+                laws.viscous = of.viscous;
+            }
+            if dry {
+                laws.coulomb = by_group([&of.coulomb, &of.load, &of.smoothing, &of.width]);
             }
         }
-        let mut friction = FrictionArchitecture::default();
-        if self.viscous.is_some() {
-            friction.viscous = of(viscous, &self.viscous, Number::known(0.0))?;
+        if self.sticking {
+            let [load, smoothing] = [&of.load, &of.smoothing];
+            laws.sticking = by_group([&of.coulomb, &of.asymmetry, load, smoothing, &of.breakaway, &of.width]);
         }
-        if is_dry {
-            let constant = of(coulomb, &self.coulomb, Number::known(0.0))?;
-            let load = of(load, &self.load, Number::known(0.0))?;
-            let smoothing = of(smoothing, &self.smoothing, smoothing.usual(false))?;
-            let width = of(width, &self.width, width.usual(true))?;
-            friction.dry = (0..groups).map(|i| [constant[i], load[i], smoothing[i], width[i]]).collect();
-        }
-        Ok(friction)
+        Ok(laws)
     }
 
     /// Refuses damping that is also given by another key.
     pub(crate) fn check_damping(&self, key: &'static str, is_given: bool) -> Result<(), ShapeError> {
         if is_given && self.viscous.is_some() {
-            return Err(RULES[0].at(None, Problem::DampingTwice { key }));
+            return Err(VISCOUS.at(None, Problem::DampingTwice { key }));
         }
         Ok(())
     }
@@ -122,10 +200,31 @@ impl FrictionConfig {
 #[serde(deny_unknown_fields)]
 struct Table {
     viscous: Option<GroupNumbers>,
-    coulomb: Option<GroupNumbers>,
+    viscous_asymmetry: Option<GroupNumbers>,
+    coulomb: Option<Coulomb>,
+    asymmetry: Option<GroupNumbers>,
     load: Option<GroupNumbers>,
     width: Option<GroupNumbers>,
     smoothing: Option<GroupNumbers>,
+    #[serde(default)]
+    sticking: bool,
+    breakaway: Option<GroupNumbers>,
+}
+
+/// Value of `coulomb`: numbers, or `"sticking"`.
+struct Coulomb {
+    numbers: GroupNumbers,
+    sticks: bool,
+}
+
+/// Word for dry friction that sticks, with a learned c.
+const STICKING: &str = "sticking";
+
+impl<'de> Deserialize<'de> for Coulomb {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let (numbers, sticks) = from.deserialize_any(NumbersVisitor { word: Some(STICKING) })?;
+        Ok(Self { numbers, sticks })
+    }
 }
 
 struct ConfigVisitor;
@@ -134,21 +233,31 @@ impl<'de> Visitor<'de> for ConfigVisitor {
     type Value = FrictionConfig;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("\"learned\", or a table with viscous, coulomb, load, width and smoothing")
+        f.write_str("\"learned\", \"sticking\", or a table, as { viscous = \"learned\", coulomb = 0.1 }")
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<Self::Value, E> {
-        if word == LEARNED {
-            Ok(FrictionConfig::learned())
-        } else {
-            Err(E::invalid_value(Unexpected::Str(word), &self))
+        match word {
+            LEARNED => Ok(FrictionConfig::learned()),
+            STICKING => Ok(FrictionConfig { sticking: true, ..FrictionConfig::learned() }),
+            _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
         }
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-        let Table { viscous, coulomb, load, width, smoothing } =
-            Table::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(FrictionConfig { viscous, coulomb, load, width, smoothing })
+        let of = Table::deserialize(MapAccessDeserializer::new(map))?;
+        let sticks = of.coulomb.as_ref().is_some_and(|coulomb| coulomb.sticks);
+        Ok(FrictionConfig {
+            viscous: of.viscous,
+            viscous_asymmetry: of.viscous_asymmetry,
+            coulomb: of.coulomb.map(|coulomb| coulomb.numbers),
+            asymmetry: of.asymmetry,
+            load: of.load,
+            width: of.width,
+            smoothing: of.smoothing,
+            sticking: of.sticking || sticks,
+            breakaway: of.breakaway,
+        })
     }
 }
 

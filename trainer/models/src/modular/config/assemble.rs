@@ -70,7 +70,7 @@ impl ModularConfig {
             .any(|damping| damping.learned || damping.value != 0.0);
         self.friction.check_damping("damping", damped)?;
         if !self.friction.is_none() {
-            model.take(self.friction.assemble(model.types.len(), "element type")?);
+            model.take_friction(self.friction.assemble(model.types.len(), "element type")?);
         }
         let chosen = self.chosen(&model).map_err(|problem| problem.at(["tree".into()]))?;
         model.trees.swap(0, chosen);

@@ -3,7 +3,7 @@
 use crate::architecture::Architecture;
 use crate::family::Family;
 use crate::laws::corrections::Corrections;
-use crate::laws::friction::FrictionArchitecture;
+use crate::laws::group::GroupLaws;
 use crate::modular::ModularArchitecture;
 use leastaction_core::energy::modular::{NetworkShape, TransformShape, TypeShape};
 use std::ops::Range;
@@ -14,7 +14,7 @@ pub struct Assembled {
     /// Shape of the trees; the first one is trained.
     pub architecture: ModularArchitecture,
     /// Friction of the coordinates, one set of numbers per element type.
-    pub friction: FrictionArchitecture,
+    pub group_laws: GroupLaws,
     /// Correction networks.
     pub corrections: Corrections,
     /// Numbers of the correction networks that come from a trained model, for dissipation and potential; empty for new ones.
@@ -29,7 +29,8 @@ impl Assembled {
         let (weights, trained) = (self.initial_weights(seed), self.trained_corrections.clone());
         let architecture = Architecture::from(self);
         let mut weights = architecture.with_laws(weights, seed);
-        architecture.corrections.put(&trained, &mut weights);
+        let place = architecture.corrections_place();
+        architecture.corrections.put(&trained, weights.get_mut(place).unwrap_or_default());
         (architecture, weights)
     }
 
@@ -75,7 +76,7 @@ impl Assembled {
 }
 
 impl From<Assembled> for Architecture {
-    fn from(Assembled { architecture, friction, corrections, .. }: Assembled) -> Self {
-        Self { friction, corrections, ..Self::from(architecture) }
+    fn from(Assembled { architecture, group_laws, corrections, .. }: Assembled) -> Self {
+        Self { group_laws, corrections, ..Self::from(architecture) }
     }
 }

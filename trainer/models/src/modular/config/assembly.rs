@@ -7,7 +7,7 @@ use super::{ElementConfig, PairConfig, Problem, ShapeError, TransformKind, TypeC
 use crate::config::checks::{check_count, check_name, list};
 use crate::config::parts::Networks;
 use crate::laws::corrections::Corrections;
-use crate::laws::friction::FrictionArchitecture;
+use crate::laws::group::GroupLaws;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::modular::{ModularArchitecture, NamedTree, NamedType};
 use crate::number::Number;
@@ -32,7 +32,7 @@ pub(super) struct Assembly {
     coefficients: Option<[Number; 2]>,
     /// Whether damping belongs to the types.
     damped: bool,
-    friction: FrictionArchitecture,
+    group_laws: GroupLaws,
     corrections: Corrections,
     trained_corrections: [Vec<f64>; 2],
     pub trees: Vec<NamedTree>,
@@ -49,7 +49,7 @@ impl Assembly {
 
     /// A trained model, to which types and trees are added.
     pub fn of(source: &Source) -> Self {
-        let Source { architecture, friction, corrections, weights } = source;
+        let Source { architecture, group_laws, corrections, networks, weights } = source;
         let shape = &architecture.shape;
         let types: Vec<_> = shape.types.iter().copied().zip(architecture.types.iter().cloned()).collect();
         let mut trees = architecture.trees.clone();
@@ -63,18 +63,18 @@ impl Assembly {
             pair: shape.pair,
             coefficients: Some(architecture.coefficients),
             damped: architecture.damped,
-            friction: friction.clone(),
+            group_laws: group_laws.clone(),
             corrections: corrections.clone(),
-            trained_corrections: corrections.split(weights).map(<[f64]>::to_vec),
+            trained_corrections: corrections.split(networks).map(<[f64]>::to_vec),
             trees,
             trained: weights.get(..architecture.numbers_start()).unwrap_or_default().to_vec(),
         }
     }
 
     /// Replaces the old friction by the given one; if viscous damping is given here, it no longer belongs to the types.
-    pub fn take(&mut self, friction: FrictionArchitecture) {
-        self.damped &= friction.viscous.is_empty();
-        self.friction.take(friction);
+    pub fn take_friction(&mut self, friction: GroupLaws) {
+        self.damped &= !friction.damps();
+        self.group_laws.take_friction(friction);
     }
 
     fn kind(&self, name: &str) -> Option<usize> {
@@ -216,11 +216,11 @@ impl Assembly {
         types.for_each(|(slot, (kind, _))| *slot = Some(*kind));
         let types = self.types.into_iter().map(|(_, named)| named).collect();
         let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
-        let friction = self.friction.with_groups(shape.types.len());
+        let group_laws = self.group_laws.with_groups(shape.types.len());
         let mut architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
         architecture.damped = self.damped;
         let Self { corrections, trained_corrections, trained, .. } = self;
-        Assembled { architecture, friction, corrections, trained_corrections, trained }
+        Assembled { architecture, group_laws, corrections, trained_corrections, trained }
     }
 }
 

@@ -55,6 +55,7 @@ pub(super) const WITHOUT_LOAD: Numbers = Numbers {
     viscous: true,
     coulomb: true,
     load: false,
+    asymmetries: [false; 2],
     offsets: true,
     width: [0.02, 1.0],
     smoothing: [SOFTNESS; 2],

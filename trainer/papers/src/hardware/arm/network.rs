@@ -12,9 +12,7 @@ use leastaction_learning::training::{
     torque_objective,
 };
 use leastaction_models::Family as _;
-use leastaction_models::{
-    Architecture, ArmArchitecture, FrictionArchitecture, InertiaNetworkArchitecture, Number,
-};
+use leastaction_models::{Architecture, ArmArchitecture, GroupLaws, InertiaNetworkArchitecture, Number};
 use leastaction_programs::System;
 use leastaction_programs::energies::WithOffsets;
 
@@ -39,6 +37,8 @@ const FIRST: JointNumbers = JointNumbers {
     width: 0.05,
     offset: 0.0,
     smoothing: SOFTNESS,
+    viscous_asymmetry: 0.0,
+    asymmetry: 0.0,
 };
 
 /// A network and its initial numbers: its weights, then the offsets of the drives.
@@ -85,8 +85,8 @@ fn network(joints: &[JointNumbers]) -> Architecture {
         [constant, Number::known(0.0), Number::known(1.0), width]
     };
     let viscous = joints.iter().map(|joint| Number::learned(joint.viscous)).collect();
-    let friction = FrictionArchitecture::new(viscous, joints.iter().map(dry).collect());
-    Architecture { friction, ..Architecture::from(inertia_network) }
+    let friction = GroupLaws::of_friction(viscous, joints.iter().map(dry).collect());
+    Architecture { group_laws: friction, ..Architecture::from(inertia_network) }
 }
 
 /// Appends the negative offsets of the drives to the weights: a log with τ + o has the torque τ = u − o.

@@ -10,7 +10,7 @@ use leastaction_learning::training::{Samples as States, inverse_dynamics};
 use leastaction_models::Model;
 use leastaction_models::file::encode;
 use leastaction_models::urdf::{Inertias, parse};
-use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
+use leastaction_models::{Architecture, ArmArchitecture, GroupLaws, Number};
 use leastaction_plot::{Panel, Series, Stroke, time_series};
 use leastaction_programs::System;
 use rand::{RngExt, SeedableRng};
@@ -113,8 +113,8 @@ pub fn plant() -> Result<Vec<u8>, Failure> {
         .ok_or_else(|| failed("no arm of a file"))?;
     let dry = |joint: &JointNumbers| [joint.coulomb, 0.0, 1.0, joint.width].map(Number::known);
     let viscous = joints.iter().map(|joint| Number::known(joint.viscous)).collect();
-    let friction = FrictionArchitecture::new(viscous, joints.iter().map(dry).collect());
-    let architecture = Architecture { friction, ..Architecture::from(family) };
+    let friction = GroupLaws::of_friction(viscous, joints.iter().map(dry).collect());
+    let architecture = Architecture { group_laws: friction, ..Architecture::from(family) };
     let weights = architecture.initial_weights(0);
     encode(&architecture, &weights, None::<TrainedStep>, "the arm of leastaction demo")
         .map_err(|error| failed(&error.to_string()))

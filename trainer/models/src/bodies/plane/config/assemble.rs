@@ -9,7 +9,7 @@ use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::laws::corrections::config::{Known, assemble};
-use crate::laws::servo::config::ServoConfig;
+use crate::laws::servo::ServoConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
@@ -98,12 +98,12 @@ impl BodiesConfig {
     /// [`ShapeError`]: what is invalid, and where.
     pub(super) fn assemble(&self) -> Result<Architecture, ShapeError> {
         let family = self.tree()?;
-        let mut friction = self.friction.assemble(family.n(), "body")?;
-        let servo = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "body"), &mut friction)?;
+        let friction = self.friction.assemble(family.n(), "body")?;
+        let group_laws = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "body"), friction)?;
         let letters = family.coordinates();
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
-        Ok(Architecture { family: family.into(), friction, corrections, servo })
+        Ok(Architecture { family: family.into(), group_laws, corrections })
     }
 
     /// Returns the shape, its learned numbers being those of the model to start from, and this model.
@@ -118,7 +118,7 @@ impl BodiesConfig {
             return Err(Problem::OtherBodies { file }.at(["start_from".into()]));
         };
         own.family = tree.with_learned_of(&origin.0.weights).into();
-        origin.set_laws(&mut own.friction, &mut own.servo);
+        origin.set_laws(&mut own.group_laws);
         Ok((own, Some(origin)))
     }
 

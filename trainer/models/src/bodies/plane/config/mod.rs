@@ -11,7 +11,7 @@ use crate::config::origin::Open;
 use crate::config::place::ShapeError;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
-use crate::laws::servo::config::ServoConfig;
+use crate::laws::servo::ServoConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -139,9 +139,7 @@ impl FamilyConfig for BodiesConfig {
         let (architecture, origin) = self.begun(open)?;
         let mut weights = architecture.initial_weights(seed);
         if let Some(origin) = origin {
-            let start = architecture.corrections_start();
-            weights
-                .splice(start..start + architecture.corrections.count(), origin.corrections(&architecture));
+            weights.splice(architecture.corrections_place(), origin.corrections(&architecture));
         }
         Ok((architecture, weights))
     }

@@ -3,9 +3,8 @@
 use crate::config::parts::Range;
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
-use crate::laws::friction::FrictionArchitecture;
+use crate::laws::group::GroupLaws;
 use crate::laws::numbers::{GroupNumber, GroupNumbers, LEARNED, Rule};
-use crate::laws::servo::Servo;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
@@ -36,7 +35,7 @@ impl ServoConfig {
         Self { stiffness: GroupNumbers::All(GroupNumber::Learned), damping: None }
     }
 
-    /// Returns the servos of `groups` groups of coordinates, and adds their damping to the friction; `what` is the word for a group.
+    /// Adds the servos of `groups` groups of coordinates, and their damping, to the laws of friction; `what` is the word for a group.
     ///
     /// # Errors
     /// [`ShapeError`]: a number out of its range, a list of the wrong length, damping that is also given as friction, or friction that
@@ -44,23 +43,24 @@ impl ServoConfig {
     pub(crate) fn assemble(
         config: Option<&Self>,
         (groups, what): (usize, &'static str),
-        friction: &mut FrictionArchitecture,
-    ) -> Result<Servo, ShapeError> {
-        let Some(Self { stiffness, damping }) = config else { return Ok(Servo::default()) };
-        if friction.grows() {
+        mut laws: GroupLaws,
+    ) -> Result<GroupLaws, ShapeError> {
+        let Some(Self { stiffness, damping }) = config else { return Ok(laws) };
+        if laws.grows() {
             return Err(STIFFNESS.at(None, Problem::LoadOfServo));
         }
-        match (damping, friction.viscous.is_empty()) {
+        match (damping, !laws.damps()) {
             (Some(_), false) => {
                 return Err(DAMPING.at(None, Problem::DampingTwice { key: "friction.viscous" }));
             }
             (None, false) => {}
             (damping, true) => {
                 let learned = GroupNumbers::All(GroupNumber::Learned);
-                friction.viscous = damping.as_ref().unwrap_or(&learned).assemble(&DAMPING, groups, what)?;
+                laws.viscous = damping.as_ref().unwrap_or(&learned).assemble(&DAMPING, groups, what)?;
             }
         }
-        Ok(Servo { stiffness: stiffness.assemble(&STIFFNESS, groups, what)? })
+        laws.servo = stiffness.assemble(&STIFFNESS, groups, what)?;
+        Ok(laws)
     }
 }
 
