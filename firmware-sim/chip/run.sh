@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's. The boards: a Cortex-M4F
 # (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). Prints one JSON line per board, model and order,
-# one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction, of laws
+# one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction, of steps with friction that sticks, of laws
 # with networks, of decisions over a receding horizon, of ticks that follow a plan, and of ticks that decide. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
@@ -23,11 +23,11 @@ while [ $# -gt 0 ]; do
 done
 
 images=(inertia-network_2 inertia-network_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
-    inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
+    inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4 bodies-sticking_2 bodies-sticking_4)
 bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step bare_stepper)
-case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding following deciding elementary " in
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction sticking receding following deciding elementary " in
     *" ${only:-bare} "*) ;;
-    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction receding following deciding elementary" >&2; exit 2 ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction sticking receding following deciding elementary" >&2; exit 2 ;;
 esac
 
 if [ -n "$build_only" ]; then
@@ -83,6 +83,28 @@ friction() {
         echo "friction on $board: more than 150 instructions a coordinate" >&2
         return 1
     fi
+}
+
+# Measures a step with friction that sticks, sliding and stuck, against a step with smooth friction from the same state, for one and for two
+# coordinates: on a Cortex-M4F at most 250 instructions more for each coordinate. Braking is a slide that friction halves within the step, and
+# whose end is therefore solved on its own.
+sticking() {
+    local board=$1 n
+    output=$(emulate "$board" "$(program "$board" sticking)" 0 2>&1) || { printf 'sticking on %s: %s\n' "$board" "$output" >&2; return 1; }
+    printf '{"board": "%s", "only": "sticking"' "$board"
+    for n in 1 2; do
+        printf ', "smooth_step_instructions_%s": %s, "sliding_step_instructions_%s": %s' $n "$(value smooth_$n)" $n "$(value sliding_$n)"
+        printf ', "smooth_rest_instructions_%s": %s, "stuck_step_instructions_%s": %s' $n "$(value smooth_rest_$n)" $n "$(value stuck_$n)"
+    done
+    printf ', "smooth_braking_instructions_2": %s, "braking_step_instructions_2": %s}\n' "$(value smooth_braking_2)" "$(value braking_2)"
+    [ "$board" = cortex-m4f ] || return 0
+    for n in 1 2; do
+        if [ $(($(value sliding_$n) - $(value smooth_$n))) -gt $((250 * n)) ] ||
+            [ $(($(value stuck_$n) - $(value smooth_rest_$n))) -gt $((250 * n)) ]; then
+            echo "sticking on $board: more than 250 instructions a coordinate beside smooth friction" >&2
+            return 1
+        fi
+    done
 }
 
 # Measures decisions over a receding horizon of 25 nodes: of two links, and of a cart-pole whose network has two hidden layers of 16. On a
@@ -156,6 +178,7 @@ run() {
             case "$only" in "" | "$board" | "$image" | bare) bare "$board" "$image" ;; esac
         done
         case "$only" in "" | "$board" | friction) friction "$board" ;; esac
+        case "$only" in "" | "$board" | sticking) sticking "$board" ;; esac
         case "$only" in "" | "$board" | receding) receding "$board" ;; esac
         case "$only" in "" | "$board" | following) following "$board" ;; esac
         case "$only" in "" | "$board" | deciding) deciding "$board" ;; esac

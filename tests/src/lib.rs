@@ -4,6 +4,7 @@ pub mod arm;
 #[path = "../../firmware-sim/examples/cartpole.rs"]
 pub mod cartpole;
 pub mod panda;
+pub mod sticking;
 
 /// Programs shown in the book, as tests.
 #[cfg(doctest)]
@@ -29,8 +30,8 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Entry, ModelError, entry_of};
 use leastaction_firmware_sim::damage::{Damage, Refusals};
 use leastaction_firmware_sim::trajectory::reference::{
-    Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry,
-    newton,
+    Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, StickingBodies, TREE,
+    aslant, chain, dry, newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
 use std::fmt::{self, Write};
@@ -67,13 +68,16 @@ const ARM: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/mo
 const DRY_CARTPOLE: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole-dry.postcard"));
 
+const STICKING_CARTPOLE: &Aligned<[u8]> =
+    &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole-sticking.postcard"));
+
 #[repr(align(4))]
 struct Aligned<T: ?Sized>(T);
 
 /// A run whose fingerprint must be equal on every target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// Family of the model: inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry or arm.
+    /// Family of the model: inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry, arm or bodies-sticking.
     pub family: &'static str,
     /// Order of the integrator, 2 or 4.
     pub order: u8,
@@ -85,7 +89,7 @@ impl Reference {
         let orders = |family| [2, 4].map(|order| Self { family, order });
         let others = ["inertia-network-f16", "inertia-network-dry"].map(|family| Self { family, order: 2 });
         let families = ["inertia-network", "modular", "graph", "bodies"].into_iter().flat_map(orders);
-        families.chain(others).chain(["bodies-dry", "arm"].into_iter().flat_map(orders))
+        families.chain(others).chain(["bodies-dry", "arm", "bodies-sticking"].into_iter().flat_map(orders))
     }
 
     /// Fingerprint of the given number of steps.
@@ -118,6 +122,10 @@ impl Reference {
                 let model = DryBodies::load(&DRY_CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }
+            ("bodies-sticking", order) => {
+                let model = sticking_bodies()?;
+                free(&model.system, order, steps)
+            }
             ("arm", order) => {
                 let model = Arm::load(&ARM.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
@@ -126,6 +134,14 @@ impl Reference {
             _ => bobs(Order::Four, steps),
         }
     }
+}
+
+/// The cart that sticks and runs against stops.
+///
+/// # Errors
+/// An error if the model is refused.
+pub fn sticking_bodies() -> Result<StickingBodies<'static>, Refused> {
+    StickingBodies::load(&STICKING_CARTPOLE.0).map_err(Refused::Model)
 }
 
 fn free<L: Lagrangian<f32, N>, F: Forces<f32, N>, const N: usize>(

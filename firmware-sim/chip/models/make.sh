@@ -25,5 +25,6 @@ for plan in swing-up reach; do
     cp "$folder/plan-$plan/plan.postcard" $plan.postcard
 done
 cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --bin arm_model arm.postcard
+cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --bin sticking_model cartpole-sticking.postcard
 leastaction export "$folder/cartpole" -o cartpole-f16.postcard --weights f16
 cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --example constants cartpole.postcard >cartpole_constants.rs

@@ -15,8 +15,8 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
-    Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry,
-    newton,
+    Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, StickingBodies, TREE,
+    aslant, chain, dry, newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
@@ -79,6 +79,12 @@ pub fn links<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
 /// Measures a cart-pole as rigid bodies, with the dry friction that was learned with them.
 pub fn dry_bodies<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| DryBodies::load(black_box(file)))?;
+    free::<_, _, P, 2>(&model.system, newton())
+}
+
+/// Measures the cart that sticks and runs against stops.
+pub fn sticking_bodies<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
+    let model = load(|| StickingBodies::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 

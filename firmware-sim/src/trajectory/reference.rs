@@ -3,7 +3,7 @@
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
 use leastaction_core::energy::inertia_network::InertiaNetwork;
-use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
+use leastaction_core::forces::{Coulomb, DryFriction, Sticking, Stops, System, Viscous};
 use leastaction_core::model::{ArmModel, BodiesModel, GraphModel, InertiaNetworkModel, ModularModel};
 use leastaction_core::scalar::f16;
 
@@ -36,6 +36,9 @@ pub type Links<'a> = BodiesModel<'a, 2>;
 
 /// A cart and its pole as rigid bodies, with the friction of its file.
 pub type DryBodies<'a> = BodiesModel<'a, 2, f32, Friction<2>>;
+
+/// A cart that sticks to its rail and runs against stops, and its pole, as rigid bodies.
+pub type StickingBodies<'a> = BodiesModel<'a, 2, f32, (Viscous<f32, 2>, (Sticking<f32, 2>, Stops<f32, 2>))>;
 
 /// Seven joints in space, damped.
 pub type Arm<'a> = ArmModel<'a, 7>;
