@@ -5,8 +5,8 @@ use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_papers::HARDWARE;
 use leastaction_papers::hardware::{
-    ArmData, CurrentData, HardwareError, Machine, MachineData, Split, arm_tasks, current_tasks, read_swings,
-    swing_tasks, tasks,
+    ArmData, AxisData, CurrentData, HardwareError, Machine, MachineData, Split, arm_tasks, axis_tasks,
+    current_tasks, read_swings, swing_tasks, tasks,
 };
 use leastaction_papers::task::Task;
 use std::path::PathBuf;
@@ -16,9 +16,10 @@ use std::sync::Arc;
 ///
 /// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a
 /// tested log, for our models and for those that they are compared with. The logs are not part of this program: DIR has a folder of .csv
-/// files for each machine, double-pendulum, pendulum, panda and ur10e. For the Panda, whose log is panda/excitation.csv, the error is that of
+/// files for each machine, double-pendulum, pendulum, panda, ur10e and emps. For the Panda, whose log is panda/excitation.csv, the error is that of
 /// the torques along motion that was not learned from; for the UR10e, beside whose logs lies ur10e.urdf, that of the currents along each
-/// log. For multi-arm, whose logs are multi-arm/single_id.npz, double_id.npz and triple_id.npz, it is that of free swings. With -o also
+/// log. For multi-arm, whose logs are multi-arm/single_id.npz, double_id.npz and triple_id.npz, it is that of free swings; for emps, whose log is
+/// emps/train.csv, and test.csv where there is another, that of the position along a whole log (mm). With -o also
 /// writes a page.
 ///
 /// Example: leastaction-papers hardware --data DIR --machine double-pendulum --test 1,3,5 --json
@@ -87,6 +88,13 @@ impl Hardware {
             let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
             return Ok(current_tasks(&Arc::new(CurrentData::read(&self.data)?), &arguments));
         }
+        if machine == Machine::Emps {
+            let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
+            return Ok(axis_tasks(
+                &Arc::new(AxisData::read(&self.data)?),
+                (self.selection.quick, &arguments),
+            ));
+        }
         let data = MachineData::read(&self.data, machine, self.baseline.as_deref())?;
         let splits = match &self.test[..] {
             [] => Split::usual(machine, data.logs.len()),
@@ -110,6 +118,7 @@ fn without_test(machine: Machine) -> Option<&'static str> {
             Some("of this machine one log is learned from and tested in parts")
         }
         Machine::Ur10e => Some("of the UR10e one log is learned from and all are tested"),
+        Machine::Emps => Some("of the axis train.csv is learned from and test.csv tested"),
         Machine::DoublePendulum | Machine::Pendulum => None,
     }
 }

@@ -17,6 +17,8 @@ pub enum Machine {
     MultiArm,
     /// Universal Robots UR10e: six joints, judged by the currents of its drives.
     Ur10e,
+    /// EMPS, one axis of an electro-mechanical positioning system, judged by its position along a whole log.
+    Emps,
 }
 
 /// Value of cos q of a pendulum below which it is about to fall either way.
@@ -31,6 +33,7 @@ impl Machine {
             Self::Panda => "panda",
             Self::MultiArm => "multi-arm",
             Self::Ur10e => "ur10e",
+            Self::Emps => "emps",
         }
     }
 
@@ -38,7 +41,7 @@ impl Machine {
     pub const fn joints(self) -> usize {
         match self {
             Self::DoublePendulum => 2,
-            Self::Pendulum => 1,
+            Self::Pendulum | Self::Emps => 1,
             Self::Panda => 7,
             Self::MultiArm => 3,
             Self::Ur10e => 6,
@@ -57,6 +60,10 @@ impl Machine {
         }
         if self == Self::Ur10e {
             return Self::counted_columns(self.joints());
+        }
+        if self == Self::Emps {
+            let [t, q, u] = ["time", "position", "force"].map(Column::si);
+            return Columns { t, q: vec![q], v: Vec::new(), u: vec![u], actuation: None };
         }
         let of = |names: &[&str]| names.iter().map(|name| Column::si(*name)).collect();
         let [q, v, u]: [&[&str]; 3] = match self {
@@ -87,7 +94,7 @@ impl Machine {
     /// either way, whatever the model, so windows that pass it are left out. All windows of the double pendulum count.
     pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
         match self {
-            Self::DoublePendulum | Self::Panda | Self::MultiArm | Self::Ur10e => true,
+            Self::DoublePendulum | Self::Panda | Self::MultiArm | Self::Ur10e | Self::Emps => true,
             Self::Pendulum => positions.all(|q| q.iter().all(|q| q.cos() >= UPRIGHT)),
         }
     }

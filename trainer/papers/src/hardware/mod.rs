@@ -11,11 +11,12 @@
 //! encoders are estimated from its first 2 s.
 //!
 //! An arm of many joints is judged by its torques instead (`arm`) or by the currents of its drives (`currents`), free
-//! swings by their own windows (`multi_arm`).
+//! swings by their own windows (`multi_arm`), an axis with friction by its position along a whole log (`axis`).
 //!
 //! Data flows one way: files → [`Log`] → windows → [`Predictor`] → summaries. The table is a list of entries.
 
 mod arm;
+mod axis;
 mod calibration;
 pub(crate) mod configured;
 mod currents;
@@ -39,6 +40,7 @@ mod task;
 mod window;
 
 pub use arm::{ArmData, arm_tasks};
+pub use axis::{Axis, AxisData, AxisOutcome, axis_tasks};
 pub use calibration::zero_offsets;
 pub use currents::{CurrentData, CurrentOutcome, current_tasks};
 pub use data::MachineData;

@@ -1,3 +1,4 @@
+mod axis;
 mod currents;
 
 use super::robot;
