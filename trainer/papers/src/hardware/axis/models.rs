@@ -63,7 +63,7 @@ const fn ours(name: &'static str, friction: &'static str) -> Model {
 }
 
 /// Rows of the table, in order.
-pub const MODELS: [Model; 8] = [
+pub const MODELS: [Model; 9] = [
     rival("published numbers", Way::Known(PUBLISHED)),
     rival("least squares on forces", Way::Force(FOUR)),
     rival("least squares on forces, friction by direction", Way::Force(BY_DIRECTION)),
@@ -72,6 +72,10 @@ pub const MODELS: [Model; 8] = [
     rival("least squares on motion, friction by direction and stiffness", Way::Motion(BENT)),
     Model { name: "leastaction, as look configures it", is_default: true, way: Way::Ours(None) },
     ours("leastaction, viscous + Coulomb", "{ viscous = \"learned\", coulomb = \"learned\" }"),
+    ours(
+        "leastaction, friction by direction",
+        "{ viscous = \"learned\", coulomb = \"learned\", viscous_asymmetry = \"learned\" }",
+    ),
 ];
 
 impl Model {
