@@ -193,6 +193,12 @@ impl<R: Real, const N: usize> Contact<R, N> {
         revision < revisions(N) && self.revise(revision, |own, i| own.agreeing(i, w[i], needed[i], slack[i]))
     }
 
+    /// Whether motions that were revised as often as they may be contradict a solution.
+    pub fn contradict(&self, revision: usize, w: &[R; N], needed: &[R; N], slack: &[R; N]) -> bool {
+        let differs = |i: usize| self.agreeing(i, w[i], needed[i], slack[i]) != self.motion[i];
+        revision >= revisions(N) && (0..N).any(differs)
+    }
+
     #[inline(always)]
     fn revise(&mut self, revision: usize, agreeing: impl Fn(&Self, usize) -> Motion) -> bool {
         let mut changed = false;
@@ -220,9 +226,14 @@ impl<R: Real, const N: usize> Contact<R, N> {
         core::array::from_fn(|i| if self.is_held(i) { replaced(i) } else { x[i] })
     }
 
-    /// The path with exactly the increments of coordinates that are held, and no bubble there.
-    pub fn settled<P: Path>(&self, path: &Interval<R, P, N>) -> Interval<R, P, N> {
-        path.with_increments(&core::array::from_fn(|i| self.is_held(i).then(|| self.increment(i))))
+    /// The path with exactly these increments of coordinates that are held, and no bubble there.
+    #[inline(always)]
+    pub fn settled<P: Path>(
+        &self,
+        path: &Interval<R, P, N>,
+        increment: impl Fn(usize) -> R,
+    ) -> Interval<R, P, N> {
+        path.with_increments(&core::array::from_fn(|i| self.is_held(i).then(|| increment(i))))
     }
 
     /// The end where nothing moves and friction and stops hold it; `before` is the momentum before they act at the end.

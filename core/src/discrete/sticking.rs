@@ -69,12 +69,22 @@ where
             }
         }
         let report = newton.solve(self)?;
-        if self.revised { Err(StepError::NotConverged(report)) } else { Ok(report) }
+        if self.revised || self.contradicts() { Err(StepError::NotConverged(report)) } else { Ok(report) }
     }
 
-    /// Compares the motions with the last evaluation.
+    /// Whether motions that may be revised no more contradict the last evaluation.
+    fn contradicts(&self) -> bool {
+        let (w, slacks) = (self.step.interval.increment(), self.step.size().map(slack));
+        self.contact.contradict(self.revisions, &w, &self.needed, &slacks)
+    }
+
+    /// Compares the motions with the last evaluation. Between two given ends the increments tell the motions: no momentum at the start is given
+    /// that would tell an impulse.
     #[inline(always)]
     fn revise(&mut self) {
+        if ENDS {
+            return;
+        }
         let (w, slacks) = (self.step.interval.increment(), self.step.size().map(slack));
         self.revised = self.contact.revise_path(self.revisions, &w, &self.needed, &slacks);
         self.revisions += usize::from(self.revised);
@@ -160,7 +170,12 @@ where
             self.contact.hold_rows(&mut blocks.bubble_s, R::one());
             left.bubble = self.contact.held(&left.bubble, |i| s[i]);
         }
-        self.step.update()
+        self.step.update()?;
+        // To the last bit, which the solution of the linear equations is not: only at rest does the impulse tell whether friction holds.
+        self.step.interval = self
+            .contact
+            .settled(&self.step.interval, |i| if ENDS { w[i] } else { self.contact.increment(i) });
+        Ok(())
     }
 }
 
@@ -187,7 +202,6 @@ impl<R: Real> Newton<R> {
         let mut equations = StickingEquations::<_, _, _, _, N, false>::new(system, guess, target);
         let report = equations.solve(self)?;
         let end = equations.end(&target.p0)?;
-        equations.step.interval = equations.contact.settled(&equations.step.interval);
         Ok(Ended { solved: equations.step.with_report(report), end })
     }
 

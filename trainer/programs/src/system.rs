@@ -21,6 +21,8 @@ pub struct System {
     lagrangian: Node,
     force: Node,
     bends: Option<Node>,
+    /// The force without laws that stick, and their levels, if some do.
+    sliding: Option<(Node, [Node; 3])>,
 }
 
 /// Programs of [`System::separable`].
@@ -43,7 +45,10 @@ impl System {
         let lagrangian = builder.difference(energies[0], energies[1]);
         let force = model.force(&mut builder, q, v, tau);
         let bends = model.bends(&mut builder);
-        Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force, bends }
+        let grips = model.grips(&mut builder, tau);
+        let sliding = grips.map(|grips| (model.single_valued(&mut builder, q, v, tau), grips));
+        let parameters = model.parameters();
+        Self { builder, n, parameters, q, v, tau, energies, lagrangian, force, bends, sliding }
     }
 
     /// Returns the system without forces: L alone, over the same weight block.
@@ -51,7 +56,20 @@ impl System {
     pub fn conservative(&self) -> Self {
         let mut own = self.clone();
         own.force = own.builder.zeros(own.n);
-        Self { bends: None, ..own }
+        Self { bends: None, sliding: None, ..own }
+    }
+
+    /// The system without its laws that stick, and the program of their levels with inputs q, v, τ and outputs
+    /// [`Energies::grips`](crate::energies::Energies::grips), n rows each; `None` if none sticks.
+    pub(crate) fn sliding(&self) -> Option<(Self, Program)> {
+        let (force, grips) = self.sliding?;
+        let levels = Program::new(&self.builder, &grips, &[]);
+        Some((Self { force, bends: None, sliding: None, ..self.clone() }, levels))
+    }
+
+    /// Whether some coordinate may stick.
+    pub fn sticks(&self) -> bool {
+        self.sliding.is_some()
     }
 
     /// Number of coordinates n.

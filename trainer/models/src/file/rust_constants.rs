@@ -60,6 +60,7 @@ fn constant_type(model: &Model) -> Result<ConstantType, ConstantsError> {
         (Law::Servo, "a servo"),
         (Law::Directional, "friction by direction"),
         (Law::Sticking, "friction that sticks"),
+        (Law::Stops, "end stops"),
     ];
     if let Some((_, what)) = others.into_iter().find(|(law, _)| laws.contains(*law)) {
         return Err(ConstantsError::Unsupported { what });

@@ -125,7 +125,8 @@ impl ForcesType {
 
     /// Name of the type.
     pub(super) fn name(&self) -> &'static str {
-        let is_friction = |law: &Law| !matches!(law, Law::Dissipation | Law::Potential | Law::Servo);
+        let is_friction =
+            |law: &Law| !matches!(law, Law::Dissipation | Law::Potential | Law::Servo | Law::Stops);
         if self.laws.iter().all(is_friction) { "Friction" } else { "Forces" }
     }
 
@@ -136,6 +137,7 @@ impl ForcesType {
             (Law::Servo, "servos"),
             (Law::Directional, "friction by direction"),
             (Law::Sticking, "friction that sticks"),
+            (Law::Stops, "end stops"),
         ];
         let present = names.iter().filter(|(law, _)| self.has(*law)).map(|(_, name)| *name);
         let all: Vec<&str> = std::iter::once("Viscous damping").chain(present).collect();
@@ -151,6 +153,7 @@ impl ForcesType {
             (self.has(Law::Potential), "PotentialCorrection"),
             (self.has(Law::Servo), "Servo"),
             (self.has(Law::Sticking), "Sticking"),
+            (self.has(Law::Stops), "Stops"),
             (true, "Viscous"),
         ];
         names
@@ -171,7 +174,12 @@ impl ForcesType {
         for (_, name) in networks.into_iter().filter(|(law, _)| self.has(*law)) {
             text = format!("({text}, {name}<'static, {}, M, LAW_H, LAW_L>)", self.weight);
         }
-        let last = [(Law::Servo, "Servo"), (Law::Directional, "Directional"), (Law::Sticking, "Sticking")];
+        let last = [
+            (Law::Servo, "Servo"),
+            (Law::Directional, "Directional"),
+            (Law::Sticking, "Sticking"),
+            (Law::Stops, "Stops"),
+        ];
         for (_, name) in last.into_iter().filter(|(law, _)| self.has(*law)) {
             text = format!("({text}, {name}<f32, M>)");
         }

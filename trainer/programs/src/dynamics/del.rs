@@ -1,6 +1,8 @@
 use super::Failures;
-use super::interval::{Integrals, Interval, Order};
+use super::contact::Contact;
+use super::interval::{Balance, Integrals, Interval, Order};
 use super::newton::{Equations, Factors, Newton};
+use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
 
@@ -10,9 +12,19 @@ const HISTORY: usize = 3;
 /// Variational integrator of a system, for samples side by side.
 #[derive(Clone, Debug)]
 pub struct Del {
-    pub(crate) integrals: Integrals,
+    /// Intervals without the friction that sticks.
+    integrals: Integrals,
+    /// Levels of friction that sticks, and intervals with its smooth law, if there is such friction.
+    sticking: Option<Sticking>,
     newton: Newton,
     factors: Factors,
+}
+
+/// Friction that sticks.
+#[derive(Clone, Debug)]
+struct Sticking {
+    levels: (Program, Workspace),
+    smooth: Integrals,
 }
 
 /// State of trajectories: positions, momenta and the paths of the last steps, n rows each.
@@ -31,7 +43,40 @@ pub struct DelState {
 impl Del {
     /// Creates an integrator with step h > 0, s.
     pub fn new(system: &System, h: f64, order: Order, newton: Newton) -> Self {
-        Self { integrals: Integrals::new(system, h, order), newton, factors: Factors::new() }
+        let smooth = Integrals::new(system, h, order);
+        let Some((sliding, levels)) = system.sliding() else {
+            return Self { integrals: smooth, sticking: None, newton, factors: Factors::new() };
+        };
+        let sticking = Some(Sticking { levels: levels.with_workspace(), smooth });
+        Self { integrals: Integrals::new(&sliding, h, order), sticking, newton, factors: Factors::new() }
+    }
+
+    /// Intervals with the smooth law of friction that sticks, for derivatives.
+    pub(crate) fn smooth(&mut self) -> &mut Integrals {
+        self.sticking.as_mut().map_or(&mut self.integrals, |sticking| &mut sticking.smooth)
+    }
+
+    /// Step h, s.
+    pub(crate) fn h(&self) -> f64 {
+        self.integrals.h
+    }
+
+    /// Order of the steps.
+    pub(crate) fn order(&self) -> Order {
+        self.integrals.order
+    }
+
+    /// Solves an interval: its balance without friction that sticks, the motions of coordinates that may stick, and failures.
+    fn solve(
+        &mut self,
+        weights: &[f64],
+        (interval, p0): (&mut Interval, Option<&[Row]>),
+    ) -> (Balance, Option<Contact>, Failures) {
+        let h = self.integrals.h;
+        let contact = self.sticking.as_mut().map(|of| Contact::new(&mut of.levels, weights, h, interval));
+        let mut equations = Equations { integrals: &mut self.integrals, weights, p0, contact };
+        let (balance, failed) = self.newton.solve(&mut equations, interval, &mut self.factors);
+        (balance, equations.contact, failed)
     }
 
     /// Returns the state at q₁ that is determined by two positions and the controls at them.
@@ -39,9 +84,13 @@ impl Del {
         let h = self.integrals.h;
         let w: Vec<Row> = q0.iter().zip(q1).map(|(a, b)| b.zip(a, |b, a| (b - a) / h)).collect();
         let mut interval = Interval::new(q0, &w, tau);
-        let mut equations = Equations { integrals: &mut self.integrals, weights, p0: None };
-        let (balance, failed) = self.newton.solve(&mut equations, &mut interval, &mut self.factors);
-        DelState { q: q1.to_vec(), p: balance.end_momentum(), history: vec![[w, interval.s]], failed }
+        let (balance, contact, failed) = self.solve(weights, (&mut interval, None));
+        let (mut p, mut failed) = (balance.end_momentum(), failed);
+        if let Some(contact) = contact {
+            let end = contact.end(&mut self.integrals, weights, &interval, &p);
+            (p, failed) = (end.momentum, failed.or(end.failed));
+        }
+        DelState { q: q1.to_vec(), p, history: vec![[w, interval.s]], failed }
     }
 
     /// Returns the state with these positions and velocities: p = L_v(q, v).
@@ -55,13 +104,21 @@ impl Del {
     pub fn step(&mut self, weights: &[f64], state: &mut DelState, tau: [&[Row]; 2]) {
         let [w, s] = state.guess();
         let mut interval = Interval { s, ..Interval::new(&state.q, &w, tau) };
-        let mut equations = Equations { integrals: &mut self.integrals, weights, p0: Some(&state.p) };
-        let (balance, failed) = self.newton.solve(&mut equations, &mut interval, &mut self.factors);
+        let (balance, contact, failed) = self.solve(weights, (&mut interval, Some(&state.p)));
         state.failed = state.failed.or(failed);
         for (q, w) in state.q.iter_mut().zip(&interval.w) {
             q.add_scaled(self.integrals.h, w);
         }
-        state.p.iter_mut().zip(&balance.impulse).for_each(|(p, impulse)| p.add_scaled(1.0, impulse));
+        match contact {
+            None => {
+                state.p.iter_mut().zip(&balance.impulse).for_each(|(p, impulse)| p.add_scaled(1.0, impulse))
+            }
+            Some(contact) => {
+                let before = contact.before_end(&state.p, &balance);
+                let end = contact.end(&mut self.integrals, weights, &interval, &before);
+                (state.p, state.failed) = (end.momentum, state.failed.or(end.failed));
+            }
+        }
         state.history.insert(0, [interval.w, interval.s]);
         state.history.truncate(HISTORY);
         state.lose_failed();

@@ -2,6 +2,7 @@
 
 mod acceleration;
 mod cholesky;
+mod contact;
 mod del;
 mod dense;
 mod interval;

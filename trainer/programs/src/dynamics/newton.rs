@@ -1,3 +1,4 @@
+use super::contact::{Contact, bubble_share};
 use super::interval::{Balance, Integrals, Interval, Linearised};
 use super::{Failures, Lu};
 use crate::row::{Row, WIDTH};
@@ -24,13 +25,20 @@ struct Progress {
     residual: [f64; WIDTH],
     done: [bool; WIDTH],
     failed: Failures,
+    /// Whether the motions of coordinates that may stick agree with the path.
+    agrees: [bool; WIDTH],
 }
+
+/// A balance, the last one with derivatives, and the path of the balance.
+type At<'a> = (&'a Balance, &'a Linearised, &'a Interval);
 
 /// Equations of an interval, either with both ends given (`p0` is `None`) or with an unknown end.
 pub(crate) struct Equations<'i> {
     pub integrals: &'i mut Integrals,
     pub weights: &'i [f64],
     pub p0: Option<&'i [Row]>,
+    /// Motions of coordinates that may stick.
+    pub contact: Option<Contact>,
 }
 
 impl Equations<'_> {
@@ -43,14 +51,48 @@ impl Equations<'_> {
         }
     }
 
-    /// Residual of equation i at a balance.
-    fn left(&self, balance: &Balance, i: usize, sample: usize) -> f64 {
+    /// Residual of equation i at a balance. Where a coordinate sticks, the equations are w_i = 0 and s_i = 0, in the units of those that they
+    /// replace.
+    fn left(&self, (balance, linearised, path): At, i: usize, sample: usize) -> f64 {
+        let n = balance.d1_ld.len();
+        let (of_momentum, k) = (self.p0.is_some() && i < n, i % n);
+        let Some(contact) = &self.contact else { return self.balance(balance, i, sample) };
+        let (x, diagonal) = match of_momentum {
+            true => (&path.w, &linearised.momentum_w),
+            false => (&path.s, &linearised.bubble_s),
+        };
+        if contact.sticks(k, sample) {
+            return diagonal[k * n + k].0[sample] * x[k].0[sample];
+        }
+        let share = if of_momentum { 1.0 } else { bubble_share(self.integrals.order) };
+        self.balance(balance, i, sample) + share * contact.sliding(k, sample)
+    }
+
+    /// Sum of the terms of equation i without friction that sticks.
+    fn balance(&self, balance: &Balance, i: usize, sample: usize) -> f64 {
         let n = balance.d1_ld.len();
         match self.p0 {
             Some(p0) if i < n => p0[i].0[sample] + balance.d1_ld[i].0[sample],
             Some(_) => balance.dm_ld[i - n].0[sample],
             None => balance.dm_ld[i].0[sample],
         }
+    }
+
+    /// Compares the motions of the samples that are not done with a path; returns those whose motions were revised. Between two given ends the
+    /// increments tell the motions: no momentum at the start is given that would tell an impulse.
+    fn revise(&mut self, (balance, linearised, path): At, done: &[bool; WIDTH]) -> [bool; WIDTH] {
+        let (Some(p0), Some(contact)) = (self.p0, &mut self.contact) else { return [false; WIDTH] };
+        std::array::from_fn(|sample| {
+            let of = |i: usize| {
+                let p0 = p0[i].0[sample];
+                [
+                    path.w[i].0[sample],
+                    -(p0 + balance.d1_ld[i].0[sample]),
+                    linearised.scale[i].0[sample] + p0.abs(),
+                ]
+            };
+            !done[sample] && contact.revise(sample, of)
+        })
     }
 
     /// Factors the matrices of all samples; those with a singular matrix fail.
@@ -67,20 +109,19 @@ impl Equations<'_> {
                     (false, true) => &linearised.bubble_w,
                     (false, false) => &linearised.bubble_s,
                 };
-                of[i % n * n + j % n].0[sample]
+                match &self.contact {
+                    Some(contact) if contact.sticks(i % n, sample) && i != j => 0.0,
+                    _ => of[i % n * n + j % n].0[sample],
+                }
             });
         }
         failures
     }
 
-    fn measure(
-        &self,
-        balance: &Balance,
-        scale: &[Row],
-        newton: &Newton,
-        progress: &mut Progress,
-        first: bool,
-    ) {
+    /// Measures the residuals of the samples that are not done, after revising their motions; returns whether any was revised.
+    fn measure(&mut self, at: At, newton: &Newton, progress: &mut Progress, first: bool) -> bool {
+        let revised = self.revise(at, &progress.done);
+        let scale = &at.1.scale;
         let n = scale.len();
         for sample in 0..WIDTH {
             if progress.done[sample] {
@@ -90,14 +131,16 @@ impl Equations<'_> {
             for i in 0..self.count(n) {
                 let p0 = self.p0.map_or(0.0, |p0| p0[i % n].0[sample].abs());
                 let size = scale[i % n].0[sample] + p0 + f64::MIN_POSITIVE;
-                let off = self.left(balance, i, sample).abs() / size;
+                let off = self.left(at, i, sample).abs() / size;
                 worst = if off.is_finite() { worst.max(off) } else { f64::NAN };
             }
             let before = std::mem::replace(&mut progress.residual[sample], worst);
             let floor = !first && worst <= newton.accept && worst > 0.5 * before;
-            progress.done[sample] = worst <= newton.stop || floor || worst.is_nan();
+            progress.done[sample] = worst.is_nan() || (!revised[sample] && (worst <= newton.stop || floor));
             progress.failed.0[sample] |= worst.is_nan();
+            progress.agrees[sample] = !revised[sample];
         }
+        revised.contains(&true)
     }
 }
 
@@ -110,13 +153,17 @@ impl Newton {
         interval: &mut Interval,
         factors: &mut Factors,
     ) -> (Balance, Failures) {
-        let mut progress =
-            Progress { residual: [f64::INFINITY; WIDTH], done: [false; WIDTH], failed: Failures::default() };
+        let mut progress = Progress {
+            residual: [f64::INFINITY; WIDTH],
+            done: [false; WIDTH],
+            failed: Failures::default(),
+            agrees: [true; WIDTH],
+        };
         if equations.count(interval.q0.len()) == 0 {
             return (equations.integrals.balance(equations.weights, interval), progress.failed);
         }
         let mut linearised = equations.integrals.linearise(equations.weights, interval);
-        equations.measure(&linearised.balance, &linearised.scale, self, &mut progress, true);
+        equations.measure((&linearised.balance, &linearised, interval), self, &mut progress, true);
         let mut balance = linearised.balance.clone();
         let mut singular = equations.factor(&linearised, factors);
         let bends = equations.integrals.bends(equations.weights);
@@ -131,8 +178,9 @@ impl Newton {
             let matrix = (&mut *factors, &linearised, bends.as_deref());
             update(equations, &balance, interval, matrix, &progress.done);
             balance = equations.integrals.balance(equations.weights, interval);
-            equations.measure(&balance, &linearised.scale, self, &mut progress, false);
-            let slow = (0..WIDTH).any(|k| !progress.done[k] && progress.residual[k] > SLOW * before[k]);
+            let revised = equations.measure((&balance, &linearised, interval), self, &mut progress, false);
+            let slow =
+                revised || (0..WIDTH).any(|k| !progress.done[k] && progress.residual[k] > SLOW * before[k]);
             if slow {
                 linearised = equations.integrals.linearise(equations.weights, interval);
                 singular = equations.factor(&linearised, factors);
@@ -140,6 +188,7 @@ impl Newton {
         }
         for k in 0..WIDTH {
             progress.failed.0[k] |= progress.residual[k].is_nan() || progress.residual[k] > self.accept;
+            progress.failed.0[k] |= !progress.agrees[k];
         }
         (balance, progress.failed)
     }
@@ -157,7 +206,7 @@ fn update(
     let (n, order, is_free) = (interval.q0.len(), equations.integrals.order, equations.p0.is_some());
     let mut mended = Lu::default();
     for (sample, lu) in factors.iter_mut().enumerate().filter(|(sample, _)| !done[*sample]) {
-        let left = |i: usize| equations.left(balance, i, sample);
+        let left = |i: usize| equations.left((balance, linearised, &*interval), i, sample);
         let mut change = lu.solve(left);
         if !is_free && !leads_on(change, left) && without_early_friction(linearised, sample, &mut mended) {
             change = mended.solve(left);
@@ -167,6 +216,8 @@ fn update(
         let part = bends.map_or(1.0, |bends| interval.trusted_part(points, bends, [of_w, of_s], sample));
         interval.w.iter_mut().zip(of_w).for_each(|(w, change)| w.0[sample] -= part * change);
         interval.s.iter_mut().zip(of_s).for_each(|(s, change)| s.0[sample] -= part * change);
+        // To the last bit, which the solution of the linear equations is not.
+        equations.contact.iter().for_each(|contact| contact.settle(interval, sample));
     }
 }
 

@@ -26,6 +26,8 @@ pub enum GroupForce {
         /// Whether some c_load is learned or not 0.
         loaded: bool,
     },
+    /// End stops, which are no force between them: [`leastaction_core::forces::Stops`].
+    Stops,
 }
 
 /// A model with such a law. The law's numbers ([`Law::ranges`]), group after group, follow the model's in the weight block.
@@ -47,6 +49,7 @@ impl GroupForce {
             Law::Servo => Some(Self::Servo),
             Law::Directional => Some(Self::Directional),
             Law::Sticking => Some(Self::Sticking { loaded }),
+            Law::Stops => Some(Self::Stops),
         }
     }
 
@@ -58,13 +61,14 @@ impl GroupForce {
             Self::Servo => Law::Servo,
             Self::Directional => Law::Directional,
             Self::Sticking { .. } => Law::Sticking,
+            Self::Stops => Law::Stops,
         }
     }
 
     /// Position of the width of the law among its numbers, if it bends.
     const fn width(self) -> Option<usize> {
         match self {
-            Self::Viscous | Self::Servo => None,
+            Self::Viscous | Self::Servo | Self::Stops => None,
             Self::Coulomb { .. } => Some(FrictionNumber::Width as usize),
             Self::Directional => Some(DirectionalNumber::Width as usize),
             Self::Sticking { .. } => Some(StickingNumber::Width as usize),
@@ -91,6 +95,22 @@ impl<E: Energies> WithGroupLaw<E> {
         let each = self.force.law().ranges().len();
         let own: Vec<usize> = self.of.iter().map(|group| each * group + number).collect();
         builder.gather(all, &own)
+    }
+
+    /// A force with that of the law.
+    fn added(&self, builder: &mut Builder, own: Node, [q, v, tau]: [Node; 3]) -> Node {
+        let friction = match self.force {
+            GroupForce::Servo => {
+                let drive = self.drive(builder, q, tau);
+                return builder.sum(own, drive);
+            }
+            GroupForce::Stops => return own,
+            GroupForce::Viscous => self.viscous(builder, v),
+            GroupForce::Coulomb { loaded } => self.coulomb(builder, loaded, v, tau),
+            GroupForce::Directional => self.directional(builder, v),
+            GroupForce::Sticking { loaded } => self.sticking(builder, loaded, v, tau),
+        };
+        builder.difference(own, friction)
     }
 
     /// b v.
@@ -151,6 +171,18 @@ impl<E: Energies> WithGroupLaw<E> {
         builder.sum(viscous, dry)
     }
 
+    /// c (1 + δ) and c (1 − δ), each with its growth under load, and s.
+    fn levels(&self, builder: &mut Builder, loaded: bool, tau: Node) -> [Node; 3] {
+        use StickingNumber::{Asymmetry, Breakaway, Constant, Load, Smoothing};
+        let constant = self.number(builder, Constant as usize);
+        let asymmetry = self.number(builder, Asymmetry as usize);
+        let more = builder.product(constant, asymmetry);
+        let both = [builder.sum(constant, more), builder.difference(constant, more)];
+        let growth = loaded.then_some([Load as usize, Smoothing as usize]);
+        let [forward, backward] = both.map(|level| self.grown(builder, level, growth, tau));
+        [forward, backward, self.number(builder, Breakaway as usize)]
+    }
+
     /// (c (1 + δt) + c_load (√(τ² + τ_s²) − τ_s)) t.
     fn sticking(&self, builder: &mut Builder, loaded: bool, v: Node, tau: Node) -> Node {
         use StickingNumber::{Asymmetry, Constant, Load, Smoothing, Width};
@@ -205,20 +237,23 @@ impl<E: Energies> Energies for WithGroupLaw<E> {
     }
 
     fn force(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
-        let own = self.model.force(builder, q, v, tau);
-        let friction = match self.force {
-            GroupForce::Servo => {
-                let drive = self.drive(builder, q, tau);
-                return builder.sum(own, drive);
-            }
-            GroupForce::Viscous => self.viscous(builder, v),
-            GroupForce::Coulomb { loaded } => self.coulomb(builder, loaded, v, tau),
-            GroupForce::Directional => self.directional(builder, v),
-            GroupForce::Sticking { loaded } => self.sticking(builder, loaded, v, tau),
-        };
-        builder.difference(own, friction)
+        let model = self.model.force(builder, q, v, tau);
+        self.added(builder, model, [q, v, tau])
     }
 
+    fn single_valued(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
+        let model = self.model.single_valued(builder, q, v, tau);
+        let sticks = matches!(self.force, GroupForce::Sticking { .. });
+        if sticks { model } else { self.added(builder, model, [q, v, tau]) }
+    }
+
+    /// At most one law of a model sticks.
+    fn grips(&self, builder: &mut Builder, tau: Node) -> Option<[Node; 3]> {
+        match self.force {
+            GroupForce::Sticking { loaded } => Some(self.levels(builder, loaded, tau)),
+            _ => self.model.grips(builder, tau),
+        }
+    }
     /// Half the width of the change of sign; the width of an inner law that bends too is taken to be no narrower.
     fn bends(&self, builder: &mut Builder) -> Option<Node> {
         let Some(width) = self.force.width() else { return self.model.bends(builder) };

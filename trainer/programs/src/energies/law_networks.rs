@@ -102,6 +102,12 @@ fn transposed(
 }
 
 impl<E: Energies> WithNetworks<E> {
+    fn with_dissipation(&self, builder: &mut Builder, force: Node, [q, v]: [Node; 2]) -> Node {
+        let Some(law) = &self.dissipation else { return force };
+        let dissipation = law.force(builder, q, v);
+        builder.sum(force, dissipation)
+    }
+
     /// Adds these laws; `None` if one of them has inputs that the model does not have, or no inputs at all.
     pub fn new(model: E, dissipation: Option<&LawNetwork>, potential: Option<&LawNetwork>) -> Option<Self> {
         let fits = |law: &LawNetwork| law.coordinates.len() <= model.n() && !law.seen().is_empty();
@@ -139,9 +145,16 @@ impl<E: Energies> Energies for WithNetworks<E> {
 
     fn force(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
         let force = self.model.force(builder, q, v, tau);
-        let Some(law) = &self.dissipation else { return force };
-        let dissipation = law.force(builder, q, v);
-        builder.sum(force, dissipation)
+        self.with_dissipation(builder, force, [q, v])
+    }
+
+    fn single_valued(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
+        let force = self.model.single_valued(builder, q, v, tau);
+        self.with_dissipation(builder, force, [q, v])
+    }
+
+    fn grips(&self, builder: &mut Builder, tau: Node) -> Option<[Node; 3]> {
+        self.model.grips(builder, tau)
     }
 
     fn bends(&self, builder: &mut Builder) -> Option<Node> {

@@ -61,6 +61,15 @@ pub trait Energies {
         let n = builder.length(v);
         builder.zeros(n)
     }
+    /// The force without laws that stick, which have many values at rest ([`Energies::grips`]).
+    fn single_valued(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
+        self.force(builder, q, v, tau)
+    }
+    /// Levels, N or N m, of the dry friction of each coordinate that sticks: against motion forwards and backwards, and the ratio of friction
+    /// at rest ([`leastaction_core::forces::Grip`]). `None` if none sticks.
+    fn grips(&self, _: &mut Builder, _: Node) -> Option<[Node; 3]> {
+        None
+    }
     /// Speed of each coordinate up to which a force such as friction bends, m/s or rad/s. If an update of Newton's
     /// method reverses a velocity from beyond this speed, the method evaluates again
     /// ([`leastaction_core::forces::Forces::trusted_part`]). `None` if no force bends.
@@ -84,6 +93,14 @@ impl<E: Energies + ?Sized> Energies for Box<E> {
 
     fn force(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
         (**self).force(builder, q, v, tau)
+    }
+
+    fn single_valued(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
+        (**self).single_valued(builder, q, v, tau)
+    }
+
+    fn grips(&self, builder: &mut Builder, tau: Node) -> Option<[Node; 3]> {
+        (**self).grips(builder, tau)
     }
 
     fn bends(&self, builder: &mut Builder) -> Option<Node> {

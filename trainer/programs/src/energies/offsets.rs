@@ -19,6 +19,12 @@ impl<E: Energies> WithOffsets<E> {
         Self { energies, beside: [0; 2] }
     }
 
+    /// o and u + o.
+    fn drive(&self, builder: &mut Builder, u: Node) -> [Node; 2] {
+        let offset = builder.parameters(self.energies.parameters() + self.beside[0], self.energies.n());
+        [offset, builder.sum(u, offset)]
+    }
+
     /// Adds offsets with unused numbers between them and those of the model, and after the offsets.
     #[must_use]
     pub fn among(self, beside: [usize; 2]) -> Self {
@@ -40,10 +46,20 @@ impl<E: Energies> Energies for WithOffsets<E> {
     }
 
     fn force(&self, builder: &mut Builder, q: Node, v: Node, u: Node) -> Node {
-        let offset = builder.parameters(self.energies.parameters() + self.beside[0], self.n());
-        let tau = builder.sum(u, offset);
+        let [offset, tau] = self.drive(builder, u);
         let force = self.energies.force(builder, q, v, tau);
         builder.sum(force, offset)
+    }
+
+    fn single_valued(&self, builder: &mut Builder, q: Node, v: Node, u: Node) -> Node {
+        let [offset, tau] = self.drive(builder, u);
+        let force = self.energies.single_valued(builder, q, v, tau);
+        builder.sum(force, offset)
+    }
+
+    fn grips(&self, builder: &mut Builder, u: Node) -> Option<[Node; 3]> {
+        let [_, tau] = self.drive(builder, u);
+        self.energies.grips(builder, tau)
     }
 
     fn bends(&self, builder: &mut Builder) -> Option<Node> {

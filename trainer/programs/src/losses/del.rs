@@ -82,12 +82,12 @@ impl DelLoss {
         let behind = if bubble { self.integrals.linearise(weights, before) } else { Default::default() };
         let [of_before, of_after] = &mut self.factors;
         let free = if self.next_position { Some(p) } else { None };
-        let equations = Equations { integrals: &mut self.integrals, weights, p0: free };
+        let equations = Equations { integrals: &mut self.integrals, weights, p0: free, contact: None };
         if self.next_position || bubble {
             *failures = failures.or(equations.factor(&ahead, of_after));
         }
         if bubble {
-            let equations = Equations { integrals: &mut self.integrals, weights, p0: None };
+            let equations = Equations { integrals: &mut self.integrals, weights, p0: None, contact: None };
             *failures = failures.or(equations.factor(&behind, of_before));
         }
         let [first, second] = &mut of;
@@ -152,7 +152,7 @@ impl Loss for DelLoss {
         let mut before = Interval::new(q0, &w0, block.acting(0));
         let mut after = Interval::new(q1, &w1, block.acting(1));
         let [of_before, of_after] = &mut self.factors;
-        let mut equations = Equations { integrals: &mut self.integrals, weights, p0: None };
+        let mut equations = Equations { integrals: &mut self.integrals, weights, p0: None, contact: None };
         let (balance, failed) = self.newton.solve(&mut equations, &mut before, of_before);
         let p = balance.end_momentum();
         equations.p0 = self.next_position.then_some(&p);

@@ -112,23 +112,23 @@ impl VariationalSteps {
     /// Weights of F and L_v at a Gauss point in the equations of a step, and the derivatives of that point with respect
     /// to x.
     fn variations(&self, point: &GaussPoint) -> [[Variation; 2]; 2] {
-        let h = self.del.integrals.h;
+        let h = self.del.h();
         [[point.start(h), point.bubble(h)], [point.end(h), point.bubble(h)]]
     }
 
     fn kinds(&self) -> usize {
-        if self.del.integrals.order.has_bubble() { 2 } else { 1 }
+        if self.del.order().has_bubble() { 2 } else { 1 }
     }
 
     /// Sums the derivatives of the equations and of the impulse over the Gauss points of a path.
     fn sum(&mut self, weights: &[f64], path: &Interval) {
-        let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
+        let (n, kinds, h) = (self.n, self.kinds(), self.del.h());
         self.sums.reset(kinds, n);
         let impulse = Variation { force: h, momentum: 0.0 };
-        for point in self.del.integrals.order.points() {
+        for point in self.del.order().points() {
             let [q, v, tau] = path.at(point, h);
             let ([equations, moves], b) = (self.variations(point), point.weight);
-            let (integrals, sums) = (&mut self.del.integrals, &mut self.sums);
+            let (integrals, sums) = (self.del.smooth(), &mut self.sums);
             integrals.differentiate(weights, [&q, &v, &tau]);
             for (k, row) in equations.into_iter().take(kinds).chain([impulse]).enumerate() {
                 integrals.add_block((b, row, POSITION), &mut sums.of_start[k]);
@@ -162,7 +162,7 @@ impl VariationalSteps {
 
     /// Derivatives of e with respect to the equations: Yᵀ = −G_x⁻ᵀ e_xᵀ. A sample with a singular matrix is NaN.
     fn of_equations(&mut self) -> Vec<Row> {
-        let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
+        let (n, kinds, h) = (self.n, self.kinds(), self.del.h());
         let unknowns = kinds * n;
         let mut of_equations = vec![Row::splat(f64::NAN); 2 * n * unknowns];
         let sums = &self.sums;
@@ -209,9 +209,9 @@ impl VariationalSteps {
 
     /// Computes the derivatives of e with respect to the weights at constant (q₀, p₀).
     fn pull(&mut self, weights: &[f64], path: &Interval, of_equations: &[Row]) {
-        let (n, kinds, h) = (self.n, self.kinds(), self.del.integrals.h);
+        let (n, kinds, h) = (self.n, self.kinds(), self.del.h());
         self.gradients.iter_mut().for_each(|row| row.fill(Row::default()));
-        for point in self.del.integrals.order.points() {
+        for point in self.del.order().points() {
             let [equations, _] = self.variations(point);
             let mut directions = [(); 2].map(|()| vec![Row::default(); 2 * n * n]);
             for (r, y) in of_equations.chunks_exact(kinds * n).enumerate() {
@@ -238,7 +238,7 @@ impl VariationalSteps {
     fn carry_to_momenta(&mut self, weights: &[f64], [q, v]: [&[Row]; 2], tangents: &mut Tangents) {
         let (n, learned) = (self.n, tangents.weights());
         let none = vec![Row::default(); n];
-        self.del.integrals.differentiate(weights, [q, v, &none]);
+        self.del.smooth().differentiate(weights, [q, v, &none]);
         if learned > 0 {
             self.pull_momenta(weights, [q, v, &none]);
         }
@@ -248,7 +248,7 @@ impl VariationalSteps {
             for (i, place) in moved[n..].iter_mut().enumerate() {
                 *place = position.map_or(Row::default(), |position| self.gradients[i][*position]);
                 for j in 0..n {
-                    let [of_q, of_v] = self.del.integrals.momentum_columns(j).map(|column| &column[i]);
+                    let [of_q, of_v] = self.del.smooth().momentum_columns(j).map(|column| &column[i]);
                     place.add_product(of_q, &self.moved[j]);
                     place.add_product(of_v, &self.moved[n + j]);
                 }

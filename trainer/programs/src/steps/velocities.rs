@@ -15,7 +15,7 @@ impl VariationalSteps {
     ) -> Failures {
         let (q, p) = state.split_at_mut(self.n);
         let none = vec![Row::default(); self.n];
-        self.del.integrals.differentiate(weights, [q, &none, &none]);
+        self.del.smooth().differentiate(weights, [q, &none, &none]);
         let compliance = self.compliance();
         p.copy_from_slice(&times(&compliance, p));
         if let Some(tangents) = tangents {
@@ -31,7 +31,7 @@ impl VariationalSteps {
         let n = self.n;
         let mut compliance = vec![Row::splat(f64::NAN); n * n];
         for sample in 0..WIDTH {
-            let integrals = &self.del.integrals;
+            let integrals = self.del.smooth();
             if !self.lu.factor(n, |i, j| integrals.momentum_columns(j)[1][i].0[sample]) {
                 continue;
             }
@@ -51,7 +51,7 @@ impl VariationalSteps {
     ) {
         let (n, learned) = (self.n, tangents.weights());
         let none = vec![Row::default(); n];
-        self.del.integrals.differentiate(weights, [q, v, &none]);
+        self.del.smooth().differentiate(weights, [q, v, &none]);
         if learned > 0 {
             self.pull_momenta(weights, [q, v, &none]);
         }
@@ -62,7 +62,7 @@ impl VariationalSteps {
                 momenta.iter_mut().zip(own).for_each(|(place, own)| place.add_scaled(-1.0, own));
             }
             for (j, moved) in positions.iter().enumerate() {
-                let [of_q, _] = self.del.integrals.momentum_columns(j);
+                let [of_q, _] = self.del.smooth().momentum_columns(j);
                 let lost = of_q.iter().map(|of| of.zip(moved, |of, moved| -of * moved));
                 momenta.iter_mut().zip(lost).for_each(|(place, lost)| place.add_scaled(1.0, &lost));
             }

@@ -83,7 +83,7 @@ impl JointNumber {
             NumberKind::Load => Some(Self::Load),
             NumberKind::Smoothing => Some(Self::Smoothing),
             NumberKind::Width => Some(Self::Width),
-            NumberKind::Breakaway | NumberKind::Stiffness => None,
+            _ => None,
         }
     }
 }

@@ -56,7 +56,10 @@ impl CoordinateFriction {
             NumberKind::Smoothing => dry.map(|dry| dry.smoothing),
             NumberKind::Width => dry.map(|dry| dry.width),
             NumberKind::Breakaway => dry.and_then(|dry| dry.breakaway),
-            NumberKind::Stiffness => None,
+            NumberKind::Stiffness
+            | NumberKind::Centre
+            | NumberKind::HalfDistance
+            | NumberKind::Restitution => None,
         }
     }
 

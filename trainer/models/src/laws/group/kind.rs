@@ -36,14 +36,20 @@ pub enum NumberKind {
     Width,
     /// Stiffness k ≥ 0 of a servo, N/m or N m/rad.
     Stiffness,
+    /// Middle between two end stops, m or rad.
+    Centre,
+    /// Half the distance between two end stops, above 0, m or rad.
+    HalfDistance,
+    /// Restitution of a stop, 0 ≤ e ≤ 1.
+    Restitution,
 }
 
 impl NumberKind {
     /// Meanings of the numbers of a law, in the order of a file; none for a law with a network.
     pub const fn of(law: Law) -> &'static [Self] {
         use NumberKind::{
-            Breakaway, Damping, DampingAsymmetry, Friction, FrictionAsymmetry, Load, Smoothing, Stiffness,
-            Width,
+            Breakaway, Centre, Damping, DampingAsymmetry, Friction, FrictionAsymmetry, HalfDistance, Load,
+            Restitution, Smoothing, Stiffness, Width,
         };
         match law {
             Law::Viscous => &[Damping],
@@ -52,6 +58,7 @@ impl NumberKind {
             Law::Servo => &[Stiffness],
             Law::Directional => &[Damping, DampingAsymmetry, Friction, FrictionAsymmetry, Width],
             Law::Sticking => &[Friction, FrictionAsymmetry, Load, Smoothing, Breakaway, Width],
+            Law::Stops => &[Centre, HalfDistance, Restitution],
         }
     }
 
@@ -67,6 +74,9 @@ impl NumberKind {
             Self::Breakaway => "Coulomb friction, at rest over in motion",
             Self::Width => "Coulomb friction, width of the change of sign",
             Self::Stiffness => "stiffness of the servo",
+            Self::Centre => "middle between the end stops",
+            Self::HalfDistance => "half the distance between the end stops",
+            Self::Restitution => "restitution of the end stops",
         }
     }
 
@@ -81,7 +91,16 @@ impl NumberKind {
             (Self::Width, false) => "rad/s",
             (Self::Stiffness, true) => "N/m",
             (Self::Stiffness, false) => "N m/rad",
-            (Self::DampingAsymmetry | Self::FrictionAsymmetry | Self::Load | Self::Breakaway, _) => "",
+            (Self::Centre | Self::HalfDistance, true) => "m",
+            (Self::Centre | Self::HalfDistance, false) => "rad",
+            (
+                Self::DampingAsymmetry
+                | Self::FrictionAsymmetry
+                | Self::Load
+                | Self::Breakaway
+                | Self::Restitution,
+                _,
+            ) => "",
         }
     }
 
@@ -92,7 +111,7 @@ impl NumberKind {
             Self::Friction | Self::Smoothing => Some(scales.force),
             Self::Width => Some(scales.speed),
             Self::Stiffness => Some(scales.stiffness()),
-            Self::DampingAsymmetry | Self::FrictionAsymmetry | Self::Load | Self::Breakaway => None,
+            _ => None,
         }
     }
 
@@ -113,7 +132,12 @@ impl NumberKind {
 
     /// Value that has no effect, or for a number that shapes others, any valid one.
     pub(super) const fn neutral(self) -> f64 {
-        if matches!(self, Self::Smoothing | Self::Breakaway | Self::Width) { 1.0 } else { 0.0 }
+        match self {
+            Self::Smoothing | Self::Breakaway | Self::Width => 1.0,
+            // Out of reach.
+            Self::HalfDistance => f32::MAX as f64,
+            _ => 0.0,
+        }
     }
 
     /// Range of a learned number; `widths` are the bounds of a width.
@@ -122,8 +146,8 @@ impl NumberKind {
             Self::Damping | Self::Friction | Self::Smoothing | Self::Stiffness => Range::Positive,
             Self::DampingAsymmetry | Self::FrictionAsymmetry => Range::Between(-1.0, 1.0),
             Self::Load => Range::Between(0.0, MOST_LOAD),
-            // The smooth law, which gradients see, has no breakaway: such a number is never learned.
-            Self::Breakaway => Range::Any,
+            // The smooth law, which gradients see, has no breakaway and no stops: such a number is never learned.
+            Self::Breakaway | Self::Centre | Self::HalfDistance | Self::Restitution => Range::Any,
             Self::Width => Range::Between(widths[0], widths[1]),
         }
     }

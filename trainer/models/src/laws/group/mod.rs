@@ -29,6 +29,8 @@ pub struct GroupLaws {
     pub directional: Vec<Number>,
     /// Dry friction that sticks: c, δ, c_load, τ_s, s and ε of every group.
     pub sticking: Vec<Number>,
+    /// End stops: their middle, half the distance between them, and the restitution e, of every group; all are known.
+    pub stops: Vec<Number>,
     /// Speed of every group in the log, m/s or rad/s, which bounds learned widths ([`WIDTH_PARTS`]); empty if no log has been read.
     speeds: Vec<f64>,
 }
@@ -59,25 +61,27 @@ impl GroupLaws {
         Self { viscous, coulomb: dry.into_flattened(), ..Self::default() }
     }
 
-    fn each(&self) -> [(Law, &Vec<Number>); 5] {
-        let Self { viscous, coulomb, servo, directional, sticking, speeds: _ } = self;
+    fn each(&self) -> [(Law, &Vec<Number>); 6] {
+        let Self { viscous, coulomb, servo, directional, sticking, stops, speeds: _ } = self;
         [
             (Law::Viscous, viscous),
             (Law::Coulomb, coulomb),
             (Law::Servo, servo),
             (Law::Directional, directional),
             (Law::Sticking, sticking),
+            (Law::Stops, stops),
         ]
     }
 
-    fn each_mut(&mut self) -> [(Law, &mut Vec<Number>); 5] {
-        let Self { viscous, coulomb, servo, directional, sticking, speeds: _ } = self;
+    fn each_mut(&mut self) -> [(Law, &mut Vec<Number>); 6] {
+        let Self { viscous, coulomb, servo, directional, sticking, stops, speeds: _ } = self;
         [
             (Law::Viscous, viscous),
             (Law::Coulomb, coulomb),
             (Law::Servo, servo),
             (Law::Directional, directional),
             (Law::Sticking, sticking),
+            (Law::Stops, stops),
         ]
     }
 
