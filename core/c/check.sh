@@ -186,7 +186,7 @@ tool header | diff include/leastaction.h - ||
 checked=${families/ graph / graph graph,rods }
 checked=${checked/ bodies / bodies bodies,friction bodies,networks,servo }
 checked=${checked/ arm / arm arm,friction arm,networks }
-for family in ${checked/ inertia-network / inertia-network inertia-network,friction inertia-network,friction,networks }; do
+for family in ${checked/ inertia-network / inertia-network inertia-network,friction inertia-network,axes inertia-network,friction,networks,axes }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
     "${host[@]}" clippy --version >/dev/null 2>&1 || continue
@@ -205,6 +205,10 @@ check inertia-network,friction cartpole-friction "" "$cart" LEASTACTION_COORDINA
 # A library with the feature `friction` must give, for a file without dry friction, the hash of the library without
 # the feature.
 check inertia-network,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+# Likewise for the laws of axes: friction that sticks, friction by direction, end stops.
+for golden in cartpole-axes cartpole; do
+    check inertia-network,axes $golden "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+done
 # The library with every law, on a file with network laws and on one without.
 for golden in cartpole-networks cartpole; do
     check inertia-network,friction,networks $golden "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2 \

@@ -55,9 +55,12 @@ const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 // The sizes fit a model with 2 words to spare where pointers have 32 bits; where they have 64 bits, a model takes
 // fewer words. The build fails if a model no longer fits (`contents.rs`).
 
-/// Words that dry friction takes: four numbers per coordinate.
+/// Words that dry friction takes, four numbers per coordinate, and the laws of axes, fourteen.
 #[cfg(not(feature = "graph"))]
-const FRICTION: usize = if cfg!(feature = "friction") { 4 * LEASTACTION_COORDINATES } else { 0 };
+const FRICTION: usize = {
+    let each = if cfg!(feature = "friction") { 4 } else { 0 } + if cfg!(feature = "axes") { 14 } else { 0 };
+    each * LEASTACTION_COORDINATES
+};
 
 /// Words that both laws with networks take: the network, the coordinates that it sees, and scales.
 #[cfg(all(feature = "networks", not(feature = "graph")))]

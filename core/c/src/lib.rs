@@ -25,7 +25,7 @@ compile_error!(
     "graphs have no dry friction: --no-default-features --features inertia-network,friction, modular,friction, bodies,friction or arm,friction"
 );
 
-#[cfg(all(any(feature = "networks", feature = "servo"), feature = "graph"))]
+#[cfg(all(any(feature = "networks", feature = "servo", feature = "axes"), feature = "graph"))]
 compile_error!(
     "graphs have no such laws: --no-default-features --features inertia-network,networks, modular,networks, bodies,networks or arm,networks"
 );

@@ -53,7 +53,7 @@ impl<R: Real, const N: usize> End<R, N> {
 /// The most revisions of motions in a step and at its end. A set of motions that agrees is found in 2n + 1 if each is solved; Newton's method
 /// revises them on its way.
 const fn revisions(coordinates: usize) -> usize {
-    4 * coordinates + 2
+    8 * coordinates + 2
 }
 
 /// Number of steps within which forces would give a coordinate the velocity of a strike, below which it does not bounce: the time between

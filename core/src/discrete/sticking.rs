@@ -11,7 +11,7 @@
 //! the stop has v = 0, whatever e is, and so has one that would be back within a few steps. The instant of a strike is off by a part of the step.
 //!
 //! Where a coordinate sticks, its equation of momentum is replaced by w_i = 0 and that of its bubble by s_i = 0. Every evaluation of Newton's
-//! method compares the motions it was made for with what it finds, and revises them, at most 4n + 2 times in a step; the bound on updates
+//! method compares the motions it was made for with what it finds, and revises them, at most 8n + 2 times in a step; the bound on updates
 //! counts from the last revision. From the n-th revision on, one coordinate is revised at a time, which ends for friction of any coupling
 //! (Murty 1974).
 //!

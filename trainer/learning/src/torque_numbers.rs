@@ -3,7 +3,7 @@
 use crate::data::Dataset;
 use crate::torque::Samples;
 use crate::torque::fit::{Alone, Arm, Bodies, FitError, JointNumber, JointNumbers, Learned, alone};
-use crate::torques::{arm, samples};
+use crate::torques::{Driven, arm, samples};
 use crate::windows::{Certainty, LearnedNumber, Shown};
 use leastaction_models::{
     Actuator, Architecture, ArmArchitecture, Family, LawEntry, Model, NumberKind, NumberName,
@@ -54,7 +54,8 @@ pub struct TorqueNumber {
 pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueNumbers> {
     let architecture = &model.architecture;
     let (family, arm) = (architecture.family.arm()?, arm(model)?);
-    let samples = samples(&data.trajectories, (data.h, data.control_kind()), &drives(model), cut_off).ok()?;
+    let driven = Driven { actuator: drives(model), ..Driven::of(model) };
+    let samples = samples(&data.trajectories, (data.h, data.control_kind()), &driven, cut_off).ok()?;
     let has = |kind: NumberKind| architecture.law_entries().any(|entry| entry.kind == kind);
     let load = arm.joints.iter().any(|joint| joint.load > 0.0);
     let smoothing = |(i, joint): (usize, &JointNumbers)| (i, JointNumber::Smoothing, joint.smoothing);

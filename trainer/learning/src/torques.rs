@@ -6,7 +6,7 @@ use crate::torque::{Preparation, SampleError, Samples};
 use crate::training;
 use crate::windows::Calibrated;
 use leastaction_core::forces::ControlKind;
-use leastaction_models::{Actuator, Model};
+use leastaction_models::{Actuator, Architecture, CoordinateFriction, Model};
 use serde::Serialize;
 use std::fmt;
 
@@ -55,7 +55,7 @@ impl TorqueErrors {
         step: (f64, ControlKind),
         cut_off: f64,
     ) -> Option<Self> {
-        let samples = samples(trajectories, step, &model.facts.actuator, cut_off).ok()?;
+        let samples = samples(trajectories, step, &Driven::of(model), cut_off).ok()?;
         Self::at(model, &samples, &[])
     }
 
@@ -101,8 +101,8 @@ impl SplitErrors {
     /// would be `None`.
     pub(crate) fn along(model: &Model, (data, training): (&Dataset, usize), cut_off: f64) -> Option<Self> {
         let (train, held) = data.trajectories.split_at(training.min(data.trajectories.len()));
-        let (step, actuator) = ((data.h, data.control_kind()), &model.facts.actuator);
-        let [train, held] = [train, held].map(|part| samples(part, step, actuator, cut_off).ok());
+        let (step, driven) = ((data.h, data.control_kind()), Driven::of(model));
+        let [train, held] = [train, held].map(|part| samples(part, step, &driven, cut_off).ok());
         let train = train?;
         let usual = variances(&train);
         let held_back = held.and_then(|held| TorqueErrors::at(model, &held, &usual));
@@ -147,12 +147,35 @@ pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<
     Some(Arm { tree, joints })
 }
 
+/// Widths ε of the smooth law of every coordinate's friction that sticks, m/s or rad/s; 0 where none does.
+pub fn widths_at_rest(architecture: &Architecture, weights: &[f64]) -> Vec<f64> {
+    let sticking = |own: &CoordinateFriction| own.dry.filter(|dry| dry.breakaway.is_some());
+    let friction = architecture.friction_of_coordinates(weights);
+    friction.iter().map(|own| sticking(own).map_or(0.0, |dry| dry.width)).collect()
+}
+
+/// Drives of a model and its friction at rest, as samples see them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Driven {
+    /// Actuator, which makes forces of the logged commands.
+    pub actuator: Actuator,
+    /// [`widths_at_rest`].
+    pub widths: Vec<f64>,
+}
+
+impl Driven {
+    /// The drives and the friction of a model.
+    pub fn of(Model { architecture, weights, facts, .. }: &Model) -> Self {
+        Self { actuator: facts.actuator.clone(), widths: widths_at_rest(architecture, weights) }
+    }
+}
+
 /// Filtered samples of all trajectories that are long enough, with the forces that the actuator produces from the
-/// logged commands.
+/// logged commands, and with the friction of joints at rest ([`Samples::with_friction_at_rest`]).
 pub(crate) fn samples(
     trajectories: &[Trajectory],
     (h, control): (f64, ControlKind),
-    actuator: &Actuator,
+    Driven { actuator, widths }: &Driven,
     cut_off: f64,
 ) -> Result<Samples, SampleError> {
     let every = ((APART / h).round() as usize).max(1);
@@ -164,7 +187,8 @@ pub(crate) fn samples(
     for trajectory in trajectories {
         let torques = trajectory.u.as_ref().map(|u| at_samples(&force(u), control));
         let states = (&trajectory.q, trajectory.v.as_ref(), torques.as_ref());
-        match (Samples::of_even(states, &how), all.as_mut()) {
+        let own = Samples::of_even(states, &how).map(|own| own.with_friction_at_rest(widths));
+        match (own, all.as_mut()) {
             (Err(error), _) => failure = error,
             (Ok(own), None) => all = Some(own),
             (Ok(own), Some(all)) => all.append(&own),
@@ -175,7 +199,7 @@ pub(crate) fn samples(
 
 /// Filtered samples for a loss over single samples; commands are taken as forces.
 pub(crate) fn filtered(data: &Dataset, cut_off: f64) -> Result<training::Samples, SampleError> {
-    let own = samples(&data.trajectories, (data.h, data.control_kind()), &Actuator::default(), cut_off)?;
+    let own = samples(&data.trajectories, (data.h, data.control_kind()), &Driven::default(), cut_off)?;
     Ok(training::Samples::of_torques(&own, data.h))
 }
 

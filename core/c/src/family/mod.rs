@@ -53,10 +53,23 @@ type Friction = leastaction_core::forces::Viscous<f32, N>;
 type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
 
 /// Laws of force that the library is built for.
+#[cfg(not(any(feature = "axes", feature = "graph")))]
+type Laws = Driven;
+#[cfg(feature = "axes")]
+type Laws = (Driven, Axes);
+
+/// Friction by direction, friction that sticks, and end stops.
+#[cfg(feature = "axes")]
+type Axes = (
+    leastaction_core::forces::Directional<f32, N>,
+    (leastaction_core::forces::Sticking<f32, N>, leastaction_core::forces::Stops<f32, N>),
+);
+
+/// Laws beside those of axes.
 #[cfg(not(any(feature = "servo", feature = "graph")))]
-type Laws = Beside;
+type Driven = Beside;
 #[cfg(feature = "servo")]
-type Laws = (Beside, leastaction_core::forces::Servo<f32, N>);
+type Driven = (Beside, leastaction_core::forces::Servo<f32, N>);
 
 /// Laws beside servos.
 #[cfg(not(any(feature = "networks", feature = "graph")))]

@@ -11,7 +11,7 @@ const SHORTEST: f64 = 0.25;
 /// Least number of steps in a window of the shortest length.
 const FEWEST_STEPS: f64 = 5.0;
 /// Ratios of the lengths that are tried to the shortest length.
-const FACTORS: [f64; 3] = [1.0, 2.0, 4.0];
+const FACTORS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Index of the length that is taken if the logs do not favour another one.
 const USUAL: usize = 1;
 /// Ratio to the error with the usual length below which another length is taken: even logs of one machine differ by a
@@ -46,7 +46,7 @@ pub(super) fn steps(window: f64, h: f64) -> usize {
 }
 
 /// All candidate lengths for a step `h`, s.
-fn all(h: f64) -> [f64; 3] {
+fn all(h: f64) -> [f64; 4] {
     FACTORS.map(|factor| factor * SHORTEST.max(FEWEST_STEPS * h))
 }
 

@@ -2,7 +2,7 @@
 
 use super::ringing;
 use crate::data::{Dataset, Rows, Trajectory};
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{Law, ModelError};
 use leastaction_models::{Architecture, Model, Scales};
 
 /// Part of the samples whose amounts a scale covers: few enough are left out that the scale is near the largest amount, and enough that
@@ -23,8 +23,10 @@ pub(super) fn follow(
     initial: &mut [f64],
     (data, training): (&Dataset, usize),
 ) -> Result<(), ModelError> {
-    // The fit of an arm to torques solves for these numbers, and their starts do not matter to it.
-    let is_fitted_to_torques = architecture.family.arm().is_some() && !architecture.group_laws.has_servos();
+    // The fit of an arm to torques solves for these numbers, and their starts do not matter to it, except for the width at rest.
+    let is_fitted_to_torques = architecture.family.arm().is_some()
+        && !architecture.group_laws.has_servos()
+        && !architecture.group_laws.has(Law::Sticking);
     if architecture.follows_scales() && !is_fitted_to_torques {
         let logs = data.trajectories.get(..training).unwrap_or(&data.trajectories);
         let scales = of((logs, data.h), (architecture, initial))?;

@@ -5,9 +5,9 @@ use crate::data::Dataset;
 use crate::torque::fit::{Bodies, FitError, Fitted, JointNumber, JointNumbers, Learned, fit, fit_by_folds};
 use crate::torque::{SampleError, Samples};
 use crate::torque_numbers::TorqueNumbers;
-use crate::torques::{SplitErrors, samples};
+use crate::torques::{Driven, SplitErrors, samples, widths_at_rest};
 use crate::windows::Setting;
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{Law, ModelError};
 use leastaction_models::tree::Tree;
 use leastaction_models::{
     Actuator, Architecture, ArmArchitecture, Facts, Family, LawEntry, Model, NumberKind,
@@ -85,8 +85,9 @@ pub(super) fn fitted(
     let learned = learned(architecture, arm, offsets);
     let actuator = calibration.known_actuator(arm.n());
     let train = &data.trajectories[..training.min(data.trajectories.len())];
-    let train =
-        samples(train, (data.h, data.control_kind()), &actuator, cut_off).map_err(TorqueError::from)?;
+    let widths = widths_at_rest(architecture, initial);
+    let driven = Driven { actuator: actuator.clone(), widths };
+    let train = samples(train, (data.h, data.control_kind()), &driven, cut_off).map_err(TorqueError::from)?;
     let what = "numbers of bodies";
     let tree = arm.host_tree(initial).ok_or(ModelError::OutOfRange { what })?;
     let found = best(&tree, &train, &learned)?;
@@ -150,7 +151,10 @@ fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) ->
 fn held(architecture: &Architecture) -> Vec<(usize, JointNumber, f64)> {
     let entries: Vec<LawEntry> = architecture.law_entries().collect();
     let place = |entry: &LawEntry| Some((entry.group, JointNumber::of(entry.kind)?));
-    let is_learned = |of| entries.iter().any(|entry| place(entry) == Some(of) && entry.number.learned);
+    // Samples are made for the width of friction that sticks.
+    let may_change =
+        |of: &LawEntry| of.number.learned && (of.law, of.kind) != (Law::Sticking, NumberKind::Width);
+    let is_learned = |of| entries.iter().any(|entry| place(entry) == Some(of) && may_change(entry));
     let mut held: Vec<(usize, JointNumber, f64)> = Vec::new();
     for entry in &entries {
         let Some(of) = place(entry).filter(|of| !is_learned(*of)) else { continue };

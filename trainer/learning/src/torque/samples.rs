@@ -79,6 +79,11 @@ pub enum SampleError {
     },
 }
 
+/// Speed in widths ε that stands for full friction at rest.
+const CREEP: f64 = 3.0;
+/// Time, s, in which a coordinate of the speed ε passes the distance within which friction turns.
+const TURNS_WITHIN: f64 = 0.04;
+
 /// Columns of numbers, one per coordinate.
 type Columns = Vec<Vec<f64>>;
 
@@ -155,6 +160,33 @@ impl Samples {
         };
         let t = kept.iter().map(|k| *k as f64 * step).collect();
         Ok(Self { t, q: rows(&q), v: rows(&v), a: rows(&a), tau: rows(&tau) })
+    }
+
+    /// The samples with velocities at which the smooth law of friction that sticks, of these widths ε (m/s or rad/s; 0 for a coordinate without
+    /// such friction), has the friction of the motion before.
+    ///
+    /// No state tells the friction at rest, which may take any value up to its level; where a drive holds a joint that it has just moved, it
+    /// stays near that level. So the direction of friction is that of a play: s moves with q/δ, but not beyond ±1, where δ = ε · 40 ms is the
+    /// distance within which friction turns. Until it has turned, and slower than 3ε, a coordinate has the velocity 3ε s, and tanh 3 = 0.995.
+    ///
+    /// Source: Dahl, "A solid friction model", 1968, whose limit for a stiff spring this is.
+    #[must_use]
+    pub fn with_friction_at_rest(mut self, widths: &[f64]) -> Self {
+        let n = self.v.width();
+        let mut v = self.v.as_flat().to_vec();
+        for (i, width) in widths.iter().enumerate().filter(|(_, width)| **width > 0.0) {
+            let (mut direction, mut before) = (0.0_f64, None);
+            for (q, v) in self.q.column(i).zip(v.iter_mut().skip(i).step_by(n)) {
+                let moved = q - before.replace(q).unwrap_or(q);
+                direction = (direction + moved / (width * TURNS_WITHIN)).clamp(-1.0, 1.0);
+                let has_turned = direction.abs() == 1.0 && direction * *v >= CREEP * width;
+                if !has_turned {
+                    *v = CREEP * width * direction;
+                }
+            }
+        }
+        self.v = Rows::from_flat(n, v).unwrap_or(self.v);
+        self
     }
 
     /// Appends the samples of another log; its times continue from the last.

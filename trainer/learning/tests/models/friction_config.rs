@@ -125,7 +125,7 @@ fn every_combination_has_its_laws() {
     );
     let all = "viscous = 0.5\nviscous_asymmetry = 0.25\ncoulomb = 0.7\nasymmetry = -0.5\nwidth = 0.3\nload = 0.2\nsmoothing = 2\n";
     let (laws, numbers) = laws_and_numbers(all);
-    let [grown, turned] = [vec![0.0, 0.2, 2.0, 0.3].repeat(2), vec![0.5, 0.25, 0.7, -0.5, 0.3].repeat(2)];
+    let [grown, turned] = [[0.0, 0.2, 2.0, 0.3].repeat(2), [0.5, 0.25, 0.7, -0.5, 0.3].repeat(2)];
     assert_eq!((laws, numbers), (vec![Coulomb, Directional], [grown, turned].concat()));
     let (laws, numbers) = laws_and_numbers(&format!("{all}sticking = true\nbreakaway = [1.5, 1]\n"));
     let turned = [0.5, 0.25, 0.0, 0.0, 0.3].repeat(2);

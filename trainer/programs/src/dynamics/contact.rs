@@ -38,7 +38,7 @@ pub(crate) struct End {
 
 /// The most revisions of a sample's motions in a step and at its end.
 const fn most_revisions(n: usize) -> usize {
-    4 * n + 2
+    8 * n + 2
 }
 
 /// How closely an impulse in a sum of terms of this size is known.

@@ -123,7 +123,7 @@ impl Equations<'_> {
         let revised = self.revise(at, &progress.done);
         let scale = &at.1.scale;
         let n = scale.len();
-        for sample in 0..WIDTH {
+        for (sample, revised) in revised.into_iter().enumerate() {
             if progress.done[sample] {
                 continue;
             }
@@ -136,9 +136,9 @@ impl Equations<'_> {
             }
             let before = std::mem::replace(&mut progress.residual[sample], worst);
             let floor = !first && worst <= newton.accept && worst > 0.5 * before;
-            progress.done[sample] = worst.is_nan() || (!revised[sample] && (worst <= newton.stop || floor));
+            progress.done[sample] = worst.is_nan() || (!revised && (worst <= newton.stop || floor));
             progress.failed.0[sample] |= worst.is_nan();
-            progress.agrees[sample] = !revised[sample];
+            progress.agrees[sample] = !revised;
         }
         revised.contains(&true)
     }

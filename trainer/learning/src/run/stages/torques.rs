@@ -5,7 +5,7 @@ use super::{NETWORKS, PlanError, Stage};
 use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
 use crate::torque;
-use crate::torques::samples;
+use crate::torques::{Driven, samples, widths_at_rest};
 use crate::training::{Objective, Offsets, Samples, TorqueTerms, torque_objective};
 use crate::windows::{CalibrationLayout, Setting};
 use leastaction_models::{Actuator, Architecture, Number};
@@ -23,8 +23,10 @@ pub(super) fn networks(
 ) -> Result<Stage, PlanError> {
     let (shape, calibration) = (with_known_bodies(architecture), layout.calibration);
     let drives = Actuator { offset: Vec::new(), ..calibration.known_actuator(data.n) };
+    let widths = widths_at_rest(architecture, &architecture.initial_weights(config.training.seed));
+    let driven = Driven { actuator: drives, widths };
     let filtered = |part: &[Trajectory]| -> Result<Samples, torque::SampleError> {
-        let own = samples(part, (data.h, data.control_kind()), &drives, config.training.cut_off)?;
+        let own = samples(part, (data.h, data.control_kind()), &driven, config.training.cut_off)?;
         Ok(Samples::of_torques(&own, data.h))
     };
     let (train, held) = data.trajectories.split_at(training.min(data.trajectories.len()));

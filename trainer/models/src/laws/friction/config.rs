@@ -3,7 +3,7 @@
 use crate::config::parts::Range;
 use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
-use crate::laws::group::{GroupLaws, MOST_LOAD};
+use crate::laws::group::{GroupLaws, MOST_LOAD, WIDTH_PARTS};
 use crate::laws::numbers::{GroupNumber, GroupNumbers, LEARNED, NumbersVisitor, Rule};
 use crate::number::Number;
 use serde::de::value::MapAccessDeserializer;
@@ -30,7 +30,8 @@ pub struct FrictionConfig {
     /// Growth c_load of friction with the load. (Start if learned: 0.1.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<GroupNumbers>,
-    /// Width ε of the change of sign, m/s or rad/s. (Default with dry friction: learned, starting at 0.05 of the log's speed.)
+    /// Width ε of the change of sign, m/s or rad/s. (Default with dry friction: learned, starting at 0.05 of the log's speed; with friction that
+    /// sticks known, 0.003 of it.)
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<GroupNumbers>,
     /// Smoothing load τ_s, N or N m. (Default with dry friction: known; 0.02 of the log's force, which is also the start if it is learned.)
@@ -52,6 +53,8 @@ const VISCOUS: Rule = rule("viscous", [Range::NOT_BELOW, Rule::ABOVE], (0.01, So
 const COULOMB: Rule = rule("coulomb", [Range::NOT_BELOW, Rule::ABOVE], (0.1, Some(0.03)));
 const SMOOTHING: Rule = rule("smoothing", [Range::ABOVE, Rule::ABOVE], (0.1, Some(0.02)));
 const WIDTH: Rule = rule("width", [Range::ABOVE, Rule::ABOVE], (0.1, Some(0.05)));
+/// Width of the smooth law that stands for friction that sticks in derivatives: narrow, and not seen in rollouts, so that it is not learned.
+const STICKING_WIDTH: Rule = rule("width", [Range::ABOVE, Rule::ABOVE], (0.01, Some(WIDTH_PARTS[0])));
 const VISCOUS_ASYMMETRY: Rule = asymmetry("viscous_asymmetry");
 const ASYMMETRY: Rule = asymmetry("asymmetry");
 const LOAD: Rule = {
@@ -146,7 +149,10 @@ impl FrictionConfig {
             asymmetry: of(&ASYMMETRY, &self.asymmetry, none)?,
             load: of(&LOAD, &self.load, none)?,
             smoothing: of(&SMOOTHING, &self.smoothing, SMOOTHING.usual(false))?,
-            width: of(&WIDTH, &self.width, WIDTH.usual(true))?,
+            width: match self.sticking {
+                true => of(&STICKING_WIDTH, &self.width, STICKING_WIDTH.usual(false))?,
+                false => of(&WIDTH, &self.width, WIDTH.usual(true))?,
+            },
             breakaway: of(&BREAKAWAY, &self.breakaway, Number::known(1.0))?,
         })
     }

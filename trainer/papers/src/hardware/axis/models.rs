@@ -63,7 +63,7 @@ const fn ours(name: &'static str, friction: &'static str) -> Model {
 }
 
 /// Rows of the table, in order.
-pub const MODELS: [Model; 9] = [
+pub const MODELS: [Model; 11] = [
     rival("published numbers", Way::Known(PUBLISHED)),
     rival("least squares on forces", Way::Force(FOUR)),
     rival("least squares on forces, friction by direction", Way::Force(BY_DIRECTION)),
@@ -75,6 +75,11 @@ pub const MODELS: [Model; 9] = [
     ours(
         "leastaction, friction by direction",
         "{ viscous = \"learned\", coulomb = \"learned\", viscous_asymmetry = \"learned\" }",
+    ),
+    ours("leastaction, friction that sticks", "{ viscous = \"learned\", coulomb = \"sticking\" }"),
+    ours(
+        "leastaction, friction by direction that sticks",
+        "{ viscous = \"learned\", coulomb = \"sticking\", viscous_asymmetry = \"learned\" }",
     ),
 ];
 

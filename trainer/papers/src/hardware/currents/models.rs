@@ -8,6 +8,8 @@ use leastaction_learning::config::Config;
 use leastaction_learning::data::Rows;
 use leastaction_learning::torque::Samples;
 use leastaction_learning::torque::linear::Terms;
+use leastaction_learning::torques::widths_at_rest;
+use leastaction_models::tree::Tree;
 
 /// A row of the table.
 #[derive(Clone, Copy)]
@@ -26,6 +28,10 @@ pub struct Model {
 
 /// Terms of least squares besides the bodies; the width of dry friction is not learned, rad/s.
 const TERMS: Terms = Terms { rotors: true, viscous: true, coulomb: Some(0.02), offsets: true };
+/// The same with friction that keeps at rest what it had in motion ([`Samples::with_friction_at_rest`]); the width turns its direction within
+/// 0.1 mrad.
+const AT_REST: Terms = Terms { coulomb: Some(WIDTH_AT_REST), ..TERMS };
+const WIDTH_AT_REST: f64 = 0.003;
 /// Factors of currents that are taken for torques.
 const NO_GAINS: [f64; 6] = [1.0; 6];
 
@@ -38,7 +44,7 @@ const RIVAL: Model = Model {
 };
 
 /// Rows of the table, in order.
-pub const MODELS: [Model; 5] = [
+pub const MODELS: [Model; 7] = [
     RIVAL,
     Model {
         name: "linear least squares",
@@ -53,17 +59,30 @@ pub const MODELS: [Model; 5] = [
         ..RIVAL
     },
     Model {
+        name: "linear least squares, gains known, friction kept at rest",
+        expected_seconds: 5.0,
+        learn: |data, _| linear_at_rest(data, GAINS),
+        ..RIVAL
+    },
+    Model {
         name: "leastaction, one TOML",
         is_default: true,
         is_ours: true,
         expected_seconds: 60.0,
-        learn: |data, tell| ours(data, true, tell),
+        learn: |data, tell| ours(data, Ours::DEFAULT, tell),
     },
     Model {
         name: "… offsets of the drives not learned",
         is_ours: true,
         expected_seconds: 60.0,
-        learn: |data, tell| ours(data, false, tell),
+        learn: |data, tell| ours(data, Ours { offsets: false, ..Ours::DEFAULT }, tell),
+        ..RIVAL
+    },
+    Model {
+        name: "… friction that does not stick",
+        is_ours: true,
+        expected_seconds: 60.0,
+        learn: |data, tell| ours(data, Ours { coulomb: "learned", ..Ours::DEFAULT }, tell),
         ..RIVAL
     },
 ];
@@ -77,11 +96,35 @@ fn mean(train: &Samples) -> Learned {
     Learned { predict: Box::new(predict), parameters, rank: None, consistency: None }
 }
 
+/// Choices of our configuration.
+#[derive(Clone, Copy)]
+struct Ours {
+    /// Whether the offsets of the drives are learned.
+    offsets: bool,
+    /// Value of the key `coulomb`.
+    coulomb: &'static str,
+}
+
+impl Ours {
+    const DEFAULT: Self = Self { offsets: true, coulomb: "sticking" };
+}
+
 /// Least squares for the currents times these gains.
 fn linear(data: &CurrentData, gains: [f64; 6]) -> Result<Learned, TaskError> {
-    let train = data.train();
-    let torques = Samples { tau: times(&train.tau, gains), ..train.clone() };
-    let found = least_squares(data.tree.clone(), &torques, TERMS)?;
+    least(data.tree.clone(), (data.train().clone(), gains), TERMS)
+}
+
+/// Least squares with friction that keeps at rest what it had in motion.
+fn linear_at_rest(data: &CurrentData, gains: [f64; 6]) -> Result<Learned, TaskError> {
+    let at_rest = |samples: &Samples| samples.clone().with_friction_at_rest(&[WIDTH_AT_REST; 6]);
+    let found = least(data.tree.clone(), (at_rest(data.train()), gains), AT_REST)?;
+    let predict = found.predict;
+    Ok(Learned { predict: Box::new(move |samples| predict(&at_rest(samples))), ..found })
+}
+
+fn least(tree: Tree, (train, gains): (Samples, [f64; 6]), terms: Terms) -> Result<Learned, TaskError> {
+    let torques = Samples { tau: times(&train.tau, gains), ..train };
+    let found = least_squares(tree, &torques, terms)?;
     let predict = found.predict;
     Ok(Learned { predict: Box::new(move |samples| currents(predict(samples), gains)), ..found })
 }
@@ -97,15 +140,17 @@ fn currents(mut torques: Vec<f64>, gains: [f64; 6]) -> Vec<f64> {
 }
 
 /// The model that `leastaction train` learns from the file of the log.
-fn ours(data: &CurrentData, with_offsets: bool, tell: &Tell) -> Result<Learned, TaskError> {
+fn ours(data: &CurrentData, with: Ours, tell: &Tell) -> Result<Learned, TaskError> {
     let folder = tempfile::tempdir()?;
-    let text = configuration(data, with_offsets);
+    let text = configuration(data, with);
     let config = Config::parse(&text, &folder.path().join("machine.toml"))?;
     let End { parameters, trained, .. } = trained(config, (folder.path(), false), tell)?;
-    let parameters = parameters + if with_offsets { data.tree.coordinates() } else { 0 };
+    let parameters = parameters + if with.offsets { data.tree.coordinates() } else { 0 };
     let model = trained.model();
     // Torques that cannot be computed have no error; they are not numbers.
+    let widths = widths_at_rest(&model.architecture, &model.weights);
     let predict = move |samples: &Samples| {
+        let samples = samples.clone().with_friction_at_rest(&widths);
         let torques = model.inverse_dynamics([&samples.q, &samples.v, &samples.a].map(Rows::as_flat));
         currents(torques.unwrap_or_else(|_| vec![f64::NAN; samples.tau.as_flat().len()]), GAINS)
     };
@@ -113,8 +158,8 @@ fn ours(data: &CurrentData, with_offsets: bool, tell: &Tell) -> Result<Learned, 
 }
 
 /// The whole configuration, with columns by their numbers.
-fn configuration(data: &CurrentData, with_offsets: bool) -> String {
-    let offset = if with_offsets { "\"learned\"" } else { "0.0" };
+fn configuration(data: &CurrentData, Ours { offsets, coulomb }: Ours) -> String {
+    let offset = if offsets { "\"learned\"" } else { "0.0" };
     let n = data.tree.coordinates();
     let list = |first: usize| format!("{:?}", (first..first + n).collect::<Vec<_>>());
     let torque = |(k, gain): (usize, &f64)| format!("{{ name = {}, scale = {gain} }}", 2 + 2 * n + k);
@@ -128,14 +173,13 @@ fn configuration(data: &CurrentData, with_offsets: bool) -> String {
          [data]\nfile = {file}\ncontrol = \"linear\"\nvalidation = 0\n\n\
          [data.columns]\nt = 1\nq = {q}\nv = {v}\nu = [{torques}]\n\n\
          [model]\nfamily = \"arm\"\nurdf = {urdf}\n\
-         friction = {{ viscous = \"learned\", coulomb = \"learned\" }}\n"
+         friction = {{ viscous = \"learned\", coulomb = {coulomb:?} }}\n"
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use leastaction_models::tree::Tree;
     use std::path::Path;
 
     /// A user copies it from the page, so it stays short.
@@ -153,7 +197,7 @@ mod tests {
         let log = super::super::CurrentLog { file: "log.csv".into(), name: "log".into(), samples };
         let data =
             CurrentData { folder: folder.path().to_owned(), urdf: file, tree, logs: vec![log], learned: 0 };
-        let text = configuration(&data, true);
+        let text = configuration(&data, Ours::DEFAULT);
         assert!(text.lines().filter(|line| !line.is_empty()).count() <= 15, "{text}");
         Config::parse(&text, Path::new("machine.toml")).unwrap();
     }

@@ -40,15 +40,32 @@ type Networks<'w> = (
     leastaction_core::forces::PotentialCorrection<'w, Weight, N, LH, LL>,
 );
 
-/// Laws of force that the program is built for.
+/// Laws beside those of axes.
 #[cfg(not(any(feature = "networks", feature = "servo", feature = "graph")))]
-type Laws = Friction;
+type Driven = Friction;
 #[cfg(all(feature = "servo", not(feature = "networks")))]
-type Laws = (Friction, leastaction_core::forces::Servo<f32, N>);
+type Driven = (Friction, leastaction_core::forces::Servo<f32, N>);
 #[cfg(all(feature = "networks", not(feature = "servo")))]
-type Laws<'w> = (Friction, Networks<'w>);
+type Driven<'w> = (Friction, Networks<'w>);
 #[cfg(all(feature = "networks", feature = "servo"))]
-type Laws<'w> = ((Friction, Networks<'w>), leastaction_core::forces::Servo<f32, N>);
+type Driven<'w> = ((Friction, Networks<'w>), leastaction_core::forces::Servo<f32, N>);
+
+/// Friction by direction, friction that sticks, and end stops.
+#[cfg(feature = "axes")]
+type Axes = (
+    leastaction_core::forces::Directional<f32, N>,
+    (leastaction_core::forces::Sticking<f32, N>, leastaction_core::forces::Stops<f32, N>),
+);
+
+/// Laws of force that the program is built for.
+#[cfg(not(any(feature = "networks", feature = "axes", feature = "graph")))]
+type Laws = Driven;
+#[cfg(all(feature = "axes", not(feature = "networks")))]
+type Laws = (Driven, Axes);
+#[cfg(all(feature = "networks", not(feature = "axes")))]
+type Laws<'w> = Driven<'w>;
+#[cfg(all(feature = "networks", feature = "axes"))]
+type Laws<'w> = (Driven<'w>, Axes);
 
 type Vector = [f32; N];
 
