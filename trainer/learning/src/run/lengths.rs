@@ -118,8 +118,8 @@ mod tests {
 
     #[test]
     fn lengths_are_of_seconds_or_steps_and_nearly_all_logs_have_them() {
-        assert_eq!(candidates(&data(&[400; 3], 0.01)), [0.25, 0.5, 1.0]);
-        assert_eq!(candidates(&data(&[400; 3], 0.1)), [0.5, 1.0, 2.0]);
+        assert_eq!(candidates(&data(&[400; 3], 0.01)), [0.25, 0.5, 1.0, 2.0]);
+        assert_eq!(candidates(&data(&[400; 3], 0.1)), [0.5, 1.0, 2.0, 4.0]);
         assert_eq!(candidates(&data(&[101, 70, 5], 0.01)), [0.25, 0.5]);
         assert_eq!(candidates(&data(&[101, 9], 0.01)), [0.25, 0.5, 1.0]);
         let usual = [&[400, 400][..], &[40, 40], &[4, 4]].map(|samples| usual(&data(samples, 0.01)));

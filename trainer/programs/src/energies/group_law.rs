@@ -26,8 +26,6 @@ pub enum GroupForce {
         /// Whether some c_load is learned or not 0.
         loaded: bool,
     },
-    /// End stops, which are no force between them: [`leastaction_core::forces::Stops`].
-    Stops,
 }
 
 /// A model with such a law. The law's numbers ([`Law::ranges`]), group after group, follow the model's in the weight block.
@@ -40,16 +38,15 @@ pub struct WithGroupLaw<E> {
 }
 
 impl GroupForce {
-    /// The force of a law of a model file, which may grow with the load or not; `None` for a law with a network.
+    /// The force of a law of a model file, which may grow with the load or not; `None` for a law with a network, and for end stops.
     pub const fn new(law: Law, loaded: bool) -> Option<Self> {
         match law {
             Law::Viscous => Some(Self::Viscous),
             Law::Coulomb => Some(Self::Coulomb { loaded }),
-            Law::Dissipation | Law::Potential => None,
+            Law::Dissipation | Law::Potential | Law::Stops => None,
             Law::Servo => Some(Self::Servo),
             Law::Directional => Some(Self::Directional),
             Law::Sticking => Some(Self::Sticking { loaded }),
-            Law::Stops => Some(Self::Stops),
         }
     }
 
@@ -61,14 +58,13 @@ impl GroupForce {
             Self::Servo => Law::Servo,
             Self::Directional => Law::Directional,
             Self::Sticking { .. } => Law::Sticking,
-            Self::Stops => Law::Stops,
         }
     }
 
     /// Position of the width of the law among its numbers, if it bends.
     const fn width(self) -> Option<usize> {
         match self {
-            Self::Viscous | Self::Servo | Self::Stops => None,
+            Self::Viscous | Self::Servo => None,
             Self::Coulomb { .. } => Some(FrictionNumber::Width as usize),
             Self::Directional => Some(DirectionalNumber::Width as usize),
             Self::Sticking { .. } => Some(StickingNumber::Width as usize),
@@ -104,7 +100,6 @@ impl<E: Energies> WithGroupLaw<E> {
                 let drive = self.drive(builder, q, tau);
                 return builder.sum(own, drive);
             }
-            GroupForce::Stops => return own,
             GroupForce::Viscous => self.viscous(builder, v),
             GroupForce::Coulomb { loaded } => self.coulomb(builder, loaded, v, tau),
             GroupForce::Directional => self.directional(builder, v),

@@ -287,9 +287,11 @@ impl GroupLaws {
         if !self.each().into_iter().all(fits) {
             return Err(wrong);
         }
-        let force = |law: Law| GroupForce::new(law, self.law_grows(law));
-        let forces: Vec<GroupForce> =
-            self.present().filter(|law| is_on_side(*law)).filter_map(force).collect();
+        // Programs have no end stops; the steps of a chip and of its replica solve them.
+        let force =
+            |law: Law| GroupForce::new(law, self.law_grows(law)).ok_or(ModelError::Law { number: law as u8 });
+        let forces =
+            self.present().filter(|law| is_on_side(*law)).map(force).collect::<Result<Vec<_>, _>>()?;
         with_group_laws(model, &forces, (groups, of)).ok_or(wrong)
     }
 

@@ -72,7 +72,7 @@ fn currents_are_learned_from_one_log_and_judged_on_all() {
     let command = "hardware --data . --machine ur10e -o out --json";
     let found = bench.run(command).good().json();
     let rows = found["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 5 * 2);
+    assert_eq!(rows.len(), 7 * 2);
     let error = |model: &str, log: &str| {
         let is_it = |row: &&serde_json::Value| row["model"] == model && row["log"] == log;
         rows.iter().find(is_it).unwrap()["mean_nmse"].as_f64().unwrap()
