@@ -14,6 +14,7 @@
 //! | q | `q` | generalised coordinates, `[S; N]` | m or rad |
 //! | v = q̇ | `v` | generalised velocities | m/s or rad/s |
 //! | u | `u` | generalised control force | N or N m |
+//! | y | `y` | command that acts, behind the lag T ẏ = u(t − d) − y of a drive | as u |
 //! | h | `h` | step | s |
 //! | M = L_vv, H(q) | `mass_matrix` | inertia matrix | kg, kg m, kg m² |
 //! | p = L_v | `p`, `l_v` | generalised momentum | kg m/s or kg m²/s |

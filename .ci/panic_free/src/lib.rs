@@ -17,7 +17,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Model, ModelError};
 use leastaction_core::plan::Plan;
 use leastaction_core::static_vectors;
-use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear, Stepper};
+use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Lagged, Linear, Stepper};
 use nalgebra::SVector;
 
 #[panic_handler]
@@ -118,6 +118,12 @@ pub fn said<M, const N: usize>(model: &Model<M>) {
     {
         black_box((steps, actuator.held(at, at), actuator.linear(at, at, at), actuator.command(at)));
     }
+    if let Ok(Some(actuator)) = model.actuator()
+        && let Ok((steps, actuator, lag)) = actuator.at_step_with_lag::<N>(black_box(0.01))
+    {
+        black_box((steps, actuator.lagging(|i| lag.held(at[i], at[i], at[i]))));
+        black_box(actuator.lagging(|i| lag.linear(at[i], [at[i]; 3])));
+    }
     if let Ok(Some(range)) = model.range() {
         let _ = black_box(range.outside(at, at, at));
     }
@@ -158,6 +164,8 @@ where
     let _ = black_box(stepper::<L, F, Galerkin, Linear, Direct, N, 1>(model));
     let _ = black_box(stepper::<L, F, Midpoint, Linear, Actuated<N>, N, 5>(model));
     let _ = black_box(stepper::<L, F, Galerkin, Held, Actuated<N>, N, 3>(model));
+    let _ = black_box(stepper::<L, F, Galerkin, Held, Lagged<N>, N, 3>(model));
+    let _ = black_box(stepper::<L, F, Midpoint, Linear, Lagged<N>, N, 5>(model));
 }
 
 /// Everything of a plan.

@@ -121,7 +121,7 @@ fn actuator(mechanism: &Mechanism, h: f32) -> Result<(u16, Actuator<f32, LEASTAC
 }
 
 /// Writes the number of whole steps of h (s) by which a command is late: leastaction_actuate takes commands that much older. 0 if the file
-/// has no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35.
+/// has no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35; 35 also for an actuator with a lag.
 ///
 /// # Safety
 /// Pointers are NULL or point to values of their type.
@@ -145,7 +145,8 @@ pub unsafe extern "C" fn leastaction_late_steps(
 }
 
 /// Writes the control forces over a step of h (s), as the stepping functions take them, from commands held from step to step, with gain,
-/// offset and delay of the file: τ(t) = g u(t − d) + o. Without an actuator in the file, they are the command itself.
+/// offset and delay of the file: τ(t) = g u(t − d) + o. Without an actuator in the file, they are the command itself; one with a lag is
+/// refused with status 35.
 ///
 /// - `before`, `u`: the command one step earlier and the command of this step, both leastaction_late_steps older, `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.

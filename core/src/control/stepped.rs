@@ -11,7 +11,7 @@ use crate::scalar::Real;
 ///
 /// A node of k ticks takes s = ⌈k/stride⌉ steps of hk/s each, over which u is held. Control j drives coordinate `inputs[j]` with the gain of the actuator,
 /// τ_i = g_i u_j + o_i; an undriven coordinate has τ_i = o_i. The actuator's delay is not part of the plant: a controller steps the state
-/// through the commands already sent, and decides from there.
+/// through the commands already sent, and decides from there. An [`Actuator`] has no lag.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepped<'s, L, F, R, P, const N: usize, const M: usize> {
     /// Energies and forces.

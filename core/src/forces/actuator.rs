@@ -15,8 +15,8 @@ pub enum ControlKind {
 
 /// Actuator of every coordinate, from the command u to the acting force τ: τ(t) = g u(t − d) + o.
 ///
-/// Here the delay d is at most one step h, 0 ≤ d/h ≤ 1. For a longer delay, the caller takes older commands for the
-/// whole steps and leaves the remaining fraction to the actuator. g = 1, o = 0 and d = 0 mean no actuator at all.
+/// Here the delay d is at most one step h, 0 ≤ d/h ≤ 1; [`Lag`](super::Lag) is a lag behind it. For a longer delay, the
+/// caller takes older commands for the whole steps and leaves the remaining fraction to the actuator. g = 1, o = 0 and d = 0 mean no actuator at all.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuator<R, const N: usize> {

@@ -117,6 +117,9 @@ impl ModelError {
             Self::Shape { what, found, compiled } => Coded::new(35, [found, compiled, 0]).about(what),
             Self::Control { .. } => Coded::bare(35).about("kind of control"),
             Self::Actuator { found } => Coded::new(35, [found.into(), (!found).into(), 0]).about("actuators"),
+            Self::Lag { found } => {
+                Coded::new(35, [found.into(), (!found).into(), 0]).about("lags of the actuator")
+            }
             Self::Precision { found, compiled } => Coded::new(36, [found.into(), compiled.into(), 0]),
             Self::Section { number } => Coded::new(37, [number.into(), 0, 0]),
             Self::MissingSection { what } => Coded::bare(38).about(what),

@@ -136,6 +136,11 @@ pub enum ModelError {
         /// Whether the file has one.
         found: bool,
     },
+    /// The file's actuator has a lag and the program was compiled without one, or the other way round.
+    Lag {
+        /// Whether the file has one.
+        found: bool,
+    },
     /// The file's shape is not the one the program was compiled for.
     Shape {
         /// Quantity: coordinates, dimensions of space, types, networks, hidden layers, hidden width, or past commands.
@@ -240,6 +245,12 @@ impl fmt::Display for ModelError {
             }
             Self::Actuator { found: false } => {
                 write!(f, "the file has no actuator, but this program was compiled for one")
+            }
+            Self::Lag { found: true } => {
+                write!(f, "the file's actuator has a lag, but this program was compiled without one")
+            }
+            Self::Lag { found: false } => {
+                write!(f, "the file's actuator has no lag, but this program was compiled for one")
             }
             Self::Shape { what, found, compiled } => {
                 write!(f, "{found} {what}, but this program was compiled for {compiled}")

@@ -13,7 +13,7 @@ pub enum Section {
     Energies = 1,
     /// The laws of force in addition to the Lagrangian.
     Forces = 2,
-    /// Gain, offset and delay between command and force.
+    /// Gain, offset, delay and lag between command and force.
     Actuator = 3,
     /// Step, order and kind of control that the model was trained with.
     Step = 4,

@@ -7,7 +7,8 @@
 //!
 //! 1. The [`Drive`] computes the force τ over the step from u and the commands before it, τ(t) = g u(t − d) + o. [`Held`] commands act from
 //!    the beginning of the step; with [`Linear`] commands, u is the sample at the end of the step, and the previous command the sample at
-//!    its beginning. With a delay d (whole steps and a fraction), τ depends on older commands, which the drive keeps.
+//!    its beginning. With a delay d (whole steps and a fraction), τ depends on older commands, which the drive keeps; with a lag,
+//!    T ẏ = u(t − d) − y and τ = g y + o, it depends on y at the beginning of the step, which the drive keeps too.
 //! 2. [`Del::step`] advances the state under τ.
 //!
 //! Graphs, whose particles may be held by rods, are stepped by RATTLE in a [`ParticleStepper`] with the same calls.
@@ -18,7 +19,7 @@
 mod drive;
 mod particles;
 
-pub use drive::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear};
+pub use drive::{Actuated, Actuation, Direct, Drive, Held, Kept, Kind, Lagged, Linear};
 pub use particles::{ParticleMemory, ParticleStepper, particle_numbers};
 
 use crate::discrete::{Del, Newton, Path, Report, State, StepError};
@@ -69,9 +70,8 @@ where
     /// Creates a stepper with the step, the order, the kind of control and the actuator of the file.
     ///
     /// # Errors
-    /// [`ModelError::NoStep`] if the model was trained without steps; [`ModelError::Order`],
-    /// [`ModelError::Control`], [`ModelError::Actuator`]
-    /// and [`ModelError::Shape`] if the file does not match the types.
+    /// [`ModelError::NoStep`] if the model was trained without steps; [`ModelError::Order`], [`ModelError::Control`],
+    /// [`ModelError::Actuator`], [`ModelError::Lag`] and [`ModelError::Shape`] if the file does not match the types.
     pub fn new(model: Model<'a, System<L, F>>) -> Result<Self, ModelError> {
         let (step, sections) = (model.step()?, model.sections);
         Self::over(model, step, Drive::new(A::load(&sections, step.h)?)?)
@@ -114,7 +114,7 @@ where
         Self { del: Del::with_newton(self.del.h(), newton), ..self }
     }
 
-    /// Starts at position q (m or rad) with velocity v (m/s or rad/s). Delayed commands stay in memory.
+    /// Starts at position q (m or rad) with velocity v (m/s or rad/s). Delayed and lagging commands stay in memory.
     ///
     /// # Errors
     /// [`StepError::NotFinite`] if the resulting state is not finite.
@@ -129,9 +129,9 @@ where
     /// # Errors
     /// See [`Del::start`].
     pub fn start_from(&mut self, [q0, q1]: [[f32; N]; 2], u: [f32; N]) -> Result<(), StepError<f32>> {
-        self.drive.check(&u)?;
-        self.state = self.del.start(&self.model.system, &q0, &q1, &self.drive.force(&u))?;
-        self.drive.advance(u);
+        let (force, after) = self.drive.advanced(&u)?;
+        self.state = self.del.start(&self.model.system, &q0, &q1, &force)?;
+        self.drive.advance(u, after);
         Ok(())
     }
 
@@ -141,8 +141,8 @@ where
     /// # Errors
     /// [`StepError::NotFinite`] if the force of the command is not finite.
     pub fn commanded(&mut self, u: [f32; N]) -> Result<(), StepError<f32>> {
-        self.drive.check(&u)?;
-        self.drive.advance(u);
+        let (_, after) = self.drive.advanced(&u)?;
+        self.drive.advance(u, after);
         Ok(())
     }
 
@@ -152,9 +152,9 @@ where
     /// See [`Del::step`]. If a past command is the cause, the next step is refused for the same reason:
     /// [`Stepper::commanded`] moves past that command, and [`Stepper::start`] starts again.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, StepError<f32>> {
-        self.drive.check(&u)?;
-        let report = self.del.step(&self.model.system, &mut self.state, &self.drive.force(&u))?;
-        self.drive.advance(u);
+        let (force, after) = self.drive.advanced(&u)?;
+        let report = self.del.step(&self.model.system, &mut self.state, &force)?;
+        self.drive.advance(u, after);
         Ok(report)
     }
 

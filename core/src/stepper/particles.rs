@@ -137,7 +137,8 @@ where
         Ok(Self { model, band, rattle: Rattle::new(step.h, step.order), drive, state, workspace })
     }
 
-    /// Starts at positions q (m), which satisfy the rods, with velocities v (m/s). Delayed commands stay in memory.
+    /// Starts at positions q (m), which satisfy the rods, with velocities v (m/s). Delayed and lagging commands stay in
+    /// memory.
     ///
     /// # Errors
     /// See [`ParticleState::new`]; the stepper is then unchanged.
@@ -152,9 +153,9 @@ where
     /// # Errors
     /// See [`Rattle::start`]; the stepper is then no longer started, and keeps its commands.
     pub fn start_from(&mut self, positions: [[f32; N]; 2], u: [f32; N]) -> Result<(), ConstraintError<f32>> {
-        self.drive.check(&u)?;
+        let (force, after) = self.drive.advanced(&u)?;
         let mechanism = mechanism(&self.model.system, self.band);
-        let (force, [q0, q1]) = (mean(&self.drive.force(&u)), &positions);
+        let (force, [q0, q1]) = (mean(&force), &positions);
         let between = [q0, q1].map(|q| q.as_chunks().0);
         let found = self.rattle.restart(
             &mechanism,
@@ -164,7 +165,7 @@ where
             self.workspace,
         );
         found.inspect_err(|_| self.state.forget())?;
-        self.drive.advance(u);
+        self.drive.advance(u, after);
         Ok(())
     }
 
@@ -173,8 +174,8 @@ where
     /// # Errors
     /// [`ConstraintError::NotFinite`] if the force of the command is not finite.
     pub fn commanded(&mut self, u: [f32; N]) -> Result<(), ConstraintError<f32>> {
-        self.drive.check(&u)?;
-        self.drive.advance(u);
+        let (_, after) = self.drive.advanced(&u)?;
+        self.drive.advance(u, after);
         Ok(())
     }
 
@@ -183,12 +184,12 @@ where
     /// # Errors
     /// See [`Rattle::step`]; the stepper is then unchanged.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, ConstraintError<f32>> {
-        self.drive.check(&u)?;
+        let (force, after) = self.drive.advanced(&u)?;
         let mechanism = mechanism(&self.model.system, self.band);
-        let force = mean(&self.drive.force(&u));
+        let force = mean(&force);
         let report =
             self.rattle.step(&mechanism, &mut self.state, Some(force.as_chunks().0), self.workspace)?;
-        self.drive.advance(u);
+        self.drive.advance(u, after);
         Ok(report)
     }
 }

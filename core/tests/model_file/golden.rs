@@ -2,7 +2,7 @@
 
 use crate::common::file::{self, CARTPOLE};
 use crate::common::{crane, manipulator};
-use leastaction_core::model::Section;
+use leastaction_core::model::{ActuatorBytes, Header, Section};
 
 /// Names of the parts before the weights, and of the parts of the weight block.
 struct Parts {
@@ -90,6 +90,8 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
             (8, "of x: gain, offset"),
             (8, "of the angle: gain, offset"),
         ]);
+        let [start, end] = file::place(bytes, Section::Actuator);
+        before.extend((end - start > 20).then_some((4, "lag, s")));
     }
     let mut weights = vec![
         (each * 28, "layer 3 to 7: panel of 4, panels of 1, biases"),
@@ -343,4 +345,12 @@ fn the_file_of_an_arm_with_dry_friction_is_unchanged() {
 fn the_file_with_every_section_is_unchanged() {
     let file = file::golden_whole();
     file::assert_golden("cartpole-whole.hex", &file, &cartpole_text(&file, 4));
+}
+
+#[test]
+fn the_file_with_a_lag_is_unchanged() {
+    let actuator = file::actuator(&[&file::ACTUATOR[..], &[0.008]].concat());
+    let header = Header { actuator: Some(ActuatorBytes::new(&actuator).unwrap()), ..file::HEADER };
+    let file = file::write(header, &file::weights(&CARTPOLE));
+    file::assert_golden("cartpole-lag.hex", &file, &cartpole_text(&file, 4));
 }

@@ -10,6 +10,7 @@ mod bodies_model;
 mod golden;
 mod graph_model;
 mod half;
+mod lag;
 mod model;
 mod modular_model;
 mod network_laws;

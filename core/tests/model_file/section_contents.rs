@@ -7,7 +7,7 @@ use crate::common::file::{
 use crate::common::forces::Dry;
 use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
 use leastaction_core::discrete::{Galerkin, Midpoint, Order};
-use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Servo, Viscous};
+use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Lag, Servo, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{
     ActuatorBytes, FrictionNumber, GraphModel, Header, InertiaNetworkModel, Law, LawNumbers, Laws,
@@ -297,6 +297,9 @@ fn actuators_out_of_range_are_refused() {
         assert_eq!(with(&[0.0, 1.0, offset]), out_of_range("offset of the actuator"));
     }
     assert_eq!(with(&[0.0, 1.0]), out_of_range("length of the actuator"));
+    for lag in [0.0, -0.005, f32::NAN, f32::INFINITY] {
+        assert_eq!(with(&[0.0, 1.0, 0.0, lag]), out_of_range("lag of the actuator"), "{lag}");
+    }
     assert_eq!(ActuatorBytes::new(&[0; 3]), Err(ModelError::Malformed));
     assert_eq!(ActuatorBytes::new(&[]), Err(ModelError::Malformed));
 }
@@ -319,4 +322,25 @@ fn an_actuator_is_taken_for_a_step() {
     }
     let none = file::actuator(&[0.0, 1.0, 0.0]);
     assert_eq!(ActuatorBytes::new(&none).unwrap().at_step::<1>(0.1), Ok((0, Actuator::ideal())));
+}
+
+#[test]
+fn a_lag_is_taken_for_a_step_by_those_who_know_it() {
+    let bytes = file::actuator(&[&file::ACTUATOR[..], &[0.008]].concat());
+    let actuator = ActuatorBytes::new(&bytes).unwrap();
+    assert_eq!((actuator.n(), actuator.delay(), actuator.lag()), (2, 0.125, 0.008));
+    let (plain, h) = (file::actuator(&file::ACTUATOR), 0.1_f32);
+    let plain = ActuatorBytes::new(&plain).unwrap();
+    let (steps, taken, lag) = actuator.at_step_with_lag::<2>(h).unwrap();
+    assert_eq!(plain.at_step::<2>(h), Ok((steps, taken)), "all but the lag");
+    assert_eq!(lag, Lag::new(0.008 / h, taken.delay));
+    assert!(actuator.pairs().eq(plain.pairs()));
+    assert_eq!(actuator.at_step::<2>(h), Err(ModelError::Lag { found: true }));
+    assert_eq!(plain.at_step_with_lag::<2>(h).map(drop), Err(ModelError::Lag { found: false }));
+    let other = ModelError::Shape { what: "coordinates of the actuator", found: 2, compiled: 3 };
+    assert_eq!(actuator.at_step_with_lag::<3>(h).map(drop), Err(other));
+    for part in [1, 2, 3] {
+        let cut = ActuatorBytes::new(&bytes[..bytes.len() - part]);
+        assert_eq!(cut, Err(out_of_range("length of the actuator")), "{part} bytes short");
+    }
 }

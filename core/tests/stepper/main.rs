@@ -9,12 +9,12 @@ use common::{Random, sections};
 use leastaction_core::discrete::{
     Control, Del, Galerkin, Midpoint, Newton, Order, Path, Report, State, StepError,
 };
-use leastaction_core::forces::{Actuator, ControlKind, Forces, System};
+use leastaction_core::forces::{Actuator, ControlKind, Forces, Lag, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
     ActuatorBytes, Header, InertiaNetworkModel, Model, ModelError, ModularModel, TrainedStep,
 };
-use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear, Stepper};
+use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Lagged, Linear, Stepper};
 
 /// 2 coordinates.
 type Cartpole<'a> = InertiaNetworkModel<'a, 2, 7, 2>;
@@ -190,6 +190,78 @@ fn actuators_with_delays_are_a_naive_loop() {
     agree::<_, _, Galerkin, Held, 3, 2, 3>(Arm::load(tree(four, held).bytes(), "arm").unwrap());
 }
 
+/// The force over every step behind a lag that begins at rest, y = 0.
+fn naive_lagging<const N: usize>(
+    kind: ControlKind,
+    (whole, actuator, lag): (usize, Actuator<f32, N>, Lag<f32>),
+    commands: &[[f32; N]],
+) -> Vec<Control<f32, N>> {
+    let at = |k: usize, late: usize, i: usize| k.checked_sub(late).map_or(0.0, |k| commands[k][i]);
+    let mut y = [0.0; N];
+    let force = |k| {
+        let (force, end) = actuator.lagging(|i| {
+            let [now, before, first] = [0, 1, 2].map(|more| at(k, whole + more, i));
+            match kind {
+                ControlKind::Held => lag.held(y[i], before, now),
+                ControlKind::Linear => lag.linear(y[i], [first, before, now]),
+            }
+        });
+        y = end;
+        force
+    };
+    (0..commands.len()).map(force).collect()
+}
+
+#[test]
+fn actuators_with_lags_are_a_naive_loop() {
+    for (delay, lag) in [(0.0, 0.02), (0.115, 0.07), (0.1, 0.004)] {
+        let numbers = [&actuator(delay, &PAIRS[..2])[..], &f32::to_le_bytes(lag)].concat();
+        let h = 0.05;
+        let taken = ActuatorBytes::new(&numbers).unwrap().at_step_with_lag::<2>(h).unwrap();
+        let taken = (taken.0.into(), taken.1, taken.2);
+        let commands = commands::<2>(17);
+        let file = |kind| cartpole(step(Order::Four, h, kind), &numbers);
+        let bytes = file(ControlKind::Held);
+        let model = Cartpole::load(bytes.bytes()).unwrap();
+        let forces = naive_lagging(ControlKind::Held, taken, &commands);
+        let found = by_stepper::<_, _, Galerkin, Held, Lagged<2>, 2, 3>(model, &commands);
+        assert_eq!(found, by_hand::<_, _, Galerkin, 2>(&model, &forces));
+        let bytes = file(ControlKind::Linear);
+        let model = Cartpole::load(bytes.bytes()).unwrap();
+        let forces = naive_lagging(ControlKind::Linear, taken, &commands);
+        let found = by_stepper::<_, _, Galerkin, Linear, Lagged<2>, 2, 4>(model, &commands);
+        assert_eq!(found, by_hand::<_, _, Galerkin, 2>(&model, &forces));
+    }
+}
+
+#[test]
+fn errors_leave_a_lag_as_it_was() {
+    let numbers = [&actuator(0.0, &PAIRS[..2])[..], &f32::to_le_bytes(0.07)].concat();
+    let bytes = cartpole(step(Order::Four, 0.05, ControlKind::Held), &numbers);
+    let model = Cartpole::load(bytes.bytes()).unwrap();
+    let mut stepper = Stepper::<_, Galerkin, Drive<Held, Lagged<2>, 2, 0>, 2>::new(model).unwrap();
+    let [q, v] = begin();
+    stepper.start(q, v).unwrap();
+    stepper.step([0.5, 0.25]).unwrap();
+    for bad in [f32::NAN, f32::INFINITY] {
+        let (mut tried, mut kept) = (stepper, stepper);
+        assert_eq!(tried.step([0.25, bad]), Err(StepError::NotFinite));
+        assert_eq!(tried.commanded([0.25, bad]), Err(StepError::NotFinite));
+        assert_eq!(tried.start_from([q, q], [0.25, bad]), Err(StepError::NotFinite));
+        for u in [[0.5, -0.25], [0.125, 0.75]] {
+            assert_eq!((tried.step(u), tried.q(), tried.p()), (kept.step(u), kept.q(), kept.p()));
+        }
+    }
+    // A command without a step moves y, and a start does not.
+    let mut moved = stepper;
+    moved.commanded([2.0, 1.0]).unwrap();
+    moved.start(q, v).unwrap();
+    stepper.start(q, v).unwrap();
+    moved.step([0.5, 0.25]).unwrap();
+    stepper.step([0.5, 0.25]).unwrap();
+    assert_ne!(moved.p(), stepper.p());
+}
+
 /// With a delay of whole steps, no command is kept for a fraction of a step.
 #[test]
 fn a_delay_of_whole_steps_is_older_commands() {
@@ -203,6 +275,7 @@ fn a_delay_of_whole_steps_is_older_commands() {
 }
 
 type Late<'a> = Stepper<Cartpole<'a>, Galerkin, Drive<Held, Actuated<2>, 2, 3>, 2>;
+type Lagging<'a> = Stepper<Cartpole<'a>, Galerkin, Drive<Held, Lagged<2>, 2, 3>, 2>;
 type Ideal<'a, P = Galerkin> = Stepper<Cartpole<'a>, P, Drive<Held, Direct, 2, 0>, 2>;
 
 fn late() -> Aligned {
@@ -309,6 +382,15 @@ fn files_of_another_kind_are_refused() {
     let error = Ideal::<Galerkin>::new(Cartpole::load(bytes.bytes()).unwrap()).unwrap_err();
     assert_eq!(error, ModelError::Actuator { found: true });
     refused(error, "has an actuator");
+    let lagging = [&actuator(0.115, &PAIRS[..2])[..], &f32::to_le_bytes(0.008)].concat();
+    let lagging = cartpole(step(Order::Four, 0.05, held), &lagging);
+    let error = Late::new(Cartpole::load(lagging.bytes()).unwrap()).unwrap_err();
+    assert_eq!(error, ModelError::Lag { found: true });
+    refused(error, "has a lag");
+    let error = Lagging::new(Cartpole::load(bytes.bytes()).unwrap()).unwrap_err();
+    assert_eq!(error, ModelError::Lag { found: false });
+    refused(error, "has no lag");
+    assert_eq!(Lagging::new(model).unwrap_err(), ModelError::Actuator { found: false });
     let bytes = cartpole(step(Order::Four, 0.05, linear), &[]);
     let error = Ideal::<Galerkin>::new(Cartpole::load(bytes.bytes()).unwrap()).unwrap_err();
     refused(error, "linear between samples, but this program takes them as held");

@@ -6,7 +6,7 @@ use crate::common::network_laws::NetworkLaws;
 use leastaction_core::continuous::{acceleration, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE};
-use leastaction_core::forces::{Actuator, Forces, System, Viscous};
+use leastaction_core::forces::{Actuator, Forces, Lag, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 
 /// Time at which errors are compared, s; the steps divide it.
@@ -38,13 +38,21 @@ fn runge_kutta<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     )
 }
 
-/// Slope of the combined error of position and momentum against the step size.
-fn slope<const N: usize>(reference: impl Fn(usize) -> Point<N>, solve: impl Fn(usize) -> Point<N>) -> f64 {
-    log_log_slope(&STEPS.map(|steps| {
+/// Combined error of position and momentum, by step size.
+fn errors<const N: usize>(
+    reference: impl Fn(usize) -> Point<N>,
+    solve: impl Fn(usize) -> Point<N>,
+) -> [(f64, f64); 4] {
+    STEPS.map(|steps| {
         let ((q, p), (found_q, found_p)) = (reference(steps), solve(steps));
         let pairs = q.iter().zip(&found_q).chain(p.iter().zip(&found_p));
         (END / steps as f64, pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
-    }))
+    })
+}
+
+/// Slope of the combined error of position and momentum against the step size.
+fn slope<const N: usize>(reference: impl Fn(usize) -> Point<N>, solve: impl Fn(usize) -> Point<N>) -> f64 {
+    log_log_slope(&errors(reference, solve))
 }
 
 #[track_caller]
@@ -159,6 +167,99 @@ fn delayed_slopes<F: Forces<f64, 2> + Copy>(forces: F, delay: f64, held: bool) -
         slope(reference, |steps| stepped::<Midpoint, _, _>(&system, steps, control)),
         slope(reference, |steps| stepped::<Galerkin, _, _>(&system, steps, control)),
     ]
+}
+
+/// Time constant of a lag, s, and the part of a step by which it is also late.
+const LAG: (f64, f64) = (0.05, 0.3);
+
+/// y at the part s of a step, and at its end, by the solution of T ẏ = r − y for a command r that is linear in time on each side of the jump
+/// or bend.
+fn lagging_at(lag: f64, y: [f64; 2], s: f64, r: impl Fn(f64, bool) -> [f64; 2]) -> [f64; 2] {
+    let (_, delay) = LAG;
+    let solved = |y: f64, i: usize, (from, to): (f64, f64), late: bool| {
+        let slope = r(1.0, late)[i] - r(0.0, late)[i];
+        let follows = |s: f64| r(s, late)[i] - lag * slope;
+        follows(to) + (y - follows(from)) * (-(to - from) / lag).exp()
+    };
+    core::array::from_fn(|i| {
+        let early = solved(y[i], i, (0.0, s.min(delay)), false);
+        if s > delay { solved(early, i, (delay, s), true) } else { early }
+    })
+}
+
+/// Slopes of the error against the motion under the true lagging signal, for steps of orders 2 and 4, between the two shortest steps.
+fn lagging_slopes<F: Forces<f64, 2> + Copy>(forces: F, held: bool) -> [f64; 2] {
+    let (system, (time, delay)) = (System { lagrangian: CARTPOLE, forces }, LAG);
+    let actuator = actuator(delay);
+    let commands = |k: i32, h: f64| [k - 1, k, k + 1].map(|k| command(f64::from(k) * h));
+    let arrived = |[before, now, next]: [[f64; 2]; 3]| {
+        move |s: f64, late: bool| -> [f64; 2] {
+            core::array::from_fn(|i| match (held, late) {
+                (true, late) => {
+                    if late {
+                        now[i]
+                    } else {
+                        before[i]
+                    }
+                }
+                (false, true) => now[i] + (s - delay) * (next[i] - now[i]),
+                (false, false) => now[i] + (s - delay) * (now[i] - before[i]),
+            })
+        }
+    };
+    let reference = |steps: usize| {
+        let h = END / steps as f64;
+        let (mut point, mut y, pieces) = (START, command(-h), 6_400 / steps);
+        for k in 0..steps as i32 {
+            let r = arrived(commands(k, h));
+            let at = |s: f64| lagging_at(time / h, y, s, &r);
+            for (from, to) in [(0.0, delay), (delay, 1.0)] {
+                let piece = (to - from) / pieces as f64;
+                for j in 0..pieces {
+                    let first = from + j as f64 * piece;
+                    point = runge_kutta(&system, point, piece * h, |t| actuator.output(&at(first + t / h)));
+                }
+            }
+            y = at(1.0);
+        }
+        (point.0, momentum(&system.lagrangian, &point.0, &point.1))
+    };
+    let solved = |steps: usize, of_four: bool| {
+        let h = END / steps as f64;
+        let lag = Lag::new(time / h, delay);
+        let y = core::cell::Cell::new(command(-h));
+        let control = |k: i32, h: f64| {
+            let own = commands(k, h);
+            let (force, end) = actuator.lagging(|i| {
+                let [before, now, next] = own.map(|u| u[i]);
+                let y = y.get()[i];
+                if held { lag.held(y, before, now) } else { lag.linear(y, [before, now, next]) }
+            });
+            y.set(end);
+            force
+        };
+        if of_four {
+            stepped::<Galerkin, _, _>(&system, steps, control)
+        } else {
+            stepped::<Midpoint, _, _>(&system, steps, control)
+        }
+    };
+    // The longer steps are as long as the lag's answer.
+    [false, true].map(|of_four| log_log_slope(&errors(reference, |steps| solved(steps, of_four))[2..]))
+}
+
+/// The line in place of a lagging command keeps orders 2 and 4, also for held commands and under laws that are nonlinear in τ: y has no jumps.
+#[test]
+fn orders_under_a_lagging_actuator() {
+    let viscous = Viscous { coefficients: [0.4, 0.9] };
+    for held in [true, false] {
+        for (name, [of_two, of_four]) in
+            [("viscous", lagging_slopes(viscous, held)), ("all", lagging_slopes(all::<f64, 2>(), held))]
+        {
+            assert_order(&format!("lag, held {held}, {name}, midpoint"), 2.0, of_two);
+            assert_order(&format!("lag, held {held}, {name}, Galerkin"), 4.0, of_four);
+        }
+    }
 }
 
 /// The linear force with the same impulse and moment keeps order 2, and order 4 if the command is linear between
