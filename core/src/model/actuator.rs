@@ -85,7 +85,6 @@ impl<'a> ActuatorBytes<'a> {
     ///
     /// # Errors
     /// [`ModelError::Lag`] if the actuator has no lag; else the errors of [`ActuatorBytes::at_step`].
-    #[expect(clippy::type_complexity, reason = "the three parts of a drive with a lag")]
     pub fn at_step_with_lag<const N: usize>(
         &self,
         h: f32,

@@ -285,10 +285,7 @@ impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N,
     /// The force over the step of command `u`, and the drive after it, whose newest past command is `u`; both are refused if a number that
     /// would stay in memory is not finite.
     #[inline(always)]
-    pub(super) fn advanced(
-        &self,
-        u: &[f32; N],
-    ) -> Result<(Control<f32, N>, After<A::Lagging>), StepError<f32>> {
+    pub(super) fn advanced(&self, u: &[f32; N]) -> Result<Advanced<A::Lagging, N>, StepError<f32>> {
         let (force, y) = self.acting(u);
         let finite = y.is_finite() && (PAST == 0 || all_finite(&self.actuation.output(u)));
         if finite { Ok((force, After(y))) } else { Err(StepError::NotFinite) }
@@ -304,6 +301,9 @@ impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N,
         }
     }
 }
+
+/// The force over a step, and what the drive keeps after it.
+pub(super) type Advanced<Y, const N: usize> = (Control<f32, N>, After<Y>);
 
 /// Lagging command at the end of a step that a drive may take.
 #[derive(Clone, Copy)]

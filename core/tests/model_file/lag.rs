@@ -47,7 +47,7 @@ fn a_step_keeps_end_impulse_and_moment() {
     }
 }
 
-/// As T → 0, the lag vanishes: the line is the one of the delay alone.
+/// A lag vanishes with T: the line is the one of the delay alone.
 #[test]
 fn without_a_time_constant_it_is_the_delay() {
     let mut random = Random(22);

@@ -212,7 +212,7 @@ fn lagging_slopes<F: Forces<f64, 2> + Copy>(forces: F, held: bool) -> [f64; 2] {
         let (mut point, mut y, pieces) = (START, command(-h), 6_400 / steps);
         for k in 0..steps as i32 {
             let r = arrived(commands(k, h));
-            let at = |s: f64| lagging_at(time / h, y, s, &r);
+            let at = |s: f64| lagging_at(time / h, y, s, r);
             for (from, to) in [(0.0, delay), (delay, 1.0)] {
                 let piece = (to - from) / pieces as f64;
                 for j in 0..pieces {
