@@ -13,7 +13,7 @@
 //!   step, which must be a whole multiple of h.
 //! - Model exchange: states (q, v), derivatives (v, v̇) with v̇ of core, with friction and all other laws of the model.
 //!
-//! There are no events. Forces are those at the actuator's output; gain, offset and delay of the drives are not part of a unit.
+//! There are no events. Forces are those at the actuator's output; gain, offset, delay and lag of the drives are not part of a unit.
 
 mod archive;
 mod description;

@@ -22,7 +22,7 @@ use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_ground_truth::{Exact, Mechanism};
-use leastaction_models::rollout::logged_command;
+use leastaction_models::rollout::{lagging_commands, logged_command};
 use leastaction_models::{Model, parallel};
 
 /// Number of steps in the early part of a long integration.
@@ -231,12 +231,13 @@ pub fn acceleration_mse(model: &Model, data: &Dataset) -> Result<Option<(Solved,
 
 /// τ at every sample, \[samples\]\[n\].
 fn forces(model: &Model, data: &Dataset) -> Vec<f64> {
-    let step = (data.h, data.control_kind());
+    let (step, actuator) = ((data.h, data.control_kind()), &model.facts.actuator);
     let mut forces = Vec::with_capacity(data.samples() * data.n);
     for trajectory in &data.trajectories {
+        let lagging = lagging_commands(actuator, data, trajectory);
         for (k, i) in (0..trajectory.samples()).flat_map(|k| (0..data.n).map(move |i| (k, i))) {
             let command = |k: isize| logged_command(trajectory, k, i);
-            forces.push(model.facts.actuator.at_sample(step, (k, i), command));
+            forces.push(actuator.at_sample(step, (k, i), &lagging, command));
         }
     }
     forces

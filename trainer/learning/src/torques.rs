@@ -183,7 +183,7 @@ pub(crate) fn samples(
     let mut all: Option<Samples> = None;
     let mut failure = SampleError::Short { duration: 0.0, margin: how.margin };
     let drive = Calibrated { actuator: actuator.clone(), zeros: Vec::new() };
-    let force = |u: &Rows| drive.forces(u, h).unwrap_or_else(|| u.clone());
+    let force = |u: &Rows| drive.forces(u, (h, control)).unwrap_or_else(|| u.clone());
     for trajectory in trajectories {
         let torques = trajectory.u.as_ref().map(|u| at_samples(&force(u), control));
         let states = (&trajectory.q, trajectory.v.as_ref(), torques.as_ref());

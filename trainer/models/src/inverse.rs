@@ -8,7 +8,7 @@ use leastaction_programs::{Row, WIDTH};
 
 impl Model {
     /// Returns the commands u of inverse dynamics at states \[samples\]\[n\] (q, v and v̇, flat): with them the
-    /// actuator's output τ = g u + o causes the acceleration; its delay is ignored. If friction grows with the load, τ
+    /// actuator's output τ = g u + o causes the acceleration; its delay and its lag are ignored. If friction grows with the load, τ
     /// is the solution of an implicit equation. A command that does not exist is NaN.
     ///
     /// # Errors

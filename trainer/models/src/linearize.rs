@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 /// Derivatives of accelerations and of inverse dynamics with respect to the state, as matrices \[n\]\[n\] in row-major order.
 ///
-/// The control is the command u: τ = g u + o, without delay.
+/// The control is the command u: τ = g u + o, without delay and lag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearization {
     /// Acceleration v̇(q, v, u), m/s² or rad/s².
@@ -88,7 +88,7 @@ mod tests {
             ..InertiaNetworkArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 5).into()
         };
         let weights = architecture.initial_weights(3);
-        let actuator = Actuator { gain: vec![1.5, -0.5], offset: vec![0.25, 0.125], delay: 0.0 };
+        let actuator = Actuator { gain: vec![1.5, -0.5], offset: vec![0.25, 0.125], ..Actuator::default() };
         Model::new(architecture, weights).with_facts(Facts { actuator, ..Facts::default() })
     }
 

@@ -1,7 +1,7 @@
 //! Motions along logs by the discrete Euler–Lagrange equation, many side by side, under the forces that the actuator makes of the commands.
 
-use crate::Model;
 use crate::parallel::{self, Pool};
+use crate::{Actuator, LaggingCommands, Model};
 use leastaction_core::model::ModelError;
 use leastaction_data::{Dataset, Trajectory};
 use leastaction_programs::dynamics::{Del, DelState, Newton, Order};
@@ -25,7 +25,19 @@ pub fn order_of(order: u8) -> Order {
 }
 
 /// Places in logs that are stepped side by side: a trajectory, and the sample at which the motion begins.
-type Places<'d> = [(&'d Trajectory, usize)];
+type Places<'d> = [(&'d Driven<'d>, usize)];
+
+/// A trajectory, and the lagging commands along it.
+struct Driven<'d> {
+    trajectory: &'d Trajectory,
+    lagging: LaggingCommands,
+}
+
+/// Lagging commands of an actuator along a trajectory of a data set.
+pub fn lagging_commands(actuator: &Actuator, data: &Dataset, trajectory: &Trajectory) -> LaggingCommands {
+    let (step, sizes) = ((data.h, data.control_kind()), (trajectory.samples(), data.n));
+    actuator.lagging(step, sizes, |k, i| logged_command(trajectory, k, i))
+}
 
 /// Command u_i at a sample; the first or last command beyond the ends of a log, 0 without control.
 pub fn logged_command(trajectory: &Trajectory, sample: isize, i: usize) -> f64 {
@@ -55,7 +67,8 @@ impl Model {
         (data, beginning): (&Dataset, Beginning),
     ) -> Result<Vec<Vec<f64>>, ModelError> {
         let logged = Logged { model: self, data };
-        let places: Vec<_> = data.trajectories.iter().map(|trajectory| (trajectory, 0)).collect();
+        let driven = logged.driven();
+        let places: Vec<_> = driven.iter().map(|driven| (driven, 0)).collect();
         let pool = self.stepper(order, data.h)?;
         let blocks: Vec<&Places> = places.chunks(WIDTH).collect();
         let runs = parallel::map(blocks.len(), &|k| pool.with(|del| logged.run(del, blocks[k], beginning)));
@@ -69,9 +82,9 @@ impl Model {
     /// See [`Model::system`].
     pub fn one_steps(&self, order: u8, data: &Dataset) -> Result<Vec<Option<f64>>, ModelError> {
         let logged = Logged { model: self, data };
-        let starts = |trajectory: &Trajectory| 0..trajectory.samples().saturating_sub(2);
-        let trajectories = data.trajectories.iter();
-        let places: Vec<_> = trajectories.flat_map(|t| starts(t).map(move |first| (t, first))).collect();
+        let driven = logged.driven();
+        let starts = |of: &Driven| 0..of.trajectory.samples().saturating_sub(2);
+        let places: Vec<_> = driven.iter().flat_map(|of| starts(of).map(move |first| (of, first))).collect();
         let pool = self.stepper(order, data.h)?;
         let blocks: Vec<&Places> = places.chunks(WIDTH).collect();
         let errors = parallel::map(blocks.len(), &|k| pool.with(|del| logged.one_step(del, blocks[k])));
@@ -85,10 +98,21 @@ impl Model {
 }
 
 impl Logged<'_> {
+    /// The trajectories of the data.
+    fn driven(&self) -> Vec<Driven<'_>> {
+        let actuator = &self.model.facts.actuator;
+        let of =
+            |trajectory| Driven { trajectory, lagging: lagging_commands(actuator, self.data, trajectory) };
+        self.data.trajectories.iter().map(of).collect()
+    }
+
     /// One number per place; lanes beyond the last place repeat it.
     fn row(places: &Places, of: impl Fn(&Trajectory, usize) -> f64) -> Row {
         Row(std::array::from_fn(|lane| {
-            places.get(lane).or(places.last()).map_or(f64::NAN, |(trajectory, first)| of(trajectory, *first))
+            places
+                .get(lane)
+                .or(places.last())
+                .map_or(f64::NAN, |(driven, first)| of(driven.trajectory, *first))
         }))
     }
 
@@ -105,9 +129,11 @@ impl Logged<'_> {
         let step = (self.data.h, self.data.control_kind());
         let mut ends = [(); 2].map(|()| vec![Row::default(); self.data.n]);
         for (lane, i) in (0..WIDTH).flat_map(|lane| (0..self.data.n).map(move |i| (lane, i))) {
-            let Some((trajectory, first)) = places.get(lane).or(places.last()) else { continue };
+            let Some((Driven { trajectory, lagging }, first)) = places.get(lane).or(places.last()) else {
+                continue;
+            };
             let command = |k: isize| logged_command(trajectory, k, i);
-            let own = self.model.facts.actuator.over_step(step, (first + k, i), command);
+            let own = self.model.facts.actuator.over_step(step, (first + k, i), lagging, command);
             ends.iter_mut().zip(own).for_each(|(end, tau)| end[i].0[lane] = tau);
         }
         ends
@@ -116,7 +142,7 @@ impl Logged<'_> {
     /// Returns the motion one sample after every beginning.
     fn begin(&self, del: &mut Del, places: &Places, beginning: Beginning) -> DelState {
         let weights = &self.model.weights;
-        let has_velocities = places.iter().all(|(trajectory, _)| trajectory.v.is_some());
+        let has_velocities = places.iter().all(|(driven, _)| driven.trajectory.v.is_some());
         if beginning == Beginning::Velocity && has_velocities {
             let velocity = |trajectory: &Trajectory, first: usize, i: usize| {
                 trajectory.v.as_ref().and_then(|v| v.get(first + 1)).map_or(f64::NAN, |v| v[i])
@@ -137,13 +163,13 @@ impl Logged<'_> {
 
     /// Returns the positions of trajectories that are stepped side by side.
     fn run(&self, del: &mut Del, places: &Places, beginning: Beginning) -> Vec<Vec<f64>> {
-        let longest = places.iter().map(|(trajectory, _)| trajectory.samples()).max().unwrap_or(0);
+        let longest = places.iter().map(|(driven, _)| driven.trajectory.samples()).max().unwrap_or(0);
         let first_two = |t: &Trajectory| t.q.iter().take(2).flatten().copied().collect();
-        let mut runs: Vec<Vec<f64>> = places.iter().map(|(trajectory, _)| first_two(trajectory)).collect();
+        let mut runs: Vec<Vec<f64>> = places.iter().map(|(driven, _)| first_two(driven.trajectory)).collect();
         let mut state = self.begin(del, places, beginning);
         for k in 1..longest.saturating_sub(1) {
             self.step(del, &mut state, (places, k));
-            for (lane, (run, (trajectory, _))) in runs.iter_mut().zip(places).enumerate() {
+            for (lane, (run, (Driven { trajectory, .. }, _))) in runs.iter_mut().zip(places).enumerate() {
                 if k + 1 < trajectory.samples() {
                     run.extend(state.q.iter().map(|q| q.0[lane]));
                 }

@@ -1,4 +1,4 @@
-//! Delays of drives as states of a linear system.
+//! Delays and lags of drives as states of a linear system.
 
 use crate::lqr::{LinearSystem, LqrError, MAX_DELAY};
 use nalgebra::DMatrix;
@@ -24,6 +24,38 @@ impl LinearSystem {
         let late = steps.fract();
         let now = if late > 0.0 { self.part(1.0 - late)?.b } else { self.b.clone() };
         Ok(self.with_past(steps as usize, steps.ceil() as usize, &now))
+    }
+
+    /// The system whose commands act behind a lag, T ẏ = u − y, with T of `steps` steps, any number ≥ 0. Its state is x and then y of every
+    /// command; without a lag, x alone.
+    ///
+    /// Within a step, x moves as the logarithm of the step says: [A B; 0 1] = exp [F G; 0 0], so that x′ = F x + G y.
+    ///
+    /// # Errors
+    /// [`LqrError::Lag`]; [`LqrError::NoMotion`] if the motion within a step is not known.
+    pub fn lagged(&self, steps: f64) -> Result<Self, LqrError> {
+        if !(steps >= 0.0 && steps.is_finite()) {
+            return Err(LqrError::Lag { steps });
+        }
+        if steps == 0.0 {
+            return Ok(self.clone());
+        }
+        let (states, controls) = self.b.shape();
+        let (whole, unit) = self.with_held_control();
+        let own = logarithm(whole, 1.0).ok_or(LqrError::NoMotion)?;
+        let (inner, size) = (states + controls, states + 2 * controls);
+        let mut flow = DMatrix::zeros(size, size);
+        flow.view_mut((0, 0), (states, states)).copy_from(&own.view((0, 0), (states, states)));
+        flow.view_mut((0, states), (states, controls)).copy_from(&own.view((0, states), (states, controls)));
+        for k in states..inner {
+            (flow[(k, k)], flow[(k, k + controls)]) = (-1.0 / steps, 1.0 / steps);
+        }
+        let flow = Some(flow.exp()).filter(is_finite).ok_or(LqrError::NoMotion)?;
+        let mut a: DMatrix<f64> = flow.view((0, 0), (inner, inner)).into();
+        let mut b: DMatrix<f64> = flow.view((0, inner), (inner, controls)).into();
+        a.view_mut((0, states), (states, controls)).scale_mut(unit);
+        b.view_mut((0, 0), (states, controls)).scale_mut(unit);
+        Ok(Self { a, b })
     }
 
     /// The system with `past` commands as states. The command of `whole` steps ago acts through `now`, the one before it through the rest
@@ -55,16 +87,23 @@ impl LinearSystem {
     /// The transition over a part of the step, by the power of \[A B; 0 1\].
     fn part(&self, part: f64) -> Result<Self, LqrError> {
         let (states, controls) = self.b.shape();
-        // Units of u do not matter to the power; these make its part of the matrix of size 1.
-        let unit = Some(self.b.amax()).filter(|size| *size > 0.0).unwrap_or(1.0);
-        let mut whole = DMatrix::identity(states + controls, states + controls);
-        whole.view_mut((0, 0), (states, states)).copy_from(&self.a);
-        whole.view_mut((0, states), (states, controls)).copy_from(&(&self.b / unit));
+        let (whole, unit) = self.with_held_control();
         let power = power(whole, part).ok_or(LqrError::NoFraction)?;
         Ok(Self {
             a: power.view((0, 0), (states, states)).into(),
             b: unit * power.view((0, states), (states, controls)),
         })
+    }
+
+    /// \[A B; 0 1\] with B in units of its largest entry, and that unit.
+    fn with_held_control(&self) -> (DMatrix<f64>, f64) {
+        let (states, controls) = self.b.shape();
+        // Units of u do not matter to the power; these make its part of the matrix of size 1.
+        let unit = Some(self.b.amax()).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let mut whole = DMatrix::identity(states + controls, states + controls);
+        whole.view_mut((0, 0), (states, states)).copy_from(&self.a);
+        whole.view_mut((0, states), (states, controls)).copy_from(&(&self.b / unit));
+        (whole, unit)
     }
 }
 
@@ -74,7 +113,12 @@ const NEAR_ONE: f64 = 0.25;
 const MAX_ROOTS: i32 = 40;
 
 /// Mᵖ = exp(p log M) of the principal logarithm; `None` if M has a real eigenvalue ≤ 0.
-fn power(mut matrix: DMatrix<f64>, exponent: f64) -> Option<DMatrix<f64>> {
+fn power(matrix: DMatrix<f64>, exponent: f64) -> Option<DMatrix<f64>> {
+    Some(logarithm(matrix, exponent)?.exp()).filter(is_finite)
+}
+
+/// p log M of the principal logarithm; `None` if M has a real eigenvalue ≤ 0.
+fn logarithm(mut matrix: DMatrix<f64>, exponent: f64) -> Option<DMatrix<f64>> {
     let one = DMatrix::identity(matrix.nrows(), matrix.ncols());
     let mut scale = exponent;
     for _ in 0..MAX_ROOTS {
@@ -83,7 +127,7 @@ fn power(mut matrix: DMatrix<f64>, exponent: f64) -> Option<DMatrix<f64>> {
             let z = (&matrix + &one).lu().solve(&(&matrix - &one))?;
             let square = &z * &z;
             let series = (0..10).rev().fold(0.0 * &one, |sum, k| &square * sum + &one / f64::from(2 * k + 1));
-            return Some((2.0 * scale * z * series).exp()).filter(is_finite);
+            return Some(2.0 * scale * z * series);
         }
         (matrix, scale) = (root(&matrix)?, 2.0 * scale);
     }

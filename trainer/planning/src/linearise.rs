@@ -31,7 +31,7 @@ impl NodeStep {
 
 /// Linearises the node that begins at (q, v) under the command u of every coordinate: A and B of (q, v).
 ///
-/// The force is τ = g u + o; the actuator's delay is left out ([`LinearSystem::delayed`] adds it).
+/// The force is τ = g u + o; the actuator's delay and lag are left out ([`LinearSystem::lagged`] and [`LinearSystem::delayed`] add them).
 ///
 /// # Errors
 /// [`PlanError::Value`] for numbers that fit no node, [`PlanError::Motion`] if the node cannot be computed.

@@ -58,6 +58,17 @@ pub enum LqrError {
          steps"
     )]
     NoFraction,
+    /// A time constant that is negative or not finite.
+    #[error("a lag of {steps} steps: it must be finite, 0 or above")]
+    Lag {
+        /// The time constant, steps.
+        steps: f64,
+    },
+    /// A step whose inside is not known.
+    #[error(
+        "A has a real eigenvalue that is negative or 0, so that the motion within a step, behind a lag, is not known: take shorter steps"
+    )]
+    NoMotion,
 }
 
 /// Longest delay, steps.

@@ -2,6 +2,7 @@
 
 use leastaction_core::control::Transition;
 use leastaction_core::control::riccati::{Weights, stationary};
+use leastaction_core::forces::Rise;
 use leastaction_planning::{DMatrix, LinearSystem, LqrError};
 
 /// Cart-pole about its upper rest, exactly sampled: state (x, φ, ẋ, φ̇) with masses, rod and gravity of about 1, 0.1, 1 and 10.
@@ -214,4 +215,66 @@ fn delays_without_a_meaning_are_refused() {
         assert_eq!(of(1, &[factor], &[1.0]).delayed(0.5), Err(LqrError::NoFraction));
         assert!(of(1, &[factor], &[1.0]).delayed(1.0).is_ok());
     }
+}
+
+/// A mass under a lag, ẍ = y: y, ∫y and ∫∫y over a step have the closed form that steps of a model use.
+#[test]
+fn a_lag_is_a_state() {
+    let mass = LinearSystem::new(
+        DMatrix::from_row_slice(2, 2, &[1.0, STEP, 0.0, 1.0]),
+        DMatrix::from_row_slice(2, 1, &[0.5 * STEP * STEP, STEP]),
+    )
+    .unwrap();
+    for steps in [0.02, 0.4, 1.7, 25.0] {
+        let [value, first, second, _] = Rise::new(steps, 1.0).integrals;
+        let lagged = mass.lagged(steps).unwrap();
+        let (h, square) = (STEP, STEP * STEP);
+        let a = [1.0, h, square * (0.5 - second), 0.0, 1.0, h * (1.0 - first), 0.0, 0.0, 1.0 - value];
+        assert_near(lagged.a(), &DMatrix::from_row_slice(3, 3, &a), 1e-11);
+        assert_near(lagged.b(), &DMatrix::from_row_slice(3, 1, &[square * second, h * first, value]), 1e-11);
+    }
+    assert_eq!(mass.lagged(0.0).unwrap(), mass);
+    assert_eq!(mass.lagged(-0.5), Err(LqrError::Lag { steps: -0.5 }));
+    assert!(mass.lagged(f64::NAN).is_err() && mass.lagged(f64::INFINITY).is_err());
+    let turned =
+        LinearSystem::new(DMatrix::from_element(1, 1, -0.5), DMatrix::from_element(1, 1, 1.0)).unwrap();
+    assert_eq!(turned.lagged(0.5), Err(LqrError::NoMotion));
+}
+
+/// A regulator that knows the lag leaves the cost that it says, along the continuous motion behind lag and delay.
+#[test]
+fn a_lag_behind_a_delay_is_regulated() {
+    let (lag, late) = (0.04, 0.3);
+    let system = sampled(&continuous(), STEP).lagged(lag / STEP).unwrap().delayed(late).unwrap();
+    let (q, r) = weights(6);
+    let found = system.regulator(&q, &r).unwrap();
+    // x, y and u as states of the continuous motion.
+    let (a, b) = continuous();
+    let (mut flow, mut state) =
+        (DMatrix::zeros(6, 6), DMatrix::from_column_slice(6, 1, &[0.1, 0.05, 0.0, -0.1, 0.2, -0.3]));
+    flow.view_mut((0, 0), (4, 4)).copy_from(&a);
+    flow.view_mut((0, 4), (4, 1)).copy_from(&b);
+    (flow[(4, 4)], flow[(4, 5)]) = (-1.0 / lag, 1.0 / lag);
+    let [before, after] = [late, 1.0 - late].map(|part| (part * STEP * &flow).exp());
+    let promised = (state.transpose() * &found.cost * &state)[(0, 0)];
+    let mut cost = 0.0;
+    for _ in 0..600 {
+        let u = -(&found.gain * &state)[(0, 0)];
+        cost += (state.transpose() * &q * &state)[(0, 0)] + r[(0, 0)] * u * u;
+        let mut moved = &before * &state;
+        moved[(5, 0)] = u;
+        state = &after * moved;
+    }
+    assert!((cost / promised - 1.0).abs() < 1e-8, "{cost} and {promised}");
+    let blind = sampled(&continuous(), STEP).delayed(late).unwrap().regulator(&weights(5).0, &r).unwrap();
+    let gain = DMatrix::from_fn(1, 6, |_, j| match j {
+        4 => 0.0,
+        5 => blind.gain[(0, 4)],
+        j => blind.gain[(0, j)],
+    });
+    let without =
+        system.closed_loop(&gain).complex_eigenvalues().iter().map(|e| e.norm()).fold(0.0, f64::max);
+    let with =
+        system.closed_loop(&found.gain).complex_eigenvalues().iter().map(|e| e.norm()).fold(0.0, f64::max);
+    assert!(with < 1.0 && with < without, "{with} and {without}");
 }

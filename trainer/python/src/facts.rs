@@ -22,7 +22,7 @@ pub fn range<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Option<Bound<'py, 
     Ok(Some(dictionary))
 }
 
-/// Gain, offset and delay of the drives; `None` if they are ideal.
+/// Gain, offset, delay and lag of the drives; `None` if they are ideal.
 pub fn actuator<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Option<Bound<'py, PyDict>>> {
     let of = facts.actuator.clone();
     if of.is_ideal() {
@@ -32,5 +32,6 @@ pub fn actuator<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Option<Bound<'p
     dictionary.set_item("gain", of.gain)?;
     dictionary.set_item("offset", of.offset)?;
     dictionary.set_item("delay", of.delay)?;
+    dictionary.set_item("lag", of.lag)?;
     Ok(Some(dictionary))
 }

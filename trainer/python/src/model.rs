@@ -296,7 +296,8 @@ impl Model {
         };
         let actuator = &self.host.facts.actuator;
         let places = (0..commands.count).flat_map(|k| (0..n).map(move |i| (k, i)));
-        let ends = places.map(|(k, i)| actuator.over_step((h, kind), (k, i), |k| command(k, i)));
+        let lagging = actuator.lagging((h, kind), (commands.count, n), command);
+        let ends = places.map(|(k, i)| actuator.over_step((h, kind), (k, i), &lagging, |k| command(k, i)));
         let (start, end): (Vec<f64>, Vec<f64>) = ends.map(|[start, end]| (start, end)).unzip();
         let shape = [commands.count, n];
         Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))

@@ -75,19 +75,21 @@ pub fn linearize_step<'py>(
     Ok((matrix(py, system.a())?, matrix(py, system.b())?))
 }
 
-/// Returns K, P and A − BK of the regulator of x⁺ = A x + B u with weights Q and R, whose commands arrive `delay` steps late.
+/// Returns K, P and A − BK of the regulator of x⁺ = A x + B u with weights Q and R, whose commands arrive `delay` steps late and act
+/// behind a lag of `lag` steps.
 #[pyfunction]
 pub fn regulator<'py>(
     py: Python<'py>,
     system: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
     weights: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
     delay: f64,
+    lag: f64,
 ) -> PyResult<[Matrix<'py>; 3]> {
     let [a, b, q, r] = [&system.0, &system.1, &weights.0, &weights.1].map(dense);
     let states = a.nrows();
     let (found, closed) = py
         .detach(|| {
-            let system = LinearSystem::new(a, b)?.delayed(delay)?;
+            let system = LinearSystem::new(a, b)?.lagged(lag)?.delayed(delay)?;
             let weights = padded(q, (states, system.a().nrows()));
             let found = system.regulator(&weights, &r)?;
             let closed = system.closed_loop(&found.gain);
@@ -97,7 +99,7 @@ pub fn regulator<'py>(
     Ok([matrix(py, &found.gain)?, matrix(py, &found.cost)?, matrix(py, &closed)?])
 }
 
-/// Weights of x and of past commands, which cost nothing any more; a matrix that does not fit x is left as it is, to be refused.
+/// Weights of x, of lagging and of past commands, which cost nothing any more; a matrix that does not fit x is left as it is, to be refused.
 fn padded(q: DMatrix<f64>, (states, size): (usize, usize)) -> DMatrix<f64> {
     if q.shape() == (states, states) { q.resize(size, size, 0.0) } else { q }
 }

@@ -1,7 +1,8 @@
-"""Commands become forces by gain, offset and delay, in double precision as on the chip."""
+"""Commands become forces by gain, offset, delay and lag, in double precision as on the chip."""
 
 import numpy as np
 import pytest
+import scipy.signal
 
 import leastaction as la
 
@@ -9,25 +10,35 @@ H, GAIN, OFFSET = 0.05, -0.75, 0.25
 STEPS = 30
 
 
-@pytest.fixture(scope="module", params=[0.0, 0.013, 0.12], ids=["no delay", "part of a step", "steps and a part"])
+NAMES = ["no delay", "part of a step", "steps and a part", "lag", "lag behind a delay"]
+
+
+@pytest.fixture(scope="module", params=[(0.0, 0.0), (0.013, 0.0), (0.12, 0.0), (0.0, 0.03), (0.063, 0.008)], ids=NAMES)
 def driven(request, log, tmp_path_factory):
-    """A model whose file has an actuator, and the actuator's delay, s."""
+    """A model whose file has an actuator, and the actuator's delay and lag, s."""
+    delay, lag = request.param
     config = {"data": {"file": log}, "model": {"coordinates": "ta", "hidden": [8]}}
-    config["calibration"] = {"gain": GAIN, "offset": OFFSET, "delay": request.param}
+    config["calibration"] = {"gain": GAIN, "offset": OFFSET, "delay": delay, "lag": lag}
     config["training"] = {"iterations": 1, "loss": "windows", "threads": 2}
     return la.train(config, tmp_path_factory.mktemp("driven") / "run", progress=False).model, request.param
 
 
-def naive_forces(commands, delay, control):
-    """The linear force over every step that has the impulse and the moment of g u(t − d) + o, by a fine sum over the step."""
+def naive_forces(commands, times, control):
+    """The linear force over every step that has the impulse and the moment of g y + o, y being u(t − d) behind a lag, by a fine sum."""
     fine = (np.arange(20000) + 0.5) / 20000
-    late, count = delay / H, len(commands)
+    delay, lag = times
+    late, count, y = delay / H, len(commands), commands[0]
     start, end = np.empty_like(commands), np.empty_like(commands)
     for k in range(count):
         at = np.clip(k + fine - late, 0, count - 1)
         below = np.floor(at).astype(int)
         along = 0 if control == "held" else (at - below)[:, None]
         u = commands[below] + along * (commands[np.minimum(below + 1, count - 1)] - commands[below])
+        if lag > 0.0:
+            # u is constant over a piece; y is taken in its middle.
+            left = np.exp(-H / 20000 / lag)
+            ends = scipy.signal.lfilter([1 - left], [1, -left], u, axis=0, zi=left * y[None])[0]
+            u, y = 0.5 * (np.vstack([y, ends[:-1]]) + ends), ends[-1]
         force = GAIN * u + OFFSET
         mean, moment = force.mean(0), ((fine - 0.5)[:, None] * force).mean(0)
         start[k], end[k] = mean - 6 * moment, mean + 6 * moment
@@ -36,11 +47,12 @@ def naive_forces(commands, delay, control):
 
 @pytest.mark.parametrize("control", ["held", "linear"])
 def test_rollouts_know_the_actuator(driven, control):
-    model, delay = driven
-    assert np.allclose(model.actuator["gain"], GAIN) and model.actuator["delay"] == pytest.approx(delay)
+    model, times = driven
+    assert np.allclose(model.actuator["gain"], GAIN)
+    assert [model.actuator["delay"], model.actuator["lag"]] == pytest.approx(times)
     t = H * np.arange(STEPS + (control == "linear"))[:, None]
     commands = 0.5 * np.sin(3 * t + [1, 2])
-    start, end = naive_forces(commands, delay, control)
+    start, end = naive_forces(commands, times, control)
     q, v = np.array([0.1, -0.2]), np.array([0.3, 0.1])
     for own, steps_within, forces_within in ((model.double, 1e-9, 1e-7), (model, 1e-4, 1e-5)):
         given = own.forces(commands, h=H, control=control)
@@ -55,11 +67,11 @@ def test_rollouts_know_the_actuator(driven, control):
 
 
 def test_actions_on_an_environment_are_commands(driven):
-    model, delay = driven
+    model, times = driven
     environment = la.Environment(model, max_u=1.0, start=([0.1, -0.2], [0.3, 0.1]), h=H, commands=True)
-    before = int(np.ceil(delay / H))
+    before = int(np.ceil(times[0] / H)) + 1
     actions = 0.5 * np.sin(3 * H * np.arange(12)[:, None] + [1, 2])
-    start, end = naive_forces(np.vstack([np.zeros((before, 2)), actions]), delay, "held")
+    start, end = naive_forces(np.vstack([np.zeros((before, 2)), actions]), times, "held")
     for _ in range(2):
         now = environment.reset()[0]
         for k, action in enumerate(actions, before):

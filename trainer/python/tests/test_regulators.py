@@ -83,6 +83,31 @@ def test_a_model_is_held_at_rest_by_late_drives(delay):
     assert left["held"] < 1e-3 and left["free"] > 0.1, left
 
 
+def test_a_lag_is_a_state():
+    """A mass behind a lag and a delay of 1.3 steps: the promised cost is that of the motion, and the commands sent give y."""
+    A, B, lag = [[1, 0.1], [0, 1]], [[0.005], [0.1]], 0.7
+    K, P, _ = la.lqr(A, B, [1, 0.1], [0.01], delay=1.3, lag=lag)
+    assert K.shape == (1, 5)
+    regulator = la.RestRegulator(K, P, np.empty(0), np.zeros(1), np.zeros(1), (0,), 0.1, 0.13, (False,), 0.1 * lag)
+    assert regulator.past == 2
+    pieces, x, y, sent, cost, first = 4000, np.array([1.0, -0.5]), 0.0, [], 0.0, None
+    for _ in range(300):
+        past = np.array([*sent[::-1], 0.0, 0.0])[:, None]
+        state = np.concatenate([x, [y], past[:2, 0]])
+        u = regulator.command(x[:1], x[1:], past)[0]
+        assert u == pytest.approx(-(K @ state)[0], abs=1e-6)
+        cost, first = cost + x @ np.diag([1, 0.1]) @ x + 0.01 * u * u, state if first is None else first
+        for k in range(0, pieces, 40):
+            # y is exact over a piece, and so is the impulse on the mass.
+            r, dt = past[1 if k < 0.3 * pieces else 0, 0], 40 / pieces
+            end = r + (y - r) * np.exp(-dt / lag)
+            impulse = r * dt - lag * (end - y)
+            x = np.array([x[0] + 0.1 * (dt * x[1] + 0.1 * 0.5 * dt * impulse), x[1] + 0.1 * impulse])
+            y = end
+        sent.append(u)
+    assert cost == pytest.approx(first @ P @ first, rel=1e-4) and np.abs(x).max() < 1e-6
+
+
 def swung(model, regulator, up, h, delay, hold):
     """Deviation from rest after 4 s, the commands acting late by a delay, in steps of a tenth of the tick."""
     motion = model.motion(np.add(up, [0.05, -0.03]), np.zeros(2), h=h / 10)

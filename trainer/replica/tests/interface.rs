@@ -6,7 +6,7 @@ use common::{GraphSample, InertiaNetworkSample, TREES, TreeSample, bytes, file, 
 use leastaction_core::discrete::{Order, StepError};
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::forces::Actuator;
+use leastaction_core::forces::{Actuator, Lag};
 use leastaction_core::model::{
     ActuatorBytes, CoordinateRange, Header, Interval, Laws, ModelError, Outside, TrainingRange,
 };
@@ -213,6 +213,41 @@ fn commands_act_as_the_actuator_of_the_file_says() {
         let expected = core.linear(&u[k - 2], &u[k - 1], &u[k]);
         let found = linear.linear(&u[k], &u[k + 1]).unwrap();
         assert_eq!((found.start, found.end), (&expected.start[..], &expected.end[..]));
+    }
+}
+
+#[test]
+fn lagging_commands_have_the_bits_of_core() {
+    let sample = arm("ta", [4, 0, 0, 0]);
+    let numbers = [0.015_f32, 2.0, 0.5, -3.0, 0.25, 0.008];
+    let own: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let actuator = ActuatorBytes::new(&own).unwrap();
+    let header = Header { actuator: Some(actuator), ..sample.header(Order::Two) };
+    let weights: Vec<u8> = sample.weights().iter().flat_map(|w| w.to_le_bytes()).collect();
+    let file = ModelFile::new(&bytes(&header, &weights)).unwrap();
+    let chip = file.replica(None).unwrap();
+    let (late, core, lag): (u16, Actuator<f32, 2>, Lag<f32>) = actuator.at_step_with_lag(0.01).unwrap();
+    assert_eq!(late, 1);
+    // Two samples before the first are those that preceded it.
+    for before in [None, Some([0.75, -1.5])] {
+        let first = before.unwrap_or_default();
+        let u = [first, first, [1.0, 2.0], [3.0, -1.0], [0.5, 0.75], [2.5, 4.0]];
+        let (mut held, mut linear) = (chip.actuators(0.01).unwrap(), chip.actuators(0.01).unwrap());
+        for actuators in [&mut held, &mut linear] {
+            before.iter().for_each(|u| actuators.take_past(u).unwrap());
+        }
+        let (mut y, mut of_linear) = (first, first);
+        for k in 2..5 {
+            let (expected, end) = core.lagging(|i| lag.held(y[i], u[k - 2][i], u[k - 1][i]));
+            let found = held.held(&u[k]).unwrap();
+            assert_eq!((found.start, found.end), (&expected.start[..], &expected.end[..]));
+            y = end;
+            let (expected, end) =
+                core.lagging(|i| lag.linear(of_linear[i], [u[k - 2][i], u[k - 1][i], u[k][i]]));
+            let found = linear.linear(&u[k], &u[k + 1]).unwrap();
+            assert_eq!((found.start, found.end), (&expected.start[..], &expected.end[..]));
+            of_linear = end;
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use leastaction_learning::evaluate::horizons::Predictor;
 use leastaction_learning::report::{Fit, Page};
 use leastaction_learning::torque_numbers::TorqueNumbers;
 use leastaction_learning::windows::{
-    Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
+    Calibration, Integrator, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings,
 };
 use leastaction_models::Model;
 use std::ffi::OsStr;
@@ -81,7 +81,7 @@ fn fit(model: &Model, logs: &Arc<WindowLogs>) -> Option<Fit> {
         integrator,
         longest_step: logs.h,
         order,
-        calibration: Calibration::default(),
+        calibration: Calibration { lag: Setting::Known(model.facts.actuator.lag), ..Calibration::default() },
     };
     let own = WindowModel::new(&model.architecture).ok()?;
     let loss = WindowLoss::new(own, logs, 0..logs.count(), settings).ok()?;

@@ -27,7 +27,7 @@ fn model(name: &str, (gain, offset, delay): (&[f64], &[f64], f64)) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/chip/models");
     let mut model = decode(&std::fs::read(folder.join(format!("{name}.postcard"))).unwrap()).unwrap();
     let of = |numbers: &[f64]| numbers.iter().copied().cycle().take(model.architecture.n()).collect();
-    let actuator = Actuator { gain: of(gain), offset: of(offset), delay };
+    let actuator = Actuator { gain: of(gain), offset: of(offset), delay, lag: 0.0 };
     let order = model.facts.trained_step.map_or(Order::Four, |step| step.order);
     let step = TrainedStep { order, h: H as f32, control: ControlKind::Held };
     (model.facts.actuator, model.facts.trained_step) = (actuator, Some(step));
@@ -82,5 +82,25 @@ fn a_replayed_motion_of_the_model_leaves_nothing_but_rounding() {
                 "{name}, actuator {index}: {found:e}, {forgotten:e}"
             );
         }
+    }
+}
+
+/// A command that does not make up for a lag refuses a model that has one, and says so.
+#[test]
+fn a_lag_is_shown_or_refused() {
+    let (bench, mut own) = (Bench::new(), model("cartpole", ACTUATORS[0]));
+    bench.write("log.csv", &log(&own));
+    own.facts.actuator.lag = 0.008;
+    save(&bench, "own.postcard", &own);
+    let said = bench.run("inspect own.postcard").good().stdout;
+    assert!(said.contains("delay 0.00000 s, lag 0.00800 s"), "{said}");
+    let report = bench.run("inspect own.postcard --json").good().json();
+    assert!((report["actuator"]["lag"].as_f64().unwrap() - 0.008).abs() < 1e-9, "{report}");
+    let plan = "model = \"own.postcard\"\nseconds = 2.0\n[start]\nq = [0.0, 0.0]\n[goal]\nq = [0.0, 3.14]\n";
+    bench.write("plan.toml", plan);
+    for command in
+        ["simulate own.postcard --replay log.csv -o out", "simulate own.postcard", "plan plan.toml"]
+    {
+        bench.run(command).bad(2, &["lag by 0.008 s", "[calibration]"]);
     }
 }

@@ -22,6 +22,10 @@ mod golden_arm_constants;
 mod golden_constants;
 #[path = "../cli_golden/graphs.rs"]
 mod golden_graphs;
+#[path = "../cli_golden/lagging.rs"]
+mod golden_lagging;
+#[path = "../cli_golden/lagging_constants.rs"]
+mod golden_lagging_constants;
 #[path = "../cli_golden/late.rs"]
 mod golden_late;
 #[path = "../cli_golden/late_constants.rs"]
@@ -180,10 +184,19 @@ fn example() -> Vec<u8> {
 fn example_of_delay() -> Vec<u8> {
     let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(2);
-    let actuator = Actuator { gain: vec![0.8], offset: vec![-0.05], delay: 0.115 };
+    let actuator = Actuator { gain: vec![0.8], offset: vec![-0.05], delay: 0.115, lag: 0.0 };
     let trained_step = Some(TrainedStep { order: Order::Two, h: 0.05, control: ControlKind::Held });
     let facts = Facts { trained_step, actuator, ..Facts::default() };
     encode_in(Precision::Single, &architecture, &weights, &facts).unwrap()
+}
+
+/// The model with a lag behind a part of the delay.
+fn example_of_lag() -> Vec<u8> {
+    let architecture = Architecture::from(shape());
+    let actuator = Actuator { gain: vec![0.8], offset: vec![-0.05], delay: 0.02, lag: 0.07 };
+    let trained_step = Some(TrainedStep { order: Order::Two, h: 0.05, control: ControlKind::Held });
+    let facts = Facts { trained_step, actuator, ..Facts::default() };
+    encode_in(Precision::Single, &architecture, &architecture.initial_weights(2), &facts).unwrap()
 }
 
 /// Trees of two sizes over the same types.
@@ -228,6 +241,8 @@ fn rust_source_is_the_golden_file() {
     is_golden(&rust_constants(&ARM.0).unwrap(), "arm_constants.rs");
     is_golden(&rust_source(&example_of_delay()).unwrap(), "late.rs");
     is_golden(&rust_constants(&example_of_delay()).unwrap(), "late_constants.rs");
+    is_golden(&rust_source(&example_of_lag()).unwrap(), "lagging.rs");
+    is_golden(&rust_constants(&example_of_lag()).unwrap(), "lagging_constants.rs");
     let of_firmware = include_bytes!("../../../firmware-sim/examples/cartpole.postcard");
     is_golden(&rust_source(of_firmware).unwrap(), "../../../firmware-sim/examples/cartpole.rs");
 }
@@ -276,6 +291,29 @@ fn steppers_of_an_actuator_agree() {
         let force = actuator.held(&u(k - 3), &u(k - 2));
         model.del::<f32, Midpoint>().unwrap().step(&model.system, &mut state, &force).unwrap();
         assert_eq!(file.state(), &state);
+    }
+}
+
+/// The steppers of the file and of the constants agree behind a lag, and y begins at rest.
+#[test]
+fn steppers_of_a_lag_agree() {
+    let (mut file, mut constants) =
+        (golden_lagging::stepper().unwrap(), golden_lagging_constants::stepper().unwrap());
+    file.start([0.3], [-1.2]).unwrap();
+    constants.start([0.3], [-1.2]).unwrap();
+    let mut state = *file.state();
+    let model = golden_lagging::load().unwrap();
+    let actuator = model.actuator().unwrap().unwrap();
+    let (_, actuator, lag) = actuator.at_step_with_lag::<1>(golden_lagging::STEP).unwrap();
+    let (mut y, mut before) = ([0.0], [0.0]);
+    for k in 0..20 {
+        let u = [(k as f32 - 7.0) * 0.25];
+        let report = file.step(u).unwrap();
+        assert_eq!((report, file.q(), file.p()), (constants.step(u).unwrap(), constants.q(), constants.p()));
+        let (force, end) = actuator.lagging(|i| lag.held(y[i], before[i], u[i]));
+        model.del::<f32, Midpoint>().unwrap().step(&model.system, &mut state, &force).unwrap();
+        assert_eq!(file.state(), &state);
+        (y, before) = (end, u);
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Description {
     pub coordinates: Vec<String>,
     /// Origin of the model.
     pub provenance: String,
-    /// Whether the model has gains, offsets or a delay of drives, which the unit leaves out.
+    /// Whether the model has gains, offsets, a delay or a lag of drives, which the unit leaves out.
     pub has_actuator: bool,
     token: String,
     /// Step that the model was trained with, s.

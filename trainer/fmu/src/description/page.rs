@@ -8,7 +8,7 @@ impl Description {
         let Self { name, family, provenance, order, .. } = self;
         let rows: String = self.all().into_iter().map(|variable| self.row(variable)).collect();
         let drives = if self.has_actuator {
-            "<p>The model has gains, offsets or a delay of its drives. They are not part of the unit: u is the force itself.</p>\n"
+            "<p>The model has gains, offsets, a delay or a lag of its drives. They are not part of the unit: u is the force itself.</p>\n"
         } else {
             ""
         };

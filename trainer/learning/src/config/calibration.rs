@@ -5,7 +5,7 @@ use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// Zero offsets of the sensors, and gain, offset and delay of the actuators: each `"learned"`, or a known number.
+/// Zero offsets of the sensors, and gain, offset, delay and lag of the actuators: each `"learned"`, or a known number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CalibrationConfig {
@@ -17,6 +17,9 @@ pub struct CalibrationConfig {
     pub offset: SettingConfig,
     /// Delay common to all actuators, s; at least 0.
     pub delay: SettingConfig,
+    /// Time constant of the lag common to all actuators, s; at least 0.
+    #[serde(skip_serializing_if = "SettingConfig::is_none")]
+    pub lag: SettingConfig,
 }
 
 /// A number that is known, or `"learned"`.
@@ -29,7 +32,7 @@ pub struct SettingConfig(
 impl Default for CalibrationConfig {
     fn default() -> Self {
         let known = |number| SettingConfig(Setting::Known(number));
-        Self { zero: known(0.0), gain: known(1.0), offset: known(0.0), delay: known(0.0) }
+        Self { zero: known(0.0), gain: known(1.0), offset: known(0.0), delay: known(0.0), lag: known(0.0) }
     }
 }
 
@@ -37,7 +40,7 @@ impl CalibrationConfig {
     /// Configuration that learns every number.
     pub const LEARNED: Self = {
         let learned = SettingConfig(Setting::Learned);
-        Self { zero: learned, gain: learned, offset: learned, delay: learned }
+        Self { zero: learned, gain: learned, offset: learned, delay: learned, lag: learned }
     };
 
     /// Whether all sensors and actuators are ideal.
@@ -64,6 +67,11 @@ impl CalibrationConfig {
                 known(self.delay, |delay| delay >= 0.0),
                 "\"learned\" or a finite number of seconds, 0 or above",
             ),
+            (
+                "lag",
+                known(self.lag, |lag| lag >= 0.0),
+                "\"learned\" or a finite number of seconds, 0 or above",
+            ),
         ];
         checks.into_iter().find(|(_, holds, _)| !holds).map(|(key, _, must)| (key, must))
     }
@@ -75,7 +83,15 @@ impl CalibrationConfig {
             gain: self.gain.0,
             offset: self.offset.0,
             delay: self.delay.0,
+            lag: self.lag.0,
         }
+    }
+}
+
+impl SettingConfig {
+    /// Whether the number is known to be 0.
+    fn is_none(&self) -> bool {
+        self.0 == Setting::Known(0.0)
     }
 }
 

@@ -155,6 +155,13 @@ fn identity_ignores_when_to_stop_but_not_what_is_learned() {
 fn sensors_and_actuators_are_learned_or_known() {
     use crate::windows::Setting;
     let with = |lines: &str| parse(&format!("{LEAST}[calibration]\n{lines}\n"));
+    assert!(
+        !parse(LEAST).unwrap().to_toml().contains("lag"),
+        "a configuration without a lag keeps its identity"
+    );
+    let lagging = with("lag = \"learned\"").unwrap();
+    assert_eq!(lagging.calibration.calibration().lag, Setting::Learned);
+    assert_eq!(parse(&lagging.to_toml()).unwrap(), lagging);
     let config = with("zero = \"learned\"\ngain = \"learned\"\ndelay = 0.008").unwrap();
     let calibration = config.calibration.calibration();
     assert!(calibration.zero && calibration.gain == Setting::Learned);
@@ -166,6 +173,8 @@ fn sensors_and_actuators_are_learned_or_known() {
             "c.toml:6: \"gain = 0.0\": `gain` must be \"learned\" or a finite number other than 0",
         ),
         ("\ndelay = -1", "c.toml:7: \"delay = -1\": `delay` must be"),
+        ("lag = -0.005", "`lag` must be \"learned\" or a finite number of seconds, 0 or above"),
+        ("lag = inf", "`lag` must be"),
         ("zero = 0.1", "subtract a known one from the column"),
         ("offset = \"learnt\"", "expected \"learned\" or a number"),
     ] {

@@ -9,8 +9,8 @@
 use super::{median, percentile};
 use crate::windows::{Integrator, WindowLogs};
 use leastaction_core::model::ModelError;
-use leastaction_models::Model;
 use leastaction_models::parallel::{self, Pool};
+use leastaction_models::{LaggingCommands, Model};
 use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 
@@ -117,9 +117,10 @@ impl Predictor<'_> {
         let parts = if integrator == Integrator::Del { 1.0 } else { (h / STEP).ceil().max(1.0) };
         let pool = Pool::new(move || integrator.steps(&system, (h / parts, order), Vec::new()));
         let most = (most / h).round() as usize;
+        let lagging = self.lagging();
         let blocks: Vec<&[(usize, usize)]> = starts.chunks(WIDTH).collect();
         let rolled = parallel::map(blocks.len(), &|k| {
-            pool.with(|stepper| self.roll(&mut **stepper, (blocks[k], most), parts as usize))
+            pool.with(|stepper| self.roll(&mut **stepper, (blocks[k], &lagging, most), parts as usize))
         });
         Ok(rolled.into_iter().flatten().collect())
     }
@@ -137,15 +138,27 @@ impl Predictor<'_> {
         [value - self.zero(log, i), slope / self.logs.h]
     }
 
-    /// Force τ_i at both ends of the step that begins at `sample`.
-    fn force(&self, log: usize, sample: usize, i: usize) -> [f64; 2] {
+    /// Lagging commands along every log.
+    fn lagging(&self) -> Vec<LaggingCommands> {
         let step = (self.logs.h, self.logs.control);
-        self.model.facts.actuator.over_step(step, (sample, i), |k| self.logs.command(log, k, i))
+        let along = |log: usize| {
+            let sizes = (self.logs.samples(log), self.logs.n);
+            self.model.facts.actuator.lagging(step, sizes, |k, i| self.logs.command(log, k, i))
+        };
+        (0..self.logs.count()).map(along).collect()
+    }
+
+    /// Force τ_i at both ends of the step that begins at `sample`.
+    fn force(&self, lagging: &[LaggingCommands], (log, sample): (usize, usize), i: usize) -> [f64; 2] {
+        let step = (self.logs.h, self.logs.control);
+        let command = |k| self.logs.command(log, k, i);
+        self.model.facts.actuator.over_step(step, (sample, i), &lagging[log], command)
     }
 
     /// The force that is not exceeded at nine of ten samples, N or N m.
     pub fn largest_force(&self, i: usize) -> f64 {
-        let sample = |(log, first): (usize, usize)| self.force(log, first, i)[0].abs();
+        let lagging = self.lagging();
+        let sample = |start: (usize, usize)| self.force(&lagging, start, i)[0].abs();
         Spread::of(self.starts().into_iter().map(sample).collect()).percentile_90
     }
 
@@ -162,7 +175,7 @@ impl Predictor<'_> {
     fn roll(
         &self,
         stepper: &mut dyn Steps,
-        (starts, most): (&[(usize, usize)], usize),
+        (starts, lagging, most): (&[(usize, usize)], &[LaggingCommands], usize),
         parts: usize,
     ) -> Vec<Prediction> {
         let n = self.logs.n;
@@ -194,7 +207,7 @@ impl Predictor<'_> {
                 own.path.extend((0..n).map(|i| state[i].0[lane] + self.zero(own.log, i)));
             }
             let tau = |end: usize| -> Vec<Row> {
-                (0..n).map(|i| row(&|log, first| self.force(log, first + step, i)[end])).collect()
+                (0..n).map(|i| row(&|log, first| self.force(lagging, (log, first + step), i)[end])).collect()
             };
             let [start, end] = [tau(0), tau(1)];
             for k in 0..parts {

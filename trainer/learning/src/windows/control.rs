@@ -1,12 +1,13 @@
 //! Controls over a step for windows side by side, with their derivatives with respect to the calibration numbers.
 
 use super::calibration::CalibrationLayout;
+use super::lagging::Lagging;
 use super::rollout::Lanes;
 use leastaction_core::forces::ControlKind;
 use leastaction_programs::Row;
 use leastaction_programs::steps::ControlTangent;
 
-/// Forces τ at the start and the end of a step, with their derivatives with respect to the learned numbers of g, o and d.
+/// Forces τ at the start and the end of a step, with their derivatives with respect to the learned numbers of g, o, d and T.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Acting {
     pub tau: [Vec<Row>; 2],
@@ -19,6 +20,7 @@ enum Kind {
     Gain,
     Offset,
     Delay,
+    Lag,
 }
 
 /// Weights of the control's values at the start and the end of the k-th of `parts` equal parts of a step, where it is
@@ -56,22 +58,40 @@ fn kind(layout: &CalibrationLayout, number: usize) -> (Kind, Option<usize>) {
     match number {
         k if k < layout.n => (Kind::Gain, Some(k)),
         k if k < 2 * layout.n => (Kind::Offset, Some(k - layout.n)),
-        _ => (Kind::Delay, None),
+        k if k == 2 * layout.n => (Kind::Delay, None),
+        _ => (Kind::Lag, None),
     }
 }
 
 impl Lanes<'_> {
+    /// Lagging commands of the windows, if drives lag.
+    pub fn lagging(&self) -> Option<Lagging> {
+        let times = [self.layout.delay(), self.layout.lag()?].map(|at| self.numbers[at]);
+        Some(Lagging::of(self.logs, &self.windows, self.steps, times))
+    }
+
     /// Force over the step from `sample` to `sample + parts`, with tangents if they are wanted.
-    pub fn acting(&self, sample: usize, parts: usize, with_tangents: bool) -> Acting {
+    pub fn acting(
+        &self,
+        lagging: Option<&Lagging>,
+        (sample, parts): (usize, usize),
+        with_tangents: bool,
+    ) -> Acting {
         let delay = self.numbers[self.layout.delay()];
-        // Values of u and its derivative with respect to d, at both ends, for every coordinate.
-        let mut commands = vec![[[Row::default(); 2]; 2]; self.logs.n];
+        let moved = if lagging.is_some() { 3 } else { 2 };
+        // Values of y (u without a lag) and its derivatives with respect to d and T, at both ends, for every coordinate.
+        let mut commands = vec![[[Row::default(); 3]; 2]; self.logs.n];
         for part in 0..parts {
             let shares = shares(part, parts);
             for (i, command) in commands.iter_mut().enumerate() {
-                let own = self.command(sample + part, i, delay);
+                let own = match lagging {
+                    Some(lagging) => lagging.line(sample + part, i),
+                    None => {
+                        self.command(sample + part, i, delay).map(|[u, slope]| [u, slope, Row::default()])
+                    }
+                };
                 for (from, end) in (0..2).flat_map(|from| [(from, 0), (from, 1)]) {
-                    let sums = command[end].iter_mut().zip(&own[from]);
+                    let sums = command[end].iter_mut().zip(&own[from][..moved]);
                     sums.for_each(|(sum, own)| sum.add_scaled(shares[from][end], own));
                 }
             }
@@ -111,17 +131,19 @@ impl Lanes<'_> {
         })
     }
 
-    fn control_tangents(&self, commands: &[[[Row; 2]; 2]]) -> Vec<ControlTangent> {
+    fn control_tangents(&self, commands: &[[[Row; 3]; 2]]) -> Vec<ControlTangent> {
         let mut tangents = Vec::new();
         for (number, position) in self.learned.controls.iter().enumerate() {
             let (kind, own) = kind(self.layout, *position);
             let coordinates = own.map_or(0..self.logs.n, |i| i..i + 1);
             tangents.extend(coordinates.map(|i| {
                 let gain = self.numbers[self.layout.gain(i)];
-                let change = commands[i].map(|[u, slope]| match kind {
+                let scaled = |by: Row| Row(by.0.map(|by| gain * by));
+                let change = commands[i].map(|[u, by_delay, by_lag]| match kind {
                     Kind::Gain => u,
                     Kind::Offset => Row::splat(1.0),
-                    Kind::Delay => Row(slope.0.map(|slope| gain * slope)),
+                    Kind::Delay => scaled(by_delay),
+                    Kind::Lag => scaled(by_lag),
                 });
                 ControlTangent { number, coordinate: i, change }
             }));

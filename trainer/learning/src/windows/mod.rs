@@ -20,6 +20,7 @@ mod certainty_tests;
 mod control;
 mod elimination;
 mod first_guess;
+mod lagging;
 mod logs;
 mod loss;
 mod model;

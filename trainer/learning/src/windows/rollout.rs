@@ -34,7 +34,7 @@ pub(super) struct Lanes<'a> {
 pub(super) enum In {
     /// Start states alone.
     Starts,
-    /// The weight block, g, o and d, z of a window's own log, and start states.
+    /// The weight block, g, o, d and T, z of a window's own log, and start states.
     All,
 }
 
@@ -143,8 +143,9 @@ impl Lanes<'_> {
         let mut between = Between::new(starts, tangents.as_ref());
         let moves = tangents.as_ref().is_some_and(|tangents| tangents.controls() > 0);
         visit(0, &state, tangents.as_ref());
+        let lagging = self.lagging();
         for sample in (0..self.steps).step_by(self.pace.samples) {
-            let whole = self.acting(sample, self.pace.samples, moves);
+            let whole = self.acting(lagging.as_ref(), (sample, self.pace.samples), moves);
             between.begin(&state, tangents.as_ref(), self.pace.samples);
             for substep in 0..self.pace.substeps {
                 let Acting { tau, tangents: controls } = part_of(&whole, substep, self.pace.substeps);

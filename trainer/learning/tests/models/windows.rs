@@ -20,8 +20,16 @@ const H: f64 = 0.02;
 const SAMPLES: usize = 61;
 const LOGS: usize = 3;
 const STEPS: usize = 15;
-const ALL: Calibration =
-    Calibration { zero: true, gain: Setting::Learned, offset: Setting::Learned, delay: Setting::Learned };
+const ALL: Calibration = Calibration {
+    zero: true,
+    gain: Setting::Learned,
+    offset: Setting::Learned,
+    delay: Setting::Learned,
+    lag: Setting::Known(0.0),
+};
+
+/// All numbers, and a lag, which a drive with none has not.
+const WITH_LAG: Calibration = Calibration { lag: Setting::Learned, ..ALL };
 
 fn model() -> Architecture {
     let coordinates = [Coordinate::Angle, Coordinate::Angle];
@@ -133,21 +141,27 @@ fn completed(loss: &dyn Objective, weights: &[f64]) -> Vec<f64> {
 fn the_gradient_is_that_of_the_loss_over_the_best_starts() {
     let data = logs(Robot { noise: 0.05, ..REAL });
     for by in [(Integrator::RungeKutta, 4), (Integrator::Del, 2), (Integrator::Del, 4)] {
-        check_gradient(&loss_by(by, &data, (STEPS, ALL, false)));
+        for calibration in [ALL, WITH_LAG] {
+            check_gradient(&loss_by(by, &data, (STEPS, calibration, false)));
+        }
     }
+    // Samples that are joined to longer steps, and commands that are linear between samples.
+    let linear = Dataset { control: Some(ControlKind::Linear), ..data };
+    check_gradient(&loss_by((Integrator::RungeKutta, 4), &linear, (STEPS, WITH_LAG, false)));
 }
 
 /// Number of directions, each a change of all numbers with random signs: a number with a wrong derivative shows in every direction.
 const DIRECTIONS: usize = 8;
 
-fn check_gradient(loss: &dyn Objective) {
+fn check_gradient(of: &WindowLoss) {
+    let loss: &dyn Objective = of;
     let mut start = weights(&model());
     start.iter_mut().for_each(|w| *w *= 1.1);
     let mut all = loss.enter(start);
     let shared = loss.shared();
     // The delay is a fraction of a step, where its derivative exists.
-    let layout = shared - LOGS * N - 1;
-    all[layout] = 0.3 * H;
+    all[of.layout().delay()] = 0.3 * H;
+    of.layout().lag().iter().for_each(|lag| all[*lag] = 0.4 * H);
     loss.settle(&mut all);
     let all = completed(loss, &all);
     let equations = loss.normal_equations(&all).unwrap();
@@ -184,6 +198,66 @@ fn sensors_and_actuators_are_found() {
     );
     assert!((found.actuator.delay - 2.0 * H).abs() < 2e-4, "{found:?}");
     assert!(found.zeros.iter().all(|zero| near(zero, &REAL.zero)), "{found:?}");
+}
+
+/// Time constant and delay of a drive that lags, s.
+const LAGS: [f64; 2] = [0.008, 0.003];
+
+/// Logs of a robot whose commands arrive late and behind a lag, T ẏ = u(t − d) − y, integrated in steps of 0.5 ms.
+fn lagging_logs(noise: f64) -> Dataset {
+    const PARTS: usize = 40;
+    let ([lag, delay], h) = (LAGS, H / PARTS as f64);
+    let system = System::new(&*model().energies().unwrap());
+    let mut steps = ExplicitSteps::new(&system, h, RungeKutta::ThreeEighths);
+    let (weights, mut stream) = (weights(&model()), Pcg64::seed_from_u64(6));
+    let mut trajectory = |log: usize| {
+        let mut state: Vec<Row> = (0..2 * N).map(|i| Row::splat(0.3 * (i + log) as f64 - 0.5)).collect();
+        steps.begin(&weights, &mut state, None);
+        let (mut q, mut u) = (Vec::new(), Vec::new());
+        let mut y: [f64; N] = std::array::from_fn(|i| command(log, 0, i));
+        for k in 0..SAMPLES {
+            q.extend((0..N).map(|i| state[i].0[0] + noise * stream.random_range(-1.0..1.0)));
+            u.extend((0..N).map(|i| command(log, k, i)));
+            for part in 0..PARTS {
+                let late = (part as f64 + 0.5) * h < delay;
+                let arrived = k.saturating_sub(usize::from(late));
+                let after = |y: f64, i: usize| {
+                    let u = command(log, arrived, i);
+                    u + (y - u) * (-h / lag).exp()
+                };
+                let next: [f64; N] = std::array::from_fn(|i| after(y[i], i));
+                let tau = [y, next].map(|y| y.map(Row::splat).to_vec());
+                let _ = steps.step(&weights, &mut state, [&tau[0], &tau[1]], None);
+                y = next;
+            }
+        }
+        let rows = |x| Rows::from_flat(N, x).unwrap();
+        Trajectory { id: log as i64, t0: 0.0, q: rows(q), v: None, a: None, u: Some(rows(u)) }
+    };
+    let trajectories = (0..LOGS).map(&mut trajectory).collect();
+    Dataset { n: N, h: H, control: Some(ControlKind::Held), trajectories }
+}
+
+/// A lag is told from the delay before it, where a delay alone leaves a residual. Noise that hides the difference leaves their sum.
+#[test]
+fn a_lag_is_found_beside_a_delay() {
+    let fitted = |noise: f64, lag| {
+        let calibration = Calibration { delay: Setting::Learned, lag, ..Calibration::default() };
+        let loss = loss(&lagging_logs(noise), calibration, true);
+        let fit = Levenberg::new(&loss, weights(&model())).run(&loss, 60, |_, _| ());
+        (loss.layout().read(&fit.weights).actuator, fit.loss.sqrt())
+    };
+    let [lag, delay] = LAGS;
+    let (found, residual) = fitted(0.0, Setting::Learned);
+    println!("lag {}, delay {}, residual {residual:.1e}", found.lag, found.delay);
+    assert!((found.lag / lag - 1.0).abs() < 0.002 && (found.delay / delay - 1.0).abs() < 0.005, "{found:?}");
+    let (without, worse) = fitted(0.0, Setting::Known(0.0));
+    assert!((without.delay - lag - delay).abs() < 2e-4 && worse > 100.0 * residual, "{without:?}: {worse}");
+    assert_eq!(without.lag, 0.0);
+    let (known, _) = fitted(0.0, Setting::Known(lag));
+    assert!(known.lag == lag && (known.delay / delay - 1.0).abs() < 0.005, "{known:?}");
+    let (noisy, _) = fitted(1e-4, Setting::Learned);
+    assert!((noisy.lag + noisy.delay - lag - delay).abs() < 2e-4, "{noisy:?}");
 }
 
 /// A penalty on weights does not act on sensors and actuators: a gain is expected near 1, not near 0.

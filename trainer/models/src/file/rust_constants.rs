@@ -111,6 +111,10 @@ fn write_imports(
     if stepper.has_actuator() {
         forces.push("Actuator");
     }
+    if stepper.has_lag() {
+        forces.extend(["Lag", "Rise"]);
+    }
+    let of_lag: &[&str] = if stepper.has_lag() { &["Actuated"] } else { &[] };
     let lines = [
         Some(format!("discrete::{}", listed(discrete))),
         Some(format!("energy::{}", kind.module)),
@@ -121,7 +125,7 @@ fn write_imports(
     ];
     writeln!(to)?;
     lines.iter().flatten().try_for_each(|line| writeln!(to, "use leastaction_core::{line};"))?;
-    writeln!(to, "{}", stepper.imports(&[]))
+    writeln!(to, "{}", stepper.imports(of_lag))
 }
 
 /// Writes the sizes, and the type of the system.

@@ -3,7 +3,7 @@
 use crate::GraphArchitecture;
 use crate::Model;
 use leastaction_core::discrete::Order;
-use leastaction_core::forces::ControlKind;
+use leastaction_core::forces::{ControlKind, Lag};
 use leastaction_core::model::{ActuatorBytes, ModelError, TrainedStep};
 use std::fmt::{self, Write};
 
@@ -53,6 +53,11 @@ impl StepperType {
         self.step.is_some()
     }
 
+    /// Whether the actuator has a lag.
+    pub(super) fn has_lag(&self) -> bool {
+        self.actuator().is_some_and(|actuator| actuator.lag() > 0.0)
+    }
+
     pub(super) fn has_actuator(&self) -> bool {
         !self.actuator.is_empty()
     }
@@ -73,7 +78,11 @@ impl StepperType {
     }
 
     fn actuation(&self) -> &'static str {
-        if self.has_actuator() { "Actuated" } else { "Direct" }
+        match self.actuator() {
+            None => "Direct",
+            Some(actuator) if actuator.lag() > 0.0 => "Lagged",
+            Some(_) => "Actuated",
+        }
     }
 
     /// Import line for core's module `stepper`, with the names in `others` included.
@@ -139,15 +148,22 @@ impl StepperType {
             _ => "A command is the sample at the end of its step, linear from the one before",
         };
         writeln!(to, "\n/// {commands}; {}", self.between())?;
-        let actuation = if self.has_actuator() { "Actuated<N>" } else { "Direct" };
-        writeln!(to, "pub type Drive = stepper::Drive<{kind}, {actuation}, N, {past}>;")?;
+        let actuation = self.actuation();
+        let sizes = if self.has_actuator() { "<N>" } else { "" };
+        writeln!(to, "pub type Drive = stepper::Drive<{kind}, {actuation}{sizes}, N, {past}>;")?;
         writeln!(to, "/// Model, integrator of order {order}, drive and state: `start`, then `step`.")
     }
 
     /// End of the sentence about commands: the path from command to force.
     fn between(&self) -> String {
         let Some(actuator) = self.actuator() else { return "it is the force.".to_owned() };
-        format!("the actuator has gains, offsets and a delay of {:?} s.", actuator.delay())
+        let (delay, lag) = (actuator.delay(), actuator.lag());
+        if lag > 0.0 {
+            return format!(
+                "the actuator has gains, offsets, a delay of {delay:?} s and a lag of {lag:?} s."
+            );
+        }
+        format!("the actuator has gains, offsets and a delay of {delay:?} s.")
     }
 
     /// Trained step of a model held as constants, as an expression.
@@ -168,10 +184,28 @@ impl StepperType {
         let (whole, rest) = actuator.delay_at_step(h).unwrap_or_default();
         let pairs = actuator.pairs().collect::<Vec<_>>();
         let [gain, offset] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>());
-        writeln!(to, "\n#[rustfmt::skip]\nconst ACTUATOR: Actuated<N> = Actuated {{")?;
-        writeln!(to, "    whole: {whole},")?;
-        writeln!(to, "    actuator: Actuator {{ gain: {gain:?}, offset: {offset:?}, delay: {rest:?} }},\n}};")
+        let (actuation, indent) = (self.actuation(), if self.has_lag() { "        " } else { "    " });
+        writeln!(to, "\n#[rustfmt::skip]\nconst ACTUATOR: {actuation}<N> = {actuation} {{")?;
+        if self.has_lag() {
+            write_lag(to, &Lag::new(actuator.lag() / h, rest))?;
+            writeln!(to, "    actuated: Actuated {{")?;
+        }
+        writeln!(to, "{indent}whole: {whole},")?;
+        writeln!(
+            to,
+            "{indent}actuator: Actuator {{ gain: {gain:?}, offset: {offset:?}, delay: {rest:?} }},"
+        )?;
+        writeln!(to, "{}}};", if self.has_lag() { "    },\n" } else { "" })
     }
+}
+
+/// Writes the numbers of a lag.
+fn write_lag(to: &mut impl Write, Lag { delay, whole, late }: &Lag<f32>) -> fmt::Result {
+    writeln!(to, "    lag: Lag {{\n        delay: {delay:?},")?;
+    for (name, rise) in [("whole", whole), ("late", late)] {
+        writeln!(to, "        {name}: Rise {{ integrals: {:?} }},", rise.integrals)?;
+    }
+    writeln!(to, "    }},")
 }
 
 /// Sentence in the doc comments of all functions that make a stepper.

@@ -56,7 +56,7 @@ fn a_program_with_dry_friction_names_its_forces() {
 #[test]
 fn a_stepper_keeps_as_many_commands_as_the_delay_needs() {
     let (architecture, weights, _) = example("");
-    let actuator = Actuator { gain: vec![1.0, -2.0], offset: vec![0.0, 0.5], delay: 0.23 };
+    let actuator = Actuator { gain: vec![1.0, -2.0], offset: vec![0.0, 0.5], delay: 0.23, lag: 0.0 };
     let file = |trained_step| {
         let facts = Facts { trained_step, actuator: actuator.clone(), ..Facts::default() };
         encode_in(Precision::Single, &architecture, &weights, &facts).unwrap()
@@ -69,6 +69,15 @@ fn a_stepper_keeps_as_many_commands_as_the_delay_needs() {
     assert!(any.contains("pub fn stepper(h: f32) -> Result<Stepper, ModelError>"), "{any}");
     let constants = rust_constants(&file(Some(STEP))).unwrap();
     assert!(constants.contains("gain: [1.0, -2.0], offset: [0.0, 0.5]"), "{constants}");
+    let lagging = Facts {
+        trained_step: Some(STEP),
+        actuator: Actuator { lag: 0.008, ..actuator.clone() },
+        ..Facts::default()
+    };
+    let lagging = encode_in(Precision::Single, &architecture, &weights, &lagging).unwrap();
+    let source = rust_source(&lagging).unwrap();
+    assert!(source.contains("pub type Drive = stepper::Drive<Linear, Lagged<N>, N, 6>;"), "{source}");
+    assert!(source.contains("a delay of 0.23 s and a lag of 0.008 s."), "{source}");
     let refused = rust_constants(&file(None)).unwrap_err();
     assert!(matches!(refused, ConstantsError::Unsupported { .. }), "{refused}");
 }

@@ -7,7 +7,7 @@ pub mod group;
 pub(crate) mod numbers;
 pub mod servo;
 
-pub use actuator::Actuator;
+pub use actuator::{Actuator, LaggingCommands};
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 pub use friction::{CoordinateFriction, DryNumbers};
 pub use group::{GroupLaws, LawEntry, MOST_LOAD, NumberKind, WIDTH_PARTS, WIDTHS};

@@ -6,6 +6,7 @@ use super::log::Log;
 use super::predictor::{Learned, Predict, Predictor};
 use crate::task::{TaskError, Tell};
 use leastaction::look::Look;
+use leastaction_core::forces::ControlKind;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{Column, Rows};
@@ -164,7 +165,7 @@ struct Driven {
 impl Predictor for Driven {
     fn torques(&self, log: &Log) -> Rows {
         let all = log.commanded.as_ref().filter(|_| self.is_commanded).unwrap_or(&log.measured);
-        self.calibrated.forces(all, STEP).unwrap_or_else(|| all.clone())
+        self.calibrated.forces(all, (STEP, ControlKind::Held)).unwrap_or_else(|| all.clone())
     }
 
     fn motion(&self) -> Box<Predict<'_>> {
@@ -191,7 +192,7 @@ mod tests {
         let architecture: Architecture = InertiaNetworkArchitecture::new(&[Coordinate::Angle], 2).into();
         let system = System::new(&*architecture.energies().unwrap());
         let calibrated = Calibrated {
-            actuator: Actuator { gain: vec![2.0], offset: vec![0.5], delay: 1.25 * STEP },
+            actuator: Actuator { gain: vec![2.0], offset: vec![0.5], delay: 1.25 * STEP, lag: 0.0 },
             zeros: Vec::new(),
         };
         let learned = Learned::new(&system, architecture.initial_weights(0));

@@ -54,7 +54,7 @@ class Environment:
     done       function done(q, v) that says whether the task has ended
     max_steps  number of steps after which an episode is truncated; None: never
     h, order   step size (s) and order of the integrator; by default those of training
-    commands   whether an action is the command to the drives, which the file's gain, offset and delay turn into forces
+    commands   whether an action is the command to the drives, which the file's gain, offset, delay and lag turn into forces
 
     Observations are (q, v), 2n numbers: m or rad, m/s or rad/s. An action has one force for each actuated coordinate; it is clipped to
     the bounds and held over a step. Before an episode, all commands were 0.
@@ -93,10 +93,12 @@ class Environment:
         self.observation_space = _box(-wide, wide)
         self._random = np.random.default_rng()
         self._motion: Motion | None = None
-        delay = self.model.actuator["delay"] if commands and self.model.actuator else 0.0
+        drives = self.model.actuator if commands else None
+        # Single precision resolves nothing of commands older than 20 time constants of a lag.
+        late = drives["delay"] + 20.0 * drives["lag"] if drives else 0.0
         self._commands = commands
         # A delay's last part of a step needs the command before it.
-        self._past = np.zeros((int(np.ceil(delay / self.h)) + 2, model.n), np.float32)
+        self._past = np.zeros((int(np.ceil(late / self.h)) + 2, model.n), np.float32)
         self._count = 0
 
     @property

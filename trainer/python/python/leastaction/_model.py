@@ -139,12 +139,13 @@ class Model:
 
     @property
     def actuator(self) -> dict[str, Any] | None:
-        """gain [n], offset [n] (N or N m) and delay (s) between a command and its force; None if the command is the force."""
+        """gain [n], offset [n] (N or N m), delay and lag (s) between a command and its force; None if the command is the force."""
         actuator = self._facts["actuator"]
         return actuator and {
             "gain": np.array(actuator["gain"]),
             "offset": np.array(actuator["offset"]),
             "delay": actuator["delay"],
+            "lag": actuator["lag"],
         }
 
     @property
@@ -278,7 +279,7 @@ class Model:
 
         q, v (or q1): [..., n]. If `control` is "held", u has the shape [..., steps, n] and row k acts from sample k to k + 1; if it is
         "linear", u has steps + 1 rows, one per sample. Without u, `steps` is needed. With `commands`, u holds the commands to the drives,
-        which the file's gain, offset and delay turn into forces. h (s) and order (2 or 4) are by default those of training.
+        which the file's gain, offset, delay and lag turn into forces. h (s) and order (2 or 4) are by default those of training.
 
         `errors="nan"` gives NaN from the first step that cannot be solved, instead of raising SolveError. If a motion starts from two
         positions, its velocity at the first is NaN.
@@ -309,7 +310,7 @@ class Model:
         return Motion(self, (q0, q1), u, True, h, order)
 
     def forces(self, commands: ArrayLike, *, h: float | None = None, control: str = "held") -> tuple[Array, Array]:
-        """The forces at the start and the end of each step, by the file's gain, offset and delay, N or N m: the steps begin at the
+        """The forces at the start and the end of each step, by the file's gain, offset, delay and lag, N or N m: the steps begin at the
         samples of `commands`, [samples, n]. The first command is assumed to have been in effect before."""
         h, _ = self._step(h, 2)
         rows = _rows(np.asarray(commands, self.dtype), self._n, "commands")
@@ -368,7 +369,7 @@ class Model:
 
     def linearize(self, q: ArrayLike, v: ArrayLike, u: ArrayLike | None = None) -> Linearization:
         """Derivatives of acceleration and inverse dynamics at a single state, q, v and u [n], in double precision. u is the command
-        (gain and offset of the drives included, without delay). SolveError where they do not exist."""
+        (gain and offset of the drives included, without delay and lag). SolveError where they do not exist."""
         from ._regulators import linearize
 
         return linearize(self, q, v, u)
@@ -384,7 +385,7 @@ class Model:
         ticks: int = 1,
     ) -> LinearStep:
         """A and B of x = (q, v) over `ticks` steps of the chip's arithmetic, from a single state under a held command u [n] (gain and
-        offset of the drives included, without delay). h (s) and order are by default those of training."""
+        offset of the drives included, without delay and lag). h (s) and order are by default those of training."""
         from ._regulators import linearize_step
 
         return linearize_step(self, (q, v, u), self._step(h, order), ticks)
@@ -406,6 +407,7 @@ class Model:
         Q, R    weights of (q, v) and of the commands, as in `leastaction.lqr`; [2n] and [driven] are diagonals.
         driven  coordinates that commands act on; by default all. The others must be at rest by themselves.
         delay   time until a command acts, s; by default that of the model's drives. Commands already sent are then states.
+                A lag is that of the model's drives; the commands as they act behind it are states too.
         """
         from ._regulators import regulate
 

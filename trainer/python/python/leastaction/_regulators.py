@@ -27,7 +27,7 @@ UNHELD = 1e-3
 class Linearization:
     """Derivatives of accelerations and of inverse dynamics at a state, in double precision.
 
-    u is the command: τ = gain · u + offset, without delay. Row i, column j is the derivative of number i by number j. Units are those of
+    u is the command: τ = gain · u + offset, without delay and lag. Row i, column j is the derivative of number i by number j. Units are those of
     the quotients: m or rad, s, and the commands' own.
     """
 
@@ -78,7 +78,7 @@ class Regulator(NamedTuple):
     """Eigenvalues of the closed loop A − BK, [states]."""
 
 
-def lqr(A: ArrayLike, B: ArrayLike, Q: ArrayLike, R: ArrayLike, *, delay: float = 0.0) -> Regulator:
+def lqr(A: ArrayLike, B: ArrayLike, Q: ArrayLike, R: ArrayLike, *, delay: float = 0.0, lag: float = 0.0) -> Regulator:
     """The regulator u = −K x of x⁺ = A x + B u that minimises Σ xᵀQx + uᵀRu, in discrete time: K, P, E as by python-control's `dlqr`.
 
     A      [n, n].
@@ -87,20 +87,23 @@ def lqr(A: ArrayLike, B: ArrayLike, Q: ArrayLike, R: ArrayLike, *, delay: float 
     delay  time until a command acts, in steps, any number from 0 to 256. The commands already sent are then states: K and P are of
            (x, u one step ago, u two steps ago, …), with as many past commands as the delay has steps, a part of one counted as one.
            With a delay of 1.3 steps the command of two steps ago acts for the first 0.3 of a step, that of one step ago for the rest.
+    lag    time constant T of a drive that answers gradually, in steps: T ẏ = u − y, behind the delay. y of every command is then a
+           state: K and P are of (x, y, past commands).
 
     SolveError: no feedback stabilises the system, or Q does not see a motion that does not die out.
     """
     a, b = _matrix("A", A), _matrix("B", B)
-    gain, cost, closed = _core.regulator((a, b), (_weights("Q", Q), _weights("R", R)), float(delay))
+    gain, cost, closed = _core.regulator((a, b), (_weights("Q", Q), _weights("R", R)), float(delay), float(lag))
     return Regulator(gain, cost, np.linalg.eigvals(closed).astype(complex))
 
 
 @dataclass(frozen=True)
 class RestRegulator:
-    """A regulator that holds a model at rest: u = ū − K (x − x̄), x = (q, v) and then the commands already sent, the latest first."""
+    """A regulator that holds a model at rest: u = ū − K (x − x̄), x = (q, v), then the commands as they act behind a lag, if there is one,
+    and then the commands already sent, the latest first."""
 
     K: Array
-    """Gain, [driven, 2n + driven · past]."""
+    """Gain, [driven, 2n + driven · past], and with a lag [driven, 2n + driven · (1 + past)]."""
     P: Array
     """Cost δᵀPδ that remains, δ being the deviation of the state with the past commands."""
     E: NDArray[np.complex128]
@@ -117,22 +120,38 @@ class RestRegulator:
     """Time until a command acts, s."""
     turns: tuple[bool, ...]
     """Flags of the coordinates that are angles, whose deviations are taken the short way round."""
+    lag: float = 0.0
+    """Time constant of the drives' lag, s; 0: none."""
 
     @property
     def past(self) -> int:
         """Number of past commands that are states."""
-        return (self.K.shape[1] - 2 * len(self.q)) // len(self.driven)
+        return (self.K.shape[1] - 2 * len(self.q)) // len(self.driven) - (self.lag > 0.0)
 
     def command(self, q: ArrayLike, v: ArrayLike, past: ArrayLike | None = None) -> Array:
         """The command at a state, [driven]. `past` are the commands already sent, the latest first, [past or more, driven]; by default
-        those that hold the rest."""
+        those that hold the rest. With a lag, give as many as there are: the force depends on all of them, and those before are taken to
+        be those that hold the rest."""
         dq = np.asarray(q, float) - self.q
         dq = np.where(self.turns, np.remainder(dq + np.pi, 2 * np.pi) - np.pi, dq)
         sent = np.tile(self.u, (self.past, 1)) if past is None else np.asarray(past, float).reshape(-1, len(self.driven))
         if len(sent) < self.past:
             raise InputError(f"past has {len(sent)} commands; the delay needs the last {self.past}")
         late = (sent[: self.past] - self.u).ravel()
-        return cast("Array", self.u - self.K @ np.concatenate([dq, np.asarray(v, float), late]))
+        acting = self._acting(sent) - self.u if self.lag > 0.0 else np.empty(0)
+        return cast("Array", self.u - self.K @ np.concatenate([dq, np.asarray(v, float), acting, late]))
+
+    def _acting(self, sent: Array) -> Array:
+        """The commands as they act behind the lag, after all that were sent, the latest first."""
+        steps = self.delay / self.h
+        whole = int(steps + 1e-6)
+        part = max(steps - whole, 0.0) * self.h
+        early, late = np.exp(-part / self.lag), np.exp((part - self.h) / self.lag)
+        y = before = self.u
+        for u in sent[whole:][::-1]:
+            y = before + (y - before) * early
+            y, before = u + (y - u) * late, u
+        return cast("Array", y)
 
 
 def linearize(model: Model, q: ArrayLike, v: ArrayLike, u: ArrayLike | None) -> Linearization:
@@ -170,9 +189,10 @@ def regulate(
     h = step[0] * ticks
     if delay is None:
         delay = model.actuator["delay"] if model.actuator else 0.0
-    found = lqr(a, b[:, chosen], *weights, delay=delay / h)
+    lag = model.actuator["lag"] if model.actuator else 0.0
+    found = lqr(a, b[:, chosen], *weights, delay=delay / h, lag=lag / h)
     turns = tuple(letter == "a" for letter in model.coordinates)
-    return RestRegulator(*found, rest, u[list(chosen)], chosen, h, float(delay), turns)
+    return RestRegulator(*found, rest, u[list(chosen)], chosen, h, float(delay), turns, lag)
 
 
 def _driven(driven: Sequence[int] | None, n: int) -> tuple[int, ...]:

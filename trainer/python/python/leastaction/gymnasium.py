@@ -52,7 +52,7 @@ class Env(gymnasium.Env):  # type: ignore[misc,unused-ignore]
     render_mode  "svg": `render` returns a picture of the coordinates as text; None: none
 
     An observation is (q, v), 2n numbers: m or rad, m/s or rad/s. An action is a command of each driven coordinate; it is clipped to the
-    limits, held over a step, and turned into forces by gain, offset and delay of the model's drives. `info` has `inside`, whether the
+    limits, held over a step, and turned into forces by gain, offset, delay and lag of the model's drives. `info` has `inside`, whether the
     state lies in the range of the training data, and `distance`. A step that cannot be solved truncates the episode, with its reason in
     `info["error"]`: the state before it is observed again.
     """

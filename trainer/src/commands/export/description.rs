@@ -123,6 +123,7 @@ fn left_out(trained: &Trained) -> Vec<String> {
         (actuator.offset.iter().any(|offset| *offset != 0.0), "the offsets of the drives' torques"),
         (actuator.gain.iter().any(|gain| *gain != 1.0), "the gains of the drives"),
         (actuator.delay != 0.0, "the delay of the drives"),
+        (actuator.lag != 0.0, "the lag of the drives"),
     ];
     let left: Vec<&str> = parts.iter().filter(|(is_there, _)| *is_there).map(|(_, what)| *what).collect();
     let sentence = || format!("no place in a description, so only in the model file: {}", left.join("; "));

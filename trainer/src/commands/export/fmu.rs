@@ -155,7 +155,8 @@ fn notes(model: &Model) -> Vec<String> {
     let part = model.architecture.part().filter(|_| model.architecture.parts().len() > 1);
     let own = [
         drives.then(|| {
-            "u of the unit is the force itself: gain, offset and delay of the drives are left out".to_owned()
+            "u of the unit is the force itself: gain, offset, delay and lag of the drives are left out"
+                .to_owned()
         }),
         step.then(|| {
             "the model was trained without a step, so h is a parameter of the unit: 0.001 s".to_owned()

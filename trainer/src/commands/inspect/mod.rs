@@ -195,7 +195,7 @@ impl fmt::Display for DryFrictionReport {
     }
 }
 
-/// The actuator: from the command u to the force gain u(t − delay) + offset.
+/// The actuator: from the command u to the force gain y + offset, where y is u(t − delay) behind the lag.
 #[derive(Serialize)]
 struct ActuatorReport {
     /// Gain of every coordinate.
@@ -204,20 +204,25 @@ struct ActuatorReport {
     offset: Vec<f64>,
     /// Delay, s.
     delay: f64,
+    /// Time constant of the lag, s; left out if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lag: Option<f64>,
 }
 
 impl ActuatorReport {
     fn of(model: &Model) -> Option<Self> {
-        let Actuator { gain, offset, delay } = model.facts.actuator.clone();
-        (!model.facts.actuator.is_ideal()).then_some(Self { gain, offset, delay })
+        let Actuator { gain, offset, delay, lag } = model.facts.actuator.clone();
+        let lag = Some(lag).filter(|lag| *lag > 0.0);
+        (!model.facts.actuator.is_ideal()).then_some(Self { gain, offset, delay, lag })
     }
 }
 
 impl fmt::Display for ActuatorReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { gain, offset, delay } = self;
+        let Self { gain, offset, delay, lag } = self;
         let list = |numbers: &[f64]| numbers.iter().map(|x| format!("{x:.4}")).collect::<Vec<_>>().join(", ");
-        write!(f, "gain {}, offset {} N or N m, delay {delay:.5} s", list(gain), list(offset))
+        write!(f, "gain {}, offset {} N or N m, delay {delay:.5} s", list(gain), list(offset))?;
+        lag.iter().try_for_each(|lag| write!(f, ", lag {lag:.5} s"))
     }
 }
 

@@ -177,10 +177,18 @@ impl World {
     }
 }
 
-/// Gain, offset and delay (in steps of h seconds) of a model file's actuator; `None` if the command is the force.
+/// Gain, offset and delay (in steps of h seconds) of a model file's actuator; `None` if the command is the force. A lag is refused.
 pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<(Drive<N>, f32)>, Failure> {
     let bytes = model.facts.actuator.to_bytes();
     let Ok(file) = ActuatorBytes::new(&bytes) else { return Ok(None) };
+    if file.lag() > 0.0 {
+        let message = format!(
+            "the drives of the model lag by {:.3} s, which the firmware's program does not make up for; take a model that was learned \
+             without `lag` in [calibration], its `delay` learned",
+            file.lag()
+        );
+        return Err(Failure::Input(message));
+    }
     let (_, Actuator { gain, offset, .. }) =
         file.at_step(h).map_err(|error| Failure::Input(error.to_string()))?;
     Ok(Some((Drive { gain, offset }, file.delay() / h)))

@@ -27,8 +27,8 @@ pub(super) fn check_torque_calibration(
     loss: TrainingLoss,
 ) -> Result<(), PlanError> {
     let is_fit = loss == TrainingLoss::Torque && architecture.family.arm().is_some();
-    let Calibration { zero, gain, delay, .. } = config.calibration.calibration();
-    let is_learned = zero || [gain, delay].contains(&Setting::Learned);
+    let Calibration { zero, gain, delay, lag, .. } = config.calibration.calibration();
+    let is_learned = zero || [gain, delay, lag].contains(&Setting::Learned);
     if is_fit && is_learned { Err(PlanError::TorqueCalibration) } else { Ok(()) }
 }
 

@@ -90,7 +90,7 @@ pub enum PlanError {
     /// A fit to torques can learn an offset, but no other calibration number.
     #[error(
         "[calibration] loss = \"torque\" learns offset alone: a gain is a factor of all masses there, and motion is taken where and when it was \
-         logged; give gain and delay as numbers, or set loss = \"windows\""
+         logged; give gain, delay and lag as numbers, or set loss = \"windows\""
     )]
     TorqueCalibration,
     /// Networks are only tried over windows, and only beside models with coordinates.

@@ -121,7 +121,7 @@ fn torques_are_judged_behind_the_drives() {
     let architecture = known(&robot);
     let weights = architecture.initial_weights(0);
     let offset = robot.joints.iter().map(|joint| -joint.offset).collect();
-    let actuator = Actuator { gain: vec![2.0; N], offset, delay: LATE as f64 * H };
+    let actuator = Actuator { gain: vec![2.0; N], offset, delay: LATE as f64 * H, lag: 0.0 };
     let errors = |actuator: Actuator, data: &Dataset| {
         let facts = Facts { actuator, ..Facts::default() };
         torque_errors(&Model::new(architecture.clone(), weights.clone()).with_facts(facts), data, 20.0)
