@@ -98,9 +98,11 @@ fn a_lag_is_shown_or_refused() {
     assert!((report["actuator"]["lag"].as_f64().unwrap() - 0.008).abs() < 1e-9, "{report}");
     let plan = "model = \"own.postcard\"\nseconds = 2.0\n[start]\nq = [0.0, 0.0]\n[goal]\nq = [0.0, 3.14]\n";
     bench.write("plan.toml", plan);
-    for command in
-        ["simulate own.postcard --replay log.csv -o out", "simulate own.postcard", "plan plan.toml"]
-    {
+    for command in [
+        "simulate own.postcard --replay log.csv -o out",
+        "simulate own.postcard --scenario predict",
+        "plan plan.toml -o planned",
+    ] {
         bench.run(command).bad(2, &["lag by 0.008 s", "[calibration]"]);
     }
 }
