@@ -28,7 +28,7 @@ pub struct Model {
 
 /// Terms of least squares besides the bodies; the width of dry friction is not learned, rad/s.
 const TERMS: Terms = Terms { rotors: true, viscous: true, coulomb: Some(0.02), offsets: true };
-/// The same with friction that keeps at rest what it had in motion ([`Samples::with_friction_at_rest`]); the width turns its direction within
+/// Terms with friction that keeps at rest what it had in motion ([`Samples::with_friction_at_rest`]); the width turns its direction within
 /// 0.1 mrad.
 const AT_REST: Terms = Terms { coulomb: Some(WIDTH_AT_REST), ..TERMS };
 const WIDTH_AT_REST: f64 = 0.003;
