@@ -141,7 +141,7 @@ impl Steps {
 /// Maximum numbers of updates in motion and from bad guesses, in double and in single precision.
 const SMOOTH: [[u8; 2]; 2] = [[12, 16], [10, 12]];
 /// [`SMOOTH`] for friction that sticks, over all rounds.
-const STICKING: [[u8; 2]; 2] = [[24, 48], [20, 24]];
+const STICKING: [[u8; 2]; 2] = [[24, 48], [20, 48]];
 
 /// Moves many machines of N joints, each in both precisions.
 fn check<P: Path, F: Friction<f64, N>, G: Friction<f32, N>, const N: usize>(limits: [[u8; 2]; 2]) {

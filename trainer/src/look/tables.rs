@@ -49,14 +49,14 @@ impl Tables<'_> {
         format!("\n[model]\nfamily = \"arm\" {others}\nurdf = {}\n{known}", quoted(&files.concat()))
     }
 
-    /// Friction: of an arm that is fitted to its torques, and of a slide, it sticks; that of a slide's guide and seals differs by direction; in
-    /// the gears of other joints it grows with the load.
+    /// Friction: of an arm that is fitted to its torques it sticks; that of a slide's guide and seals differs by direction; in the gears of
+    /// other joints it grows with the load.
     fn friction(&self) -> String {
         let slides = self.mechanism.is_some_and(|mechanism| *mechanism == Mechanism::slide());
         let rest = match (self.description.is_some(), slides, self.is_driven) {
             (_, _, false) => "coulomb = \"learned\"",
             (true, ..) => "coulomb = \"sticking\"",
-            (_, true, _) => "viscous_asymmetry = \"learned\", coulomb = \"sticking\"",
+            (_, true, _) => "viscous_asymmetry = \"learned\", coulomb = \"learned\"",
             _ => "coulomb = \"learned\", load = \"learned\"",
         };
         format!("friction = {{ viscous = \"learned\", {rest} }}\n")

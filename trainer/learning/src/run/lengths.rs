@@ -72,7 +72,8 @@ pub(super) fn usual(data: &Dataset) -> f64 {
 /// the error with another length is clearly smaller, and smaller by more than the standard error of the difference.
 /// `None` if there is no choice.
 ///
-/// All lengths continue from the result of the usual length.
+/// All lengths continue from the result of the usual length. Longer ones are tried as long as the error does not rise: those of a chaotic
+/// mechanism take the most time and show the least.
 ///
 /// # Errors
 /// See [`Trial::learn`].
@@ -83,6 +84,9 @@ pub(super) fn chosen(
 ) -> Result<Option<(Lengths, Learned)>, PlanError> {
     let mut found = Vec::new();
     for window in trial.lengths.iter().copied().filter(|_| trial.lengths.len() > 1) {
+        if found.len() > USUAL + 1 && rises(&found) {
+            break;
+        }
         let mut own = config.clone();
         own.training.window = Some(window);
         found.push(trial.learn(&own, Some(before))?.map(|learned| (window, learned)));
@@ -95,9 +99,19 @@ pub(super) fn chosen(
     let of_usual = &usual.1.held_back;
     let is_worth = |own: &HeldBack| own.error() < WORTH * of_usual.error() && own.is_less_than(of_usual);
     others.retain(|(_, learned)| is_worth(&learned.held_back));
-    let best = others.into_iter().min_by(|a, b| errors(a).1.total_cmp(&errors(b).1));
+    // Of lengths that are as good, the longest shows small forces best, which add up over a long motion.
+    let least = others.iter().map(|own| errors(own).1).fold(f64::INFINITY, f64::min);
+    others.retain(|own| WORTH * errors(own).1 < least);
+    let best = others.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     let (chosen, learned) = best.unwrap_or(usual);
     Ok(Some((Lengths { errors: all, chosen }, learned)))
+}
+
+/// Whether the error with the last length is clearly larger than with the one before.
+fn rises(found: &[Option<(f64, Learned)>]) -> bool {
+    let error = |of: &Option<(f64, Learned)>| of.as_ref().map(|(_, learned)| learned.held_back.error());
+    let [.., before, last] = found else { return false };
+    error(before).zip(error(last)).is_none_or(|(before, last)| WORTH * last > before)
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ const fn ours(name: &'static str, friction: &'static str) -> Model {
 }
 
 /// Rows of the table, in order.
-pub const MODELS: [Model; 11] = [
+pub const MODELS: [Model; 10] = [
     rival("published numbers", Way::Known(PUBLISHED)),
     rival("least squares on forces", Way::Force(FOUR)),
     rival("least squares on forces, friction by direction", Way::Force(BY_DIRECTION)),
@@ -73,10 +73,9 @@ pub const MODELS: [Model; 11] = [
     Model { name: "leastaction, as look configures it", is_default: true, way: Way::Ours(None) },
     ours("leastaction, viscous + Coulomb", "{ viscous = \"learned\", coulomb = \"learned\" }"),
     ours(
-        "leastaction, friction by direction",
-        "{ viscous = \"learned\", coulomb = \"learned\", viscous_asymmetry = \"learned\" }",
+        "leastaction, Coulomb that grows with the load",
+        "{ viscous = \"learned\", coulomb = \"learned\", load = \"learned\" }",
     ),
-    ours("leastaction, friction that sticks", "{ viscous = \"learned\", coulomb = \"sticking\" }"),
     ours(
         "leastaction, friction by direction that sticks",
         "{ viscous = \"learned\", coulomb = \"sticking\", viscous_asymmetry = \"learned\" }",
