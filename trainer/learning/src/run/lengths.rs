@@ -99,7 +99,7 @@ pub(super) fn chosen(
     let of_usual = &usual.1.held_back;
     let is_worth = |own: &HeldBack| own.error() < WORTH * of_usual.error() && own.is_less_than(of_usual);
     others.retain(|(_, learned)| is_worth(&learned.held_back));
-    // Of lengths that are as good, the longest shows small forces best, which add up over a long motion.
+    // The longest of lengths that are as good shows small forces best, which add up over a long motion.
     let least = others.iter().map(|own| errors(own).1).fold(f64::INFINITY, f64::min);
     others.retain(|own| WORTH * errors(own).1 < least);
     let best = others.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
