@@ -21,9 +21,8 @@ impl<'a> ActuatorBytes<'a> {
         require(delay.is_finite() && delay >= 0.0, "delay of the actuator")?;
         let (pairs, mut end) = rest.as_chunks::<8>();
         if !end.is_empty() {
-            require(!pairs.is_empty(), "length of the actuator")?;
-            let lag = take_f32(&mut end).map_err(|_| LENGTH)?;
-            require(end.is_empty(), "length of the actuator")?;
+            require(!pairs.is_empty() && end.len() == size_of::<f32>(), "length of the actuator")?;
+            let lag = take_f32(&mut end)?;
             require(lag.is_finite() && lag > 0.0, "lag of the actuator")?;
         }
         for pair in pairs {
@@ -120,9 +119,6 @@ impl<'a> ActuatorBytes<'a> {
         pairs.iter().map(|pair| expected(numbers(pair).ok(), [1.0, 0.0]))
     }
 }
-
-/// The section is not as long as any number of coordinates needs.
-const LENGTH: ModelError = ModelError::OutOfRange { what: "length of the actuator" };
 
 fn numbers(mut pair: &[u8]) -> Result<[f32; 2], ModelError> {
     Ok([take_f32(&mut pair)?, take_f32(&mut pair)?])

@@ -5,9 +5,7 @@ use crate::torque::Samples;
 use crate::torque::fit::{Alone, Arm, Bodies, FitError, JointNumber, JointNumbers, Learned, alone};
 use crate::torques::{Driven, arm, samples};
 use crate::windows::{Certainty, LearnedNumber, Shown};
-use leastaction_models::{
-    Actuator, Architecture, ArmArchitecture, Family, LawEntry, Model, NumberKind, NumberName,
-};
+use leastaction_models::{Actuator, Architecture, ArmArchitecture, Family, LawEntry, Model, NumberName};
 use serde::Serialize;
 use std::fmt;
 
@@ -56,19 +54,10 @@ pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<Tor
     let (family, arm) = (architecture.family.arm()?, arm(model)?);
     let driven = Driven { actuator: drives(model), ..Driven::of(model) };
     let samples = samples(&data.trajectories, (data.h, data.control_kind()), &driven, cut_off).ok()?;
-    let has = |kind: NumberKind| architecture.law_entries().any(|entry| entry.kind == kind);
     let load = arm.joints.iter().any(|joint| joint.load > 0.0);
     let smoothing = |(i, joint): (usize, &JointNumbers)| (i, JointNumber::Smoothing, joint.smoothing);
     let held = arm.joints.iter().enumerate().map(smoothing).collect();
-    let learned = Learned {
-        bodies: Bodies::Free,
-        viscous: has(NumberKind::Damping),
-        coulomb: has(NumberKind::Friction),
-        load,
-        asymmetries: [NumberKind::DampingAsymmetry, NumberKind::FrictionAsymmetry].map(has),
-        held,
-        ..Learned::default()
-    };
+    let learned = Learned { bodies: Bodies::Free, load, held, ..Learned::friction_of(architecture) };
     TorqueNumbers::of((architecture, family), &arm, (&samples, &learned)).ok()
 }
 

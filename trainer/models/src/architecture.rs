@@ -40,11 +40,11 @@ impl Architecture {
         if let Some(law) = laws.iter().next().filter(|_| family.groups() == 0) {
             return Err(ModelError::Law { number: law as u8 });
         }
-        let both = (laws, family.laws());
-        // The scales of the velocities that a network sees are known to the corrections, and stand before the laws after it.
-        let after = GroupLaws::from_laws(both, family.groups(), (&[], 0)).count_after_networks();
-        let corrections = Corrections::from_laws(laws, without_last(weights, after));
-        let group_laws = GroupLaws::from_laws(both, family.groups(), (weights, corrections.count()));
+        let group_laws = GroupLaws::from_laws((laws, family.laws()), family.groups());
+        // The corrections read the scales of the velocities that a network sees; other laws follow them.
+        let before = without_last(weights, group_laws.count_after_networks());
+        let corrections = Corrections::from_laws(laws, before);
+        let group_laws = group_laws.with_numbers(weights, corrections.count());
         Ok(Self { family, group_laws, corrections })
     }
 
@@ -140,6 +140,11 @@ impl Architecture {
         self.group_laws.entries(self.laws_place())
     }
 
+    /// Whether laws beside the family's own have numbers of this meaning.
+    pub fn has_law_number(&self, kind: NumberKind) -> bool {
+        self.law_entries().any(|entry| entry.kind == kind)
+    }
+
     fn laws_place(&self) -> (usize, usize) {
         (self.laws_start(), self.corrections.count())
     }
@@ -223,11 +228,11 @@ impl Architecture {
 
     /// Unit of the force on a coordinate, or of its command if that is a position.
     pub fn command_unit(&self, i: usize) -> &'static str {
-        match (!self.group_laws.has_servos(), self.coordinates().as_bytes().get(i) == Some(&b't')) {
-            (true, true) => "N",
-            (true, false) => "N m",
-            (false, true) => "m",
-            (false, false) => "rad",
+        match (self.group_laws.has_servos(), self.coordinates().as_bytes().get(i) == Some(&b't')) {
+            (false, true) => "N",
+            (false, false) => "N m",
+            (true, true) => "m",
+            (true, false) => "rad",
         }
     }
 

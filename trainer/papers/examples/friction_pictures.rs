@@ -2,10 +2,11 @@
 //! `leastaction-papers hardware` in DIR.
 
 use leastaction_learning::data::{Rows, read_measured};
+use leastaction_learning::torque::linear::Design;
 use leastaction_learning::torque::{Preparation, Samples};
 use leastaction_papers::hardware::Machine;
 use leastaction_plot::{Angle, Panel, Phase, Series, Stroke, phase_portrait, time_series};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -23,8 +24,8 @@ fn samples(file: &Path, machine: Machine, how: &Preparation) -> Result<Samples, 
 /// Least-squares factors of the columns.
 fn factors(columns: &[Vec<f64>], target: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
     let matrix = DMatrix::from_fn(target.len(), columns.len(), |row, column| columns[column][row]);
-    let found = matrix.svd(true, true).solve(&DVector::from_column_slice(target), 1e-12)?;
-    Ok(found.iter().copied().collect())
+    let design = Design { matrix, target: target.to_vec(), coordinates: 1 };
+    Ok(design.solve().ok_or("no samples")?.numbers)
 }
 
 fn column(rows: &Rows, i: usize) -> Vec<f64> {

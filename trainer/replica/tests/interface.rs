@@ -191,16 +191,21 @@ fn what_lies_outside_of_the_training_data_is_named() {
     assert_eq!(chip.outside(&[0.0; 2], &[0.0; 2], &[0.0, f32::NAN]), outside(1, 'u'));
 }
 
+/// A model of two coordinates with these drives.
+fn driven(actuator: ActuatorBytes) -> ModelFile {
+    let sample = arm("ta", [4, 0, 0, 0]);
+    let header = Header { actuator: Some(actuator), ..sample.header(Order::Two) };
+    let weights: Vec<u8> = sample.weights().iter().flat_map(|w| w.to_le_bytes()).collect();
+    ModelFile::new(&bytes(&header, &weights)).unwrap()
+}
+
 /// A delay of a step and a half: the file's actuator acts as core's does on the commands that have arrived.
 #[test]
 fn commands_act_as_the_actuator_of_the_file_says() {
-    let sample = arm("ta", [4, 0, 0, 0]);
     let numbers = [0.015_f32, 2.0, 0.5, -3.0, 0.25];
     let own: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
     let actuator = ActuatorBytes::new(&own).unwrap();
-    let header = Header { actuator: Some(actuator), ..sample.header(Order::Two) };
-    let weights: Vec<u8> = sample.weights().iter().flat_map(|w| w.to_le_bytes()).collect();
-    let file = ModelFile::new(&bytes(&header, &weights)).unwrap();
+    let file = driven(actuator);
     let chip = file.replica(None).unwrap();
     let (late, core): (u16, Actuator<f32, 2>) = actuator.at_step(0.01).unwrap();
     assert_eq!(late, 1);
@@ -218,13 +223,10 @@ fn commands_act_as_the_actuator_of_the_file_says() {
 
 #[test]
 fn lagging_commands_have_the_bits_of_core() {
-    let sample = arm("ta", [4, 0, 0, 0]);
     let numbers = [0.015_f32, 2.0, 0.5, -3.0, 0.25, 0.008];
     let own: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
     let actuator = ActuatorBytes::new(&own).unwrap();
-    let header = Header { actuator: Some(actuator), ..sample.header(Order::Two) };
-    let weights: Vec<u8> = sample.weights().iter().flat_map(|w| w.to_le_bytes()).collect();
-    let file = ModelFile::new(&bytes(&header, &weights)).unwrap();
+    let file = driven(actuator);
     let chip = file.replica(None).unwrap();
     let (late, core, lag): (u16, Actuator<f32, 2>, Lag<f32>) = actuator.at_step_with_lag(0.01).unwrap();
     assert_eq!(late, 1);

@@ -128,7 +128,6 @@ fn folds(samples: &Samples) -> Vec<usize> {
 
 /// The numbers of the shape that are learned; known friction numbers stay fixed.
 fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) -> Learned {
-    let has = |kind: NumberKind| architecture.law_entries().any(|entry| entry.kind == kind);
     let known = arm.bodies.iter().enumerate().filter(|(_, body)| !body.is_learned).map(|(k, _)| k).collect();
     let bodies = arm.bodies.iter().any(|body| body.is_learned);
     let rotors = arm.bodies.iter().any(|body| body.rotor.learned);
@@ -136,14 +135,10 @@ fn learned(architecture: &Architecture, arm: &ArmArchitecture, offsets: bool) ->
         bodies: if bodies { Bodies::Consistent } else { Bodies::Known },
         known,
         rotors,
-        viscous: has(NumberKind::Damping),
-        coulomb: has(NumberKind::Friction),
-        load: has(NumberKind::Load),
-        asymmetries: [NumberKind::DampingAsymmetry, NumberKind::FrictionAsymmetry].map(has),
         offsets,
         smoothing: SMOOTHINGS,
         held: held(architecture),
-        ..Learned::default()
+        ..Learned::friction_of(architecture)
     }
 }
 

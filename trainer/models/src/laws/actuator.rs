@@ -22,6 +22,8 @@ pub struct Actuator {
 pub struct LaggingCommands {
     n: usize,
     y: Vec<f64>,
+    /// The lag over a step; `None` without a lag.
+    lag: Option<Lag<f64>>,
 }
 
 impl LaggingCommands {
@@ -96,7 +98,7 @@ impl Actuator {
             let before = y[k * n + i];
             y.push(lagged(&lag, kind, before, around(whole, k, |k| command(k, i))).end);
         }
-        LaggingCommands { n, y }
+        LaggingCommands { n, y, lag: Some(lag) }
     }
 
     /// Returns τ_i at the start and at the end of the step of h seconds from sample k on, with τ_i linear between them.
@@ -113,8 +115,9 @@ impl Actuator {
     ) -> [f64; 2] {
         let (whole, delay) = self.steps(h);
         let commands = around(whole, k, command);
-        if let (_, Some(lag)) = self.lag_at_step(h) {
-            return lagged(&lag, kind, lagging.at(k, i), commands).line().map(|y| self.output(i, y));
+        if self.lag > 0.0 {
+            let line = lagging.lag.map(|lag| lagged(&lag, kind, lagging.at(k, i), commands).line());
+            return line.unwrap_or([f64::NAN; 2]).map(|y| self.output(i, y));
         }
         let own = forces::Actuator::<f64, 1> { gain: [self.gain(i)], offset: [self.offset(i)], delay };
         let [before, now, next] = commands.map(|u| [u]);

@@ -25,6 +25,8 @@ pub(crate) struct Contact {
     /// Levels forwards and backwards times h/2, then the ratio of friction at rest; n rows each.
     grips: [Vec<Row>; 3],
     motion: Vec<[Motion; WIDTH]>,
+    /// Impulse of a constant force in the equation of the bubble over that in the equation of the momentum: 2 Σ b β.
+    bubble_share: f64,
     /// Number of revisions of every sample.
     revisions: [usize; WIDTH],
 }
@@ -46,18 +48,12 @@ fn slack(size: f64) -> f64 {
     8.0 * f64::EPSILON * size
 }
 
-/// Impulse of a constant force in the equation of the bubble over that in the equation of the momentum: 2 Σ b β.
-pub(crate) fn bubble_share(order: Order) -> f64 {
-    let share = |point: &GaussPoint| 2.0 * point.weight * point.bubble(1.0).force;
-    order.points().iter().map(share).sum()
-}
-
 impl Contact {
     /// The motions that a guess of the path shows.
     pub fn new(
         (levels, workspace): &mut (Program, Workspace),
         weights: &[f64],
-        h: f64,
+        (h, order): (f64, Order),
         path: &Interval,
     ) -> Self {
         let [start, end] = &path.tau;
@@ -69,8 +65,10 @@ impl Contact {
             workspace.output(1).iter().map(impulse).collect(),
             workspace.output(2).to_vec(),
         ];
-        let mut contact =
-            Self { grips, motion: vec![[Motion::Free; WIDTH]; path.w.len()], revisions: [0; WIDTH] };
+        let share = |point: &GaussPoint| 2.0 * point.weight * point.bubble(1.0).force;
+        let bubble_share = order.points().iter().map(share).sum();
+        let motion = vec![[Motion::Free; WIDTH]; path.w.len()];
+        let mut contact = Self { grips, motion, bubble_share, revisions: [0; WIDTH] };
         for (i, w) in path.w.iter().enumerate() {
             contact.motion[i] = std::array::from_fn(|sample| contact.seen(i, w.0[sample], sample));
         }
@@ -94,6 +92,11 @@ impl Contact {
 
     pub fn sticks(&self, i: usize, sample: usize) -> bool {
         self.motion[i][sample] == Motion::Sticks
+    }
+
+    /// Sliding friction in the equation of the bubble; 0 where a coordinate sticks.
+    pub fn sliding_bubble(&self, i: usize, sample: usize) -> f64 {
+        self.bubble_share * self.sliding(i, sample)
     }
 
     /// Impulse of sliding friction in half a step; 0 where a coordinate sticks.

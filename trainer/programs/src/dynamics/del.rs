@@ -72,8 +72,8 @@ impl Del {
         weights: &[f64],
         (interval, p0): (&mut Interval, Option<&[Row]>),
     ) -> (Balance, Option<Contact>, Failures) {
-        let h = self.integrals.h;
-        let contact = self.sticking.as_mut().map(|of| Contact::new(&mut of.levels, weights, h, interval));
+        let how = (self.integrals.h, self.integrals.order);
+        let contact = self.sticking.as_mut().map(|of| Contact::new(&mut of.levels, weights, how, interval));
         let mut equations = Equations { integrals: &mut self.integrals, weights, p0, contact };
         let (balance, failed) = self.newton.solve(&mut equations, interval, &mut self.factors);
         (balance, equations.contact, failed)

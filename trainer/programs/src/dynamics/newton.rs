@@ -1,4 +1,4 @@
-use super::contact::{Contact, bubble_share};
+use super::contact::Contact;
 use super::interval::{Balance, Integrals, Interval, Linearised};
 use super::{Failures, Lu};
 use crate::row::{Row, WIDTH};
@@ -64,8 +64,9 @@ impl Equations<'_> {
         if contact.sticks(k, sample) {
             return diagonal[k * n + k].0[sample] * x[k].0[sample];
         }
-        let share = if of_momentum { 1.0 } else { bubble_share(self.integrals.order) };
-        self.balance(balance, i, sample) + share * contact.sliding(k, sample)
+        let friction =
+            if of_momentum { contact.sliding(k, sample) } else { contact.sliding_bubble(k, sample) };
+        self.balance(balance, i, sample) + friction
     }
 
     /// Sum of the terms of equation i without friction that sticks.

@@ -88,7 +88,7 @@ impl Export {
         let (architecture, weights) = (&trained.architecture, &trained.best.weights);
         let tree = architecture.family.arm().and_then(|arm| arm.host_tree(weights));
         let tree = tree.ok_or_else(|| self.no_description())?;
-        let has_viscous = architecture.law_entries().any(|entry| entry.kind == NumberKind::Damping);
+        let has_viscous = architecture.has_law_number(NumberKind::Damping);
         let friction = architecture.friction_of_coordinates(weights).into_iter();
         let joints = friction.map(|own| JointNumbers {
             damping: has_viscous.then_some(own.viscous),

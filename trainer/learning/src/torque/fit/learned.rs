@@ -1,6 +1,7 @@
 //! Selection of the learned and the known numbers of a fit.
 
 use super::friction::{JOINT, JointNumber, SOFTNESS};
+use leastaction_models::{Architecture, NumberKind};
 
 /// Largest load coefficient.
 const MOST_LOAD: f64 = 0.9;
@@ -64,6 +65,18 @@ impl Default for Learned {
 }
 
 impl Learned {
+    /// The friction for which laws of a shape have numbers, and all else by default.
+    pub fn friction_of(architecture: &Architecture) -> Self {
+        let has = |kind: NumberKind| architecture.has_law_number(kind);
+        Self {
+            viscous: has(NumberKind::Damping),
+            coulomb: has(NumberKind::Friction),
+            load: has(NumberKind::Load),
+            asymmetries: [NumberKind::DampingAsymmetry, NumberKind::FrictionAsymmetry].map(has),
+            ..Self::default()
+        }
+    }
+
     /// Ranges of the numbers of a joint; `width` is the width of a joint without dry friction.
     pub(super) fn ranges(&self, joint: usize, width: f64) -> [[f64; 2]; JOINT] {
         let most = |is_learned: bool, most: f64| if is_learned { most } else { 0.0 };

@@ -120,18 +120,16 @@ impl FrictionConfig {
         if let Some((rule, _)) = of_dry.iter().find(|(_, given)| *given && !self.is_dry()) {
             return Err(rule.at(None, Problem::NoDryFriction { key: rule.key }));
         }
-        let place = |key: &'static str| ["model".into(), "friction".into(), key.into()].into();
         if self.sticking && !self.is_dry() {
             let key = "sticking";
-            return Err(ShapeError { place: place(key), problem: Problem::NoDryFriction { key } });
+            return Err(Problem::NoDryFriction { key }.at(["friction".into(), key.into()]));
         }
         if self.viscous_asymmetry.is_some() && self.viscous.is_none() {
             return Err(VISCOUS_ASYMMETRY.at(None, Problem::NoDamping));
         }
-        let is_known = |numbers: &GroupNumbers| numbers.are_known();
         match &self.breakaway {
             Some(_) if !self.sticking => Err(BREAKAWAY.at(None, Problem::BreakawayOfSmooth)),
-            Some(given) if !is_known(given) => Err(BREAKAWAY.at(None, Problem::LearnedBreakaway)),
+            Some(given) if !given.are_known() => Err(BREAKAWAY.at(None, Problem::LearnedBreakaway)),
             _ => Ok(()),
         }
     }

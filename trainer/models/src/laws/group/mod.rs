@@ -55,6 +55,21 @@ fn follows_networks(law: Law) -> bool {
     law > Law::Dissipation
 }
 
+/// The numbers of every law of a borrowed [`GroupLaws`], in order.
+macro_rules! each {
+    ($laws:expr) => {{
+        let GroupLaws { viscous, coulomb, servo, directional, sticking, stops, speeds: _ } = $laws;
+        [
+            (Law::Viscous, viscous),
+            (Law::Coulomb, coulomb),
+            (Law::Servo, servo),
+            (Law::Directional, directional),
+            (Law::Sticking, sticking),
+            (Law::Stops, stops),
+        ]
+    }};
+}
+
 impl GroupLaws {
     /// Creates viscous damping and smooth dry friction of every group; either is empty if absent.
     pub fn of_friction(viscous: Vec<Number>, dry: Vec<[Number; FrictionNumber::ALL.len()]>) -> Self {
@@ -62,27 +77,11 @@ impl GroupLaws {
     }
 
     fn each(&self) -> [(Law, &Vec<Number>); 6] {
-        let Self { viscous, coulomb, servo, directional, sticking, stops, speeds: _ } = self;
-        [
-            (Law::Viscous, viscous),
-            (Law::Coulomb, coulomb),
-            (Law::Servo, servo),
-            (Law::Directional, directional),
-            (Law::Sticking, sticking),
-            (Law::Stops, stops),
-        ]
+        each!(self)
     }
 
     fn each_mut(&mut self) -> [(Law, &mut Vec<Number>); 6] {
-        let Self { viscous, coulomb, servo, directional, sticking, stops, speeds: _ } = self;
-        [
-            (Law::Viscous, viscous),
-            (Law::Coulomb, coulomb),
-            (Law::Servo, servo),
-            (Law::Directional, directional),
-            (Law::Sticking, sticking),
-            (Law::Stops, stops),
-        ]
+        each!(self)
     }
 
     /// The laws that are there, in order.
@@ -166,8 +165,9 @@ impl GroupLaws {
     pub(crate) fn set(&mut self, law: Law, numbers: Vec<Number>) {
         let kinds = NumberKind::of(law).iter().cycle();
         let acts = kinds.zip(&numbers).any(|(kind, number)| kind.is_linear() && number.value != 0.0);
-        let own = self.each_mut().into_iter().filter(|(own, _)| acts && *own == law);
-        own.for_each(|(_, own)| own.clone_from(&numbers));
+        if let Some((_, own)) = self.each_mut().into_iter().find(|(own, _)| acts && *own == law) {
+            *own = numbers;
+        }
     }
 
     /// Whether numbers, or their bounds, follow the scales of a log.
@@ -206,20 +206,15 @@ impl GroupLaws {
         self.speeds = given.speeds;
     }
 
-    /// Returns the laws of a model file that are not the family's own, with their numbers, all known; `networks` is the count of the numbers
-    /// of its correction networks.
-    pub(crate) fn from_laws(
-        (laws, own): (Laws, Laws),
-        groups: usize,
-        (weights, networks): (&[f64], usize),
-    ) -> Self {
+    /// Returns the laws of a model file that are not the family's own, all numbers known to be 0 ([`GroupLaws::with_numbers`] reads them).
+    pub(crate) fn from_laws((laws, own): (Laws, Laws), groups: usize) -> Self {
         let mut all = Self::default();
         for (law, numbers) in all.each_mut() {
             let is_there = laws.contains(law) && !own.contains(law);
             let count = if is_there { groups * law.ranges().len() } else { 0 };
             *numbers = vec![Number::known(0.0); count];
         }
-        all.with_numbers(weights, networks)
+        all
     }
 
     /// Returns the laws with their numbers taken from the end of a weight block, in which correction networks have `networks` numbers.
