@@ -157,9 +157,11 @@ impl<R: Real> Lagging<R> {
 impl<R: Real, const N: usize> Actuator<R, N> {
     /// The force of lagging commands over a step, and y at its end.
     pub fn lagging(&self, of: impl Fn(usize) -> Lagging<R>) -> (Control<R, N>, [R; N]) {
-        let each: [Lagging<R>; N] = core::array::from_fn(of);
-        let ends = [0, 1].map(|end| each.map(|own| own.line()[end]));
-        let [start, end] = ends.each_ref().map(|u| self.output(u));
-        (Control { start, end }, each.map(|own| own.end))
+        let (mut line, mut at_end) = (Control::none(), [R::zero(); N]);
+        for (i, ((start, end), y)) in line.start.iter_mut().zip(&mut line.end).zip(&mut at_end).enumerate() {
+            let own = of(i);
+            ([*start, *end], *y) = (own.line(), own.end);
+        }
+        (Control { start: self.output(&line.start), end: self.output(&line.end) }, at_end)
     }
 }
