@@ -30,6 +30,8 @@ pub(super) struct Contact<R, const N: usize> {
     /// Increments w that lead to the lower and to the upper stop; 0 from a stop and from beyond it.
     to_stops: [[R; 2]; N],
     motion: [Motion; N],
+    /// How often a motion of each coordinate was revised to one whose increment is given.
+    returns: [u8; N],
 }
 
 /// Momentum at the end of a step with contacts.
@@ -60,6 +62,10 @@ const fn revisions(coordinates: usize) -> usize {
 /// two bounces would be no longer.
 const SLOW: f64 = 4.0;
 
+/// Number of revisions to rest, or to a stop, after which the path of a coordinate has no bubble. A motion with a bubble and rest, which has
+/// none, may both contradict what they lead to; of motions without a bubble always one agrees.
+const RETURNS: u8 = 3;
+
 /// How closely an impulse in a sum of terms of this size is known.
 #[inline(always)]
 pub(super) fn slack<R: Real>(size: R) -> R {
@@ -81,7 +87,7 @@ impl<R: Real, const N: usize> Contact<R, N> {
             [-((-lower).max(zero)), upper.max(zero)]
         });
         let grips = core::array::from_fn(|i| impulse(&grips[i]));
-        let mut contact = Self { grips, stops: *stops, to_stops, motion: [Motion::Free; N] };
+        let mut contact = Self { grips, stops: *stops, to_stops, motion: [Motion::Free; N], returns: [0; N] };
         contact.motion = core::array::from_fn(|i| contact.seen(i, w[i]));
         contact
     }
@@ -131,6 +137,12 @@ impl<R: Real, const N: usize> Contact<R, N> {
             Motion::AtUpper => upper,
             _ => R::zero(),
         }
+    }
+
+    /// Whether the path of coordinate i has no bubble.
+    #[inline(always)]
+    fn is_straight(&self, i: usize) -> bool {
+        self.is_held(i) || self.returns[i] >= RETURNS
     }
 
     /// Whether coordinate i does not move.
@@ -206,6 +218,7 @@ impl<R: Real, const N: usize> Contact<R, N> {
             let motion = agreeing(self, i);
             if motion != self.motion[i] && !(changed && revision >= N) {
                 (self.motion[i], changed) = (motion, true);
+                self.returns[i] += u8::from(self.is_held(i) && self.returns[i] < RETURNS);
             }
         }
         changed
@@ -214,16 +227,25 @@ impl<R: Real, const N: usize> Contact<R, N> {
     /// Replaces the rows of coordinates that are held by those of the identity times `diagonal`.
     #[inline(always)]
     pub fn hold_rows(&self, matrix: &mut Matrix<R, N>, diagonal: R) {
-        for i in (0..N).filter(|i| self.is_held(*i)) {
-            matrix[i] = [R::zero(); N];
-            matrix[i][i] = diagonal;
-        }
+        replace_rows(matrix, diagonal, |i| self.is_held(i));
+    }
+
+    /// Replaces the rows of coordinates without a bubble by those of the identity times `diagonal`.
+    #[inline(always)]
+    pub fn straighten_rows(&self, matrix: &mut Matrix<R, N>, diagonal: R) {
+        replace_rows(matrix, diagonal, |i| self.is_straight(i));
     }
 
     /// Replaces the components of coordinates that are held.
     #[inline(always)]
     pub fn held(&self, x: &[R; N], replaced: impl Fn(usize) -> R) -> [R; N] {
         core::array::from_fn(|i| if self.is_held(i) { replaced(i) } else { x[i] })
+    }
+
+    /// Replaces the components of coordinates without a bubble.
+    #[inline(always)]
+    pub fn straight(&self, x: &[R; N], replaced: impl Fn(usize) -> R) -> [R; N] {
+        core::array::from_fn(|i| if self.is_straight(i) { replaced(i) } else { x[i] })
     }
 
     /// The path with exactly these increments of coordinates that are held, and no bubble there.
@@ -323,5 +345,18 @@ impl<R: Real, const N: usize> Contact<R, N> {
             Motion::Backward if v > R::zero() => Motion::Sticks,
             same => same,
         }
+    }
+}
+
+/// Replaces rows by those of the identity times `diagonal`.
+#[inline(always)]
+fn replace_rows<R: Real, const N: usize>(
+    matrix: &mut Matrix<R, N>,
+    diagonal: R,
+    is_replaced: impl Fn(usize) -> bool,
+) {
+    for (i, row) in matrix.iter_mut().enumerate().filter(|(i, _)| is_replaced(*i)) {
+        *row = [R::zero(); N];
+        row[i] = diagonal;
     }
 }

@@ -10,7 +10,8 @@
 //! only pushes. Of its momentum at the end, as it would be without the stop, the velocity turns from v to −e v; a coordinate that rests on
 //! the stop has v = 0, whatever e is, and so has one that would be back within a few steps. The instant of a strike is off by a part of the step.
 //!
-//! Where a coordinate sticks, its equation of momentum is replaced by w_i = 0 and that of its bubble by s_i = 0. Every evaluation of Newton's
+//! Where a coordinate sticks, its equation of momentum is replaced by w_i = 0 and that of its bubble by s_i = 0. A coordinate that
+//! was revised to rest three times has no bubble when it moves either: with one, neither rest nor motion may agree. Every evaluation of Newton's
 //! method compares the motions it was made for with what it finds, and revises them, at most 8n + 2 times in a step; the bound on updates
 //! counts from the last revision. From the n-th revision on, one coordinate is revised at a time, which ends for friction of any coupling
 //! (Murty 1974).
@@ -148,7 +149,7 @@ where
         }
         if let Some(blocks) = linearised.bubble.as_ref().first() {
             let balance = add_scaled(&left.bubble, bubble_share::<R, P>(), &impulse);
-            left.bubble = contact.held(&balance, |i| blocks.bubble_s[i][i] * s[i]);
+            left.bubble = contact.straight(&balance, |i| blocks.bubble_s[i][i] * s[i]);
         }
         self.step.largest()
     }
@@ -166,9 +167,9 @@ where
         left.momentum = self.contact.held(&left.momentum, |i| w[i] - self.contact.increment(i));
         if let Some(blocks) = linearised.bubble.as_mut().first_mut() {
             self.contact.hold_rows(&mut blocks.momentum_s, R::zero());
-            self.contact.hold_rows(&mut blocks.bubble_w, R::zero());
-            self.contact.hold_rows(&mut blocks.bubble_s, R::one());
-            left.bubble = self.contact.held(&left.bubble, |i| s[i]);
+            self.contact.straighten_rows(&mut blocks.bubble_w, R::zero());
+            self.contact.straighten_rows(&mut blocks.bubble_s, R::one());
+            left.bubble = self.contact.straight(&left.bubble, |i| s[i]);
         }
         self.step.update()?;
         // To the last bit, which the solution of the linear equations is not: only at rest does the impulse tell whether friction holds.

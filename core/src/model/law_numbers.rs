@@ -101,6 +101,17 @@ pub enum StickingNumber {
     Width,
 }
 
+/// Position of a number of [`Stops`](crate::forces::Stops) among those of its group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopsNumber {
+    /// Middle between the stops, m or rad.
+    Centre,
+    /// Half the distance between them, above 0, m or rad.
+    Half,
+    /// 0 ≤ e ≤ 1.
+    Restitution,
+}
+
 impl Law {
     /// Valid values of the numbers that the law has for every group of coordinates, in the order of a file; none for a law with a network.
     pub const fn ranges(self) -> &'static [NumberRange] {

@@ -57,7 +57,7 @@ pub use graph::{GraphHeader, GraphLayout, GraphModel, GraphSystem, MAX_GRAPHS, O
 pub use header::{FORMAT_VERSION, Header, MAGIC};
 pub use inertia_network::{InertiaNetworkHeader, InertiaNetworkModel};
 pub use law_network::LawNetwork;
-pub use law_numbers::{DirectionalNumber, FrictionNumber, NumberRange, StickingNumber};
+pub use law_numbers::{DirectionalNumber, FrictionNumber, NumberRange, StickingNumber, StopsNumber};
 pub use laws::{Law, Laws};
 pub use load_forces::{LawNumbers, LoadForces};
 pub use loaded::Model;

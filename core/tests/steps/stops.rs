@@ -121,6 +121,37 @@ fn what_is_pressed_against_a_stop_stays() {
     assert!(rested > 9_000 && state.last_increment()[1] != 0.0);
 }
 
+/// Pushed to and fro on springs, against stops and friction, coupled coordinates find a motion in every step, also where a path that bends
+/// within the step would begin in one direction and end in the other.
+#[test]
+fn coordinates_that_are_driven_always_find_a_motion() {
+    fn check<R: Real, P: Path>() {
+        let mut random = Random(17);
+        let mut rests = 0;
+        for _ in 0..400 {
+            let (mass, stiffness) = (definite(&mut random), definite(&mut random));
+            let springs = stiffness.map(|row| row.map(|k: f64| 300.0 * k));
+            let lagrangian = Masses::<3> { mass, springs, force: [0.0; 3] };
+            let coordinates = [0.02, 0.05, 0.5].map(|limit| stop::<R>(-limit, limit, 0.0));
+            let levels: [f64; 3] = core::array::from_fn(|_| 0.6 + random.symmetric(0.5));
+            let sticking = Sticking { coordinates: levels.map(|level| friction(level, 0.7 * level)) };
+            let system = System { lagrangian, forces: (sticking, Stops { coordinates }) };
+            let mut state = State::new(&lagrangian, [R::zero(); 3], [R::zero(); 3]).unwrap();
+            for k in 0..300 {
+                let push: [f64; 3] =
+                    core::array::from_fn(|i| 4.0 * (0.05 * (i + 1) as f64 * f64::from(k) + i as f64).sin());
+                let control = Control::held(push.map(R::constant));
+                Del::<R, P>::new(R::constant(0.01)).step(&system, &mut state, &control).unwrap();
+                rests += state.last_increment().iter().filter(|w| **w == R::zero()).count();
+            }
+        }
+        assert!(rests > 20_000, "{rests}");
+    }
+    check::<f32, Midpoint>();
+    check::<f64, Galerkin>();
+    check::<f32, Galerkin>();
+}
+
 /// Positions and momenta of a hundred steps of two coupled coordinates on springs.
 fn motion_under<F: Forces<f32, 2>, P: Path>(forces: F) -> Vec<[f32; 4]> {
     let lagrangian =

@@ -21,8 +21,20 @@ pub struct System {
     lagrangian: Node,
     force: Node,
     bends: Option<Node>,
-    /// The force without laws that stick, and their levels, if some do.
-    sliding: Option<(Node, [Node; 3])>,
+    /// The force without the laws of contacts, and the numbers of these, if there are any.
+    contacts: Option<(Node, [Node; 6])>,
+}
+
+/// Levels and stops of all coordinates, `None` if none sticks or has stops. What is absent has no effect.
+fn contacts(model: &dyn Energies, builder: &mut Builder, tau: Node) -> Option<[Node; 6]> {
+    let (grips, stops) = (model.grips(builder, tau), model.stops(builder));
+    let mut all = |x: f64| builder.constant(&vec![x; model.n()]);
+    let (free, unbounded) =
+        ([0.0, 0.0, 1.0].map(&mut all), [f64::NEG_INFINITY, f64::INFINITY, 0.0].map(&mut all));
+    let is_there = grips.is_some() || stops.is_some();
+    let ([forward, backward, breakaway], [lower, upper, restitution]) =
+        (grips.unwrap_or(free), stops.unwrap_or(unbounded));
+    is_there.then_some([forward, backward, breakaway, lower, upper, restitution])
 }
 
 /// Programs of [`System::separable`].
@@ -45,10 +57,10 @@ impl System {
         let lagrangian = builder.difference(energies[0], energies[1]);
         let force = model.force(&mut builder, q, v, tau);
         let bends = model.bends(&mut builder);
-        let grips = model.grips(&mut builder, tau);
-        let sliding = grips.map(|grips| (model.single_valued(&mut builder, q, v, tau), grips));
+        let numbers = contacts(model, &mut builder, tau);
+        let contacts = numbers.map(|numbers| (model.single_valued(&mut builder, q, v, tau), numbers));
         let parameters = model.parameters();
-        Self { builder, n, parameters, q, v, tau, energies, lagrangian, force, bends, sliding }
+        Self { builder, n, parameters, q, v, tau, energies, lagrangian, force, bends, contacts }
     }
 
     /// Returns the system without forces: L alone, over the same weight block.
@@ -56,20 +68,20 @@ impl System {
     pub fn conservative(&self) -> Self {
         let mut own = self.clone();
         own.force = own.builder.zeros(own.n);
-        Self { bends: None, sliding: None, ..own }
+        Self { bends: None, contacts: None, ..own }
     }
 
-    /// The system without its laws that stick, and the program of their levels with inputs q, v, τ and outputs
-    /// [`Energies::grips`](crate::energies::Energies::grips), n rows each; `None` if none sticks.
-    pub(crate) fn sliding(&self) -> Option<(Self, Program)> {
-        let (force, grips) = self.sliding?;
-        let levels = Program::new(&self.builder, &grips, &[]);
-        Some((Self { force, bends: None, sliding: None, ..self.clone() }, levels))
+    /// The system without its laws of contacts, and the program of their numbers with inputs q, v, τ and outputs [`Energies::grips`] and
+    /// [`Energies::stops`], n rows each; `None` if no coordinate sticks or has stops.
+    pub(crate) fn contacts(&self) -> Option<(Self, Program)> {
+        let (force, numbers) = self.contacts?;
+        let laws = Program::new(&self.builder, &numbers, &[]);
+        Some((Self { force, bends: None, contacts: None, ..self.clone() }, laws))
     }
 
-    /// Whether some coordinate may stick.
-    pub fn sticks(&self) -> bool {
-        self.sliding.is_some()
+    /// Whether some coordinate may stick or strike a stop.
+    pub fn has_contacts(&self) -> bool {
+        self.contacts.is_some()
     }
 
     /// Number of coordinates n.

@@ -1,11 +1,11 @@
-//! Steps with friction that sticks, samples side by side, in comparison with core in f64.
+//! Steps with friction that sticks and end stops, samples side by side, in comparison with core in f64.
 
 mod common;
 
 use common::random_weights;
 use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
-use leastaction_core::forces::{Sticking, StickingFriction, System as CoreSystem, Viscous};
+use leastaction_core::forces::{Sticking, StickingFriction, Stop, Stops, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Del, Newton, Order};
 use leastaction_programs::energies::{Energies, GroupForce, InertiaNetworkEnergies, with_group_laws};
@@ -19,30 +19,34 @@ const OF: [usize; N] = [1, 0, 1];
 const DAMPING: [f64; 2] = [0.3, 0.05];
 /// c, δ, c_load, τ_s, s and ε of both groups. With s > 1 a step may have two solutions, which rest and slide.
 const FRICTION: [[f64; 6]; 2] = [[0.7, 0.3, 0.25, 0.4, 1.0, 0.01], [0.5, -0.2, 0.1, 0.15, 1.0, 0.02]];
+/// Middle, half the distance and restitution of both groups.
+const STOPS: [[f64; 3]; 2] = [[0.1, 0.15, 0.5], [-0.05, 0.6, 0.25]];
 const STEP: f64 = 0.01;
 const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-13, accept: 1e-9 };
 
-type Core<'w> = CoreSystem<InertiaNetwork<'w, f64, N, 8, 2>, (Viscous<f64, N>, Sticking<f64, N>)>;
+type Core<'w> =
+    CoreSystem<InertiaNetwork<'w, f64, N, 8, 2>, (Viscous<f64, N>, (Sticking<f64, N>, Stops<f64, N>))>;
 
-fn weights() -> Vec<f64> {
+fn weights(stops: bool) -> Vec<f64> {
     let network = InertiaNetworkEnergies::new(KINDS.to_vec(), (&[6, 5], Activation::Tanh), INERTIA, false);
     let mut weights = random_weights(network.parameters(), 9);
     weights.extend(DAMPING);
     weights.extend(FRICTION.as_flattened());
+    weights.extend(STOPS.as_flattened().iter().filter(|_| stops));
     weights
 }
 
-fn system() -> System {
+fn system(stops: bool) -> System {
     let network = InertiaNetworkEnergies::new(KINDS.to_vec(), (&[6, 5], Activation::Tanh), INERTIA, false);
-    let laws = [GroupForce::Viscous, GroupForce::Sticking { loaded: true }];
-    let model = with_group_laws(Box::new(network), &laws, (2, &OF)).unwrap();
-    assert_eq!(model.parameters(), weights().len());
+    let laws = [GroupForce::Viscous, GroupForce::Sticking { loaded: true }, GroupForce::Stops];
+    let model = with_group_laws(Box::new(network), &laws[..2 + usize::from(stops)], (2, &OF)).unwrap();
+    assert_eq!(model.parameters(), weights(stops).len());
     let system = System::new(&model);
-    assert!(system.sticks());
+    assert!(system.has_contacts());
     system
 }
 
-fn core(weights: &[f64]) -> Core<'_> {
+fn core(weights: &[f64], stops: bool) -> Core<'_> {
     let shape = InertiaNetworkShape::new(KINDS, &[6, 5], Activation::Tanh, INERTIA).unwrap();
     let lagrangian = InertiaNetwork::take(&mut &weights[..], &shape).unwrap();
     let coordinates = OF.map(|group| {
@@ -50,7 +54,12 @@ fn core(weights: &[f64]) -> Core<'_> {
         StickingFriction { constant, asymmetry, load, smoothing, breakaway, width }
     });
     let viscous = Viscous { coefficients: OF.map(|group| DAMPING[group]) };
-    CoreSystem { lagrangian, forces: (viscous, Sticking { coordinates }) }
+    let stop = |group: usize| {
+        let [centre, half, restitution] = STOPS[group];
+        if stops { Stop::about(centre, half, restitution) } else { Stop::none() }
+    };
+    let forces = (viscous, (Sticking { coordinates }, Stops { coordinates: OF.map(stop) }));
+    CoreSystem { lagrangian, forces }
 }
 
 /// A number of a sample, between −size and size.
@@ -72,10 +81,10 @@ fn push(k: usize) -> [f64; N] {
     [2.0 * size, -1.5 * size, 1.2 * size]
 }
 
-fn check_steps<P: Path>(order: Order) {
-    let (weights, mut rests, mut moves) = (weights(), 0, 0);
-    let (core, mut del) = (core(&weights), Del::new(&system(), STEP, order, NEWTON));
-    let (q, v) = (rows(0.5, 1), rows(0.8, 5));
+fn check_steps<P: Path>(order: Order, stops: bool) {
+    let (weights, mut rests, mut moves, mut strikes) = (weights(stops), 0, 0, 0);
+    let (core, mut del) = (core(&weights, stops), Del::new(&system(stops), STEP, order, NEWTON));
+    let (q, v) = (rows(if stops { 0.05 } else { 0.5 }, 1), rows(0.8, 5));
     let mut found = del.start_at(&weights, &q, &v);
     let begin = |sample| State::new(&core.lagrangian, of(&q, sample), of(&v, sample)).unwrap();
     let mut expected: [_; WIDTH] = std::array::from_fn(begin);
@@ -94,22 +103,33 @@ fn check_steps<P: Path>(order: Order) {
                 let stays = own == before[i].0[sample];
                 assert_eq!(stays, state.last_increment()[i] == 0.0, "{order:?}, step {k}, sample {sample}");
                 (rests, moves) = (rests + usize::from(stays), moves + usize::from(!stays));
+                let [centre, half, _] = STOPS[OF[i]];
+                let is_on_stop = [centre - half, centre + half].contains(&own);
+                assert!(!stops || is_on_stop || (own - centre).abs() < half, "step {k}: {own}");
+                strikes += usize::from(stops && is_on_stop && !stays);
             }
         }
     }
     assert!(rests > 400 && moves > 400, "{rests} at rest, {moves} not");
+    assert!(!stops || strikes > 40, "{strikes} strikes");
 }
 
 #[test]
 fn steps_are_cores() {
-    check_steps::<Midpoint>(Order::Two);
-    check_steps::<Galerkin>(Order::Four);
+    check_steps::<Midpoint>(Order::Two, false);
+    check_steps::<Galerkin>(Order::Four, false);
+}
+
+#[test]
+fn strikes_are_cores() {
+    check_steps::<Midpoint>(Order::Two, true);
+    check_steps::<Galerkin>(Order::Four, true);
 }
 
 /// Two positions, some of which coincide, give core's momentum.
 fn check_starts<P: Path>(order: Order) {
-    let weights = weights();
-    let (core, mut del) = (core(&weights), Del::new(&system(), STEP, order, NEWTON));
+    let weights = weights(false);
+    let (core, mut del) = (core(&weights, false), Del::new(&system(false), STEP, order, NEWTON));
     for tau in [[0.0; N], [0.2, -0.3, 0.4], [3.0, -4.0, 5.0]] {
         let q = rows(0.5, 1);
         let mut next = rows(0.5 + 1e-3, 1);
@@ -133,10 +153,10 @@ fn check_starts<P: Path>(order: Order) {
 /// A coordinate at rest starts only against s times its friction, and then slides against the friction itself.
 #[test]
 fn rest_is_left_at_the_breakaway_level() {
-    let mut weights = weights();
+    let mut weights = weights(false);
     let last = weights.len() - 2;
     weights[last] = 1.3;
-    let mut del = Del::new(&system(), STEP, Order::Two, NEWTON);
+    let mut del = Del::new(&system(false), STEP, Order::Two, NEWTON);
     let at = [[0.0; N]; 2].map(|x| x.map(Row::splat));
     let hold = |del: &mut Del, push: f64| {
         let mut state = del.start_at(&weights, &at[0], &at[1]);
@@ -154,7 +174,7 @@ fn rest_is_left_at_the_breakaway_level() {
 
 /// −V_q at rest at 0.
 fn pull(weights: &[f64]) -> [f64; N] {
-    let core = core(weights);
+    let core = core(weights, false);
     leastaction_core::lagrangian::Lagrangian::linearization(&core.lagrangian, &[0.0; N], &[0.0; N]).l_q
 }
 

@@ -1,5 +1,5 @@
 use super::Failures;
-use super::contact::Contact;
+use super::contact::{Before, Contact};
 use super::interval::{Balance, Integrals, Interval, Order};
 use super::newton::{Equations, Factors, Newton};
 use crate::program::{Program, Workspace};
@@ -12,18 +12,20 @@ const HISTORY: usize = 3;
 /// Variational integrator of a system, for samples side by side.
 #[derive(Clone, Debug)]
 pub struct Del {
-    /// Intervals without the friction that sticks.
+    /// Intervals without the laws of contacts.
     integrals: Integrals,
-    /// Levels of friction that sticks, and intervals with its smooth law, if there is such friction.
-    sticking: Option<Sticking>,
+    /// Friction that sticks and end stops, if there are any.
+    contacts: Option<Contacts>,
     newton: Newton,
     factors: Factors,
 }
 
-/// Friction that sticks.
+/// Friction that sticks and end stops.
 #[derive(Clone, Debug)]
-struct Sticking {
-    levels: (Program, Workspace),
+struct Contacts {
+    /// Levels and stops.
+    laws: (Program, Workspace),
+    /// Intervals with the smooth law of the friction, and without stops.
     smooth: Integrals,
 }
 
@@ -44,16 +46,16 @@ impl Del {
     /// Creates an integrator with step h > 0, s.
     pub fn new(system: &System, h: f64, order: Order, newton: Newton) -> Self {
         let smooth = Integrals::new(system, h, order);
-        let Some((sliding, levels)) = system.sliding() else {
-            return Self { integrals: smooth, sticking: None, newton, factors: Factors::new() };
+        let Some((sliding, laws)) = system.contacts() else {
+            return Self { integrals: smooth, contacts: None, newton, factors: Factors::new() };
         };
-        let sticking = Some(Sticking { levels: levels.with_workspace(), smooth });
-        Self { integrals: Integrals::new(&sliding, h, order), sticking, newton, factors: Factors::new() }
+        let contacts = Some(Contacts { laws: laws.with_workspace(), smooth });
+        Self { integrals: Integrals::new(&sliding, h, order), contacts, newton, factors: Factors::new() }
     }
 
-    /// Intervals with the smooth law of friction that sticks, for derivatives.
+    /// Intervals with the smooth law of friction that sticks and without stops, for derivatives.
     pub(crate) fn smooth(&mut self) -> &mut Integrals {
-        self.sticking.as_mut().map_or(&mut self.integrals, |sticking| &mut sticking.smooth)
+        self.contacts.as_mut().map_or(&mut self.integrals, |contacts| &mut contacts.smooth)
     }
 
     /// Step h, s.
@@ -66,14 +68,14 @@ impl Del {
         self.integrals.order
     }
 
-    /// Solves an interval: its balance without friction that sticks, the motions of coordinates that may stick, and failures.
+    /// Solves an interval: its balance without contacts, the motions of coordinates that may stick or strike a stop, and failures.
     fn solve(
         &mut self,
         weights: &[f64],
         (interval, p0): (&mut Interval, Option<&[Row]>),
     ) -> (Balance, Option<Contact>, Failures) {
         let how = (self.integrals.h, self.integrals.order);
-        let contact = self.sticking.as_mut().map(|of| Contact::new(&mut of.levels, weights, how, interval));
+        let contact = self.contacts.as_mut().map(|of| Contact::new(&mut of.laws, weights, how, interval));
         let mut equations = Equations { integrals: &mut self.integrals, weights, p0, contact };
         let (balance, failed) = self.newton.solve(&mut equations, interval, &mut self.factors);
         (balance, equations.contact, failed)
@@ -87,7 +89,8 @@ impl Del {
         let (balance, contact, failed) = self.solve(weights, (&mut interval, None));
         let (mut p, mut failed) = (balance.end_momentum(), failed);
         if let Some(contact) = contact {
-            let end = contact.end(&mut self.integrals, weights, &interval, &p);
+            let before = Before { gain: p.clone(), momentum: p };
+            let end = contact.end(&mut self.integrals, weights, &interval, before);
             (p, failed) = (end.momentum, failed.or(end.failed));
         }
         DelState { q: q1.to_vec(), p, history: vec![[w, interval.s]], failed }
@@ -115,7 +118,8 @@ impl Del {
             }
             Some(contact) => {
                 let before = contact.before_end(&state.p, &balance);
-                let end = contact.end(&mut self.integrals, weights, &interval, &before);
+                contact.land(&mut state.q);
+                let end = contact.end(&mut self.integrals, weights, &interval, before);
                 (state.p, state.failed) = (end.momentum, state.failed.or(end.failed));
             }
         }

@@ -37,7 +37,7 @@ pub(crate) struct Equations<'i> {
     pub integrals: &'i mut Integrals,
     pub weights: &'i [f64],
     pub p0: Option<&'i [Row]>,
-    /// Motions of coordinates that may stick.
+    /// Motions of coordinates that may stick or strike a stop.
     pub contact: Option<Contact>,
 }
 
@@ -51,18 +51,17 @@ impl Equations<'_> {
         }
     }
 
-    /// Residual of equation i at a balance. Where a coordinate sticks, the equations are w_i = 0 and s_i = 0, in the units of those that they
-    /// replace.
+    /// Residual of equation i at a balance. Where a coordinate is held, the equations give w_i and s_i = 0, in the units of those that they replace.
     fn left(&self, (balance, linearised, path): At, i: usize, sample: usize) -> f64 {
         let n = balance.d1_ld.len();
         let (of_momentum, k) = (self.p0.is_some() && i < n, i % n);
         let Some(contact) = &self.contact else { return self.balance(balance, i, sample) };
-        let (x, diagonal) = match of_momentum {
-            true => (&path.w, &linearised.momentum_w),
-            false => (&path.s, &linearised.bubble_s),
-        };
-        if contact.sticks(k, sample) {
-            return diagonal[k * n + k].0[sample] * x[k].0[sample];
+        let own = |diagonal: &[Row]| diagonal[k * n + k].0[sample];
+        if of_momentum && contact.is_held(k, sample) {
+            return own(&linearised.momentum_w) * (path.w[k].0[sample] - contact.increment(k, sample));
+        }
+        if !of_momentum && contact.is_straight(k, sample) {
+            return own(&linearised.bubble_s) * path.s[k].0[sample];
         }
         let friction =
             if of_momentum { contact.sliding(k, sample) } else { contact.sliding_bubble(k, sample) };
@@ -103,6 +102,10 @@ impl Equations<'_> {
         factors.resize_with(WIDTH, Lu::default);
         for (sample, lu) in factors.iter_mut().enumerate() {
             let free = self.p0.is_some();
+            let is_given = |contact: &Contact, i: usize| match free && i < n {
+                true => contact.is_held(i, sample),
+                false => contact.is_straight(i % n, sample),
+            };
             failures.0[sample] = !lu.factor(self.count(n), |i, j| {
                 let of = match (free && i < n, free && j < n) {
                     (true, true) => &linearised.momentum_w,
@@ -111,7 +114,7 @@ impl Equations<'_> {
                     (false, false) => &linearised.bubble_s,
                 };
                 match &self.contact {
-                    Some(contact) if contact.sticks(i % n, sample) && i != j => 0.0,
+                    Some(contact) if is_given(contact, i) && i != j => 0.0,
                     _ => of[i % n * n + j % n].0[sample],
                 }
             });

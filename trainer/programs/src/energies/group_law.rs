@@ -4,7 +4,7 @@ use super::Energies;
 use crate::builder::Builder;
 use crate::function::Function;
 use crate::operation::Node;
-use leastaction_core::model::{DirectionalNumber, FrictionNumber, Law, StickingNumber};
+use leastaction_core::model::{DirectionalNumber, FrictionNumber, Law, StickingNumber, StopsNumber};
 use leastaction_core::network::Activation;
 
 /// A law of force in addition to a model's own.
@@ -26,6 +26,8 @@ pub enum GroupForce {
         /// Whether some c_load is learned or not 0.
         loaded: bool,
     },
+    /// End stops, which are no force but of steps that solve them: [`leastaction_core::forces::Stops`].
+    Stops,
 }
 
 /// A model with such a law. The law's numbers ([`Law::ranges`]), group after group, follow the model's in the weight block.
@@ -38,15 +40,16 @@ pub struct WithGroupLaw<E> {
 }
 
 impl GroupForce {
-    /// The force of a law of a model file, which may grow with the load or not; `None` for a law with a network, and for end stops.
+    /// The force of a law of a model file, which may grow with the load or not; `None` for a law with a network.
     pub const fn new(law: Law, loaded: bool) -> Option<Self> {
         match law {
             Law::Viscous => Some(Self::Viscous),
             Law::Coulomb => Some(Self::Coulomb { loaded }),
-            Law::Dissipation | Law::Potential | Law::Stops => None,
+            Law::Dissipation | Law::Potential => None,
             Law::Servo => Some(Self::Servo),
             Law::Directional => Some(Self::Directional),
             Law::Sticking => Some(Self::Sticking { loaded }),
+            Law::Stops => Some(Self::Stops),
         }
     }
 
@@ -58,13 +61,14 @@ impl GroupForce {
             Self::Servo => Law::Servo,
             Self::Directional => Law::Directional,
             Self::Sticking { .. } => Law::Sticking,
+            Self::Stops => Law::Stops,
         }
     }
 
     /// Position of the width of the law among its numbers, if it bends.
     const fn width(self) -> Option<usize> {
         match self {
-            Self::Viscous | Self::Servo => None,
+            Self::Viscous | Self::Servo | Self::Stops => None,
             Self::Coulomb { .. } => Some(FrictionNumber::Width as usize),
             Self::Directional => Some(DirectionalNumber::Width as usize),
             Self::Sticking { .. } => Some(StickingNumber::Width as usize),
@@ -100,6 +104,7 @@ impl<E: Energies> WithGroupLaw<E> {
                 let drive = self.drive(builder, q, tau);
                 return builder.sum(own, drive);
             }
+            GroupForce::Stops => return own,
             GroupForce::Viscous => self.viscous(builder, v),
             GroupForce::Coulomb { loaded } => self.coulomb(builder, loaded, v, tau),
             GroupForce::Directional => self.directional(builder, v),
@@ -178,6 +183,14 @@ impl<E: Energies> WithGroupLaw<E> {
         [forward, backward, self.number(builder, Breakaway as usize)]
     }
 
+    /// Middle less and plus half the distance, and e.
+    fn limits(&self, builder: &mut Builder) -> [Node; 3] {
+        use StopsNumber::{Centre, Half, Restitution};
+        let [centre, half, restitution] =
+            [Centre, Half, Restitution].map(|number| self.number(builder, number as usize));
+        [builder.difference(centre, half), builder.sum(centre, half), restitution]
+    }
+
     /// (c (1 + δt) + c_load (√(τ² + τ_s²) − τ_s)) t.
     fn sticking(&self, builder: &mut Builder, loaded: bool, v: Node, tau: Node) -> Node {
         use StickingNumber::{Asymmetry, Constant, Load, Smoothing, Width};
@@ -249,6 +262,15 @@ impl<E: Energies> Energies for WithGroupLaw<E> {
             _ => self.model.grips(builder, tau),
         }
     }
+
+    /// At most one law of a model is that of stops.
+    fn stops(&self, builder: &mut Builder) -> Option<[Node; 3]> {
+        match self.force {
+            GroupForce::Stops => Some(self.limits(builder)),
+            _ => self.model.stops(builder),
+        }
+    }
+
     /// Half the width of the change of sign; the width of an inner law that bends too is taken to be no narrower.
     fn bends(&self, builder: &mut Builder) -> Option<Node> {
         let Some(width) = self.force.width() else { return self.model.bends(builder) };

@@ -157,6 +157,10 @@ impl<E: Energies> Energies for WithNetworks<E> {
         self.model.grips(builder, tau)
     }
 
+    fn stops(&self, builder: &mut Builder) -> Option<[Node; 3]> {
+        self.model.stops(builder)
+    }
+
     fn bends(&self, builder: &mut Builder) -> Option<Node> {
         self.model.bends(builder)
     }

@@ -61,13 +61,17 @@ pub trait Energies {
         let n = builder.length(v);
         builder.zeros(n)
     }
-    /// The force without laws that stick, which have many values at rest ([`Energies::grips`]).
+    /// The force without laws of contacts, which have many values ([`Energies::grips`], [`Energies::stops`]).
     fn single_valued(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
         self.force(builder, q, v, tau)
     }
     /// Levels, N or N m, of the dry friction of each coordinate that sticks: against motion forwards and backwards, and the ratio of friction
     /// at rest ([`leastaction_core::forces::Grip`]). `None` if none sticks.
     fn grips(&self, _: &mut Builder, _: Node) -> Option<[Node; 3]> {
+        None
+    }
+    /// Lower and upper end stop of each coordinate, m or rad, and its restitution ([`leastaction_core::forces::Stop`]). `None` without stops.
+    fn stops(&self, _: &mut Builder) -> Option<[Node; 3]> {
         None
     }
     /// Speed of each coordinate up to which a force such as friction bends, m/s or rad/s. If an update of Newton's
@@ -101,6 +105,10 @@ impl<E: Energies + ?Sized> Energies for Box<E> {
 
     fn grips(&self, builder: &mut Builder, tau: Node) -> Option<[Node; 3]> {
         (**self).grips(builder, tau)
+    }
+
+    fn stops(&self, builder: &mut Builder) -> Option<[Node; 3]> {
+        (**self).stops(builder)
     }
 
     fn bends(&self, builder: &mut Builder) -> Option<Node> {

@@ -62,6 +62,10 @@ impl<E: Energies> Energies for WithOffsets<E> {
         self.energies.grips(builder, tau)
     }
 
+    fn stops(&self, builder: &mut Builder) -> Option<[Node; 3]> {
+        self.energies.stops(builder)
+    }
+
     fn bends(&self, builder: &mut Builder) -> Option<Node> {
         self.energies.bends(builder)
     }

@@ -282,7 +282,6 @@ impl GroupLaws {
         if !self.each().into_iter().all(fits) {
             return Err(wrong);
         }
-        // Programs have no end stops; the steps of a chip and of its replica solve them.
         let force =
             |law: Law| GroupForce::new(law, self.law_grows(law)).ok_or(ModelError::Law { number: law as u8 });
         let forces =
