@@ -74,7 +74,8 @@ fn fit(model: &Model, logs: &Arc<WindowLogs>) -> Option<Fit> {
     let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
     let steps =
         ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
-    let (integrator, order) = Integrator::of_trained(model.facts.trained_step, logs.h);
+    let system = model.system().ok()?;
+    let (integrator, order, _) = Integrator::of_trained(model.facts.trained_step, &system, (logs.h, logs.h));
     let settings = WindowSettings {
         steps,
         stride: steps,

@@ -113,8 +113,8 @@ impl Predictor<'_> {
     ) -> Result<Vec<Prediction>, ModelError> {
         let h = self.logs.h;
         let system = self.model.system()?;
-        let (integrator, order) = Integrator::of_trained(self.model.facts.trained_step, h);
-        let parts = if integrator == Integrator::Del { 1.0 } else { (h / STEP).ceil().max(1.0) };
+        let step = self.model.facts.trained_step;
+        let (integrator, order, parts) = Integrator::of_trained(step, &system, (h, STEP));
         let pool = Pool::new(move || integrator.steps(&system, (h / parts, order), Vec::new()));
         let most = (most / h).round() as usize;
         let lagging = self.lagging();

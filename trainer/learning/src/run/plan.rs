@@ -22,7 +22,7 @@ use crate::training::{LossKind, Progress};
 use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, first_guess};
 use checks::{check_coordinates, check_gauge, check_servo, check_state_noise, check_torque_calibration};
 use leastaction_core::discrete::Order;
-use leastaction_core::model::{CoordinateRange, Law, TrainedStep};
+use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::config::{Origin, Source};
 use leastaction_models::{Architecture, Model};
 use std::time::Duration;
@@ -301,8 +301,8 @@ fn begin_windows(
     Ok(initial)
 }
 
-/// The loss to minimise. Writes the loss, the window length and the integrator into the configuration: friction that sticks is followed by the
-/// steps that solve it.
+/// The loss to minimise. Writes the loss, the window length and the integrator into the configuration: friction that sticks and end stops
+/// are followed by the steps that solve them.
 fn settle_loss(
     config: &mut Config,
     architecture: &Architecture,
@@ -314,7 +314,7 @@ fn settle_loss(
     if loss.of_samples().is_none() {
         let window = *config.training.window.get_or_insert_with(|| lengths::usual(data));
         notices.extend(noise.map(|noise| Notice::Noisy { noise, window }));
-        if architecture.group_laws.has(Law::Sticking) {
+        if architecture.group_laws.have_contacts() {
             config.training.integrator.get_or_insert(Integrator::Del);
         }
     }

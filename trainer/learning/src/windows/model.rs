@@ -26,11 +26,21 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// Integrator and order for a model along samples that are h (s) apart: the integrator of the step that the model
-    /// was trained with if that step is h, else Runge–Kutta of order 4.
-    pub fn of_trained(step: Option<TrainedStep>, h: f64) -> (Self, u8) {
+    /// Integrator, order and steps for a model along samples that are h (s) apart: the integrator of the step that the model was trained with
+    /// if that step is h. Otherwise, in steps of at most `longest` (s), Runge–Kutta of order 4 or, for a model with friction that sticks or
+    /// end stops, the variational steps that solve these.
+    pub fn of_trained(
+        step: Option<TrainedStep>,
+        system: &System,
+        (h, longest): (f64, f64),
+    ) -> (Self, u8, f64) {
         let fits = |step: &TrainedStep| (f64::from(step.h) - h).abs() < SAME_STEP * h;
-        step.filter(fits).map_or((Self::RungeKutta, 4), |step| (Self::Del, step.order.number()))
+        let parts = (h / longest).ceil().max(1.0);
+        match step.filter(fits) {
+            Some(step) => (Self::Del, step.order.number(), 1.0),
+            None if system.has_contacts() => (Self::Del, 2, parts),
+            None => (Self::RungeKutta, 4, parts),
+        }
     }
 
     /// Steps of h (s), with derivatives with respect to the weights at the positions `learned`.

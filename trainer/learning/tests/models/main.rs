@@ -18,6 +18,7 @@ mod page;
 mod rods;
 mod servo;
 mod start_from;
+mod stops;
 mod trees;
 mod units;
 mod windows;

@@ -20,6 +20,7 @@ pub use crate::laws::corrections::config::{DissipationConfig, PotentialConfig, S
 pub use crate::laws::friction::config::FrictionConfig;
 pub use crate::laws::numbers::{GroupNumber, GroupNumbers};
 pub use crate::laws::servo::ServoConfig;
+pub use crate::laws::stops::{StopsConfig, StopsProblem};
 pub use crate::modular::config::{
     Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig,
 };

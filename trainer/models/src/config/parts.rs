@@ -93,19 +93,26 @@ impl<T: Serialize> Serialize for NumberConfig<T> {
 pub(crate) struct Range {
     /// Whether a number is allowed.
     pub holds: fn(f32) -> bool,
+    /// Whether a number may be infinite.
+    pub infinite: bool,
     /// Condition in words.
     pub words: &'static str,
 }
 
 impl Range {
-    pub const ABOVE: Self = Self { holds: |x| x > 0.0, words: "a finite number above 0" };
-    pub const NOT_BELOW: Self = Self { holds: |x| x >= 0.0, words: "a finite number, 0 or above" };
-    pub const ANY: Self = Self { holds: |_| true, words: "a finite number" };
+    pub const ABOVE: Self = Self::finite(|x| x > 0.0, "a finite number above 0");
+    pub const NOT_BELOW: Self = Self::finite(|x| x >= 0.0, "a finite number, 0 or above");
+    pub const ANY: Self = Self::finite(|_| true, "a finite number");
+
+    /// Range of finite numbers.
+    pub const fn finite(holds: fn(f32) -> bool, words: &'static str) -> Self {
+        Self { holds, infinite: false, words }
+    }
 
     /// Returns the number, if it is in the range; `key` is its key in the configuration.
     pub fn number(&self, key: &'static str, value: f64, learned: bool) -> Result<Number, Problem> {
         let single = value as f32;
-        if !single.is_finite() || !(self.holds)(single) {
+        if !(single.is_finite() || self.infinite && value.is_infinite()) || !(self.holds)(single) {
             return Err(Problem::OutOfRange { key, value, range: self.words });
         }
         Ok(Number::new(value, learned))

@@ -1,5 +1,6 @@
 //! Errors of `[model]`.
 
+use crate::laws::stops::StopsProblem;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -156,11 +157,15 @@ pub enum Problem {
     /// A breakaway ratio of friction that does not stick.
     #[error("`breakaway` is for friction that sticks; add sticking = true, or leave it out")]
     BreakawayOfSmooth,
-    /// A breakaway ratio that is to be learned.
-    #[error(
-        "`breakaway` cannot be learned: gradients see the smooth law, which has none; give a number, as 1.2"
-    )]
-    LearnedBreakaway,
+    /// A number of contacts that is to be learned.
+    #[error("`{key}` cannot be learned, because gradients see the smooth law, which has none; give a number")]
+    NeverLearned {
+        /// The key.
+        key: &'static str,
+    },
+    /// End stops that cannot be.
+    #[error(transparent)]
+    Stops(#[from] StopsProblem),
     /// Friction that grows with the load in a model whose commands are positions.
     #[error(
         "friction that grows with the load needs forces as commands, and with `servo` they are positions; leave `load` out"

@@ -14,6 +14,7 @@ use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig
 use crate::laws::friction::config::FrictionConfig;
 use crate::laws::group::GroupLaws;
 use crate::laws::servo::ServoConfig;
+use crate::laws::stops::StopsConfig;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,9 @@ pub struct InertiaNetworkConfig {
     /// Servos, whose commands are positions. By default commands are forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub servo: Option<ServoConfig>,
+    /// End stops, which no coordinate passes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<StopsConfig>,
     /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
@@ -98,6 +102,7 @@ impl InertiaNetworkConfig {
             start_from: None,
             friction: FrictionConfig::default(),
             servo: None,
+            stops: None,
             dissipation: None,
             potential: None,
         }
@@ -150,6 +155,8 @@ impl InertiaNetworkConfig {
         let known = Known { letters: &letters, common: letters.len() };
         let friction = self.friction.assemble(letters.len(), "coordinate")?;
         let group_laws = ServoConfig::assemble(self.servo.as_ref(), (letters.len(), "coordinate"), friction)?;
+        let group_laws =
+            StopsConfig::assemble(self.stops.as_ref(), (letters.len(), "coordinate"), None, group_laws)?;
         Ok((group_laws, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
     }
 

@@ -6,6 +6,7 @@ pub mod friction;
 pub mod group;
 pub(crate) mod numbers;
 pub mod servo;
+pub mod stops;
 
 pub use actuator::{Actuator, LaggingCommands};
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};

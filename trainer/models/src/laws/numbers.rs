@@ -48,8 +48,7 @@ pub(crate) struct Rule {
 
 impl Rule {
     /// Start of a learned number that stays above 0.
-    pub const ABOVE: Range =
-        Range { holds: |x| x > 0.0, words: "a finite number above 0 where it is learned" };
+    pub const ABOVE: Range = Range::finite(|x| x > 0.0, "a finite number above 0 where it is learned");
 
     /// The documented number, learned or known, which follows the scale of the log.
     pub fn usual(&self, learned: bool) -> Number {

@@ -45,7 +45,19 @@ pub(crate) struct Contact {
 pub(crate) struct End {
     /// p₁, n rows.
     pub momentum: Vec<Row>,
+    pub strikes: Vec<Strike>,
     pub failed: Failures,
+}
+
+/// A coordinate that ends a step on a stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Strike {
+    pub coordinate: usize,
+    pub sample: usize,
+    /// e, or 0 if it stays there.
+    pub restitution: f64,
+    /// Gain of its velocity over the step, over the velocity of the strike; 0 if it stays there.
+    pub gain: f64,
 }
 
 /// Momenta before friction and stops act at the end, and their differences to those at the start; n rows each.
@@ -289,14 +301,18 @@ impl Contact {
         let mut end = path.q0.clone();
         end.iter_mut().zip(&path.w).for_each(|(q, w)| q.add_scaled(integrals.h, w));
         integrals.differentiate(weights, [&end, &zero, &zero]);
-        let mut found = End { momentum: before.momentum.clone(), failed: Failures::default() };
+        let (momentum, failed) = (before.momentum.clone(), Failures::default());
+        let mut found = End { momentum, strikes: Vec::new(), failed };
         let mut lu = Lu::default();
         self.revisions = [0; WIDTH];
         for sample in 0..WIDTH {
             let mass = |i: usize, j: usize| integrals.momentum_columns(j)[1][i].0[sample];
             let of = [&before.momentum, &before.gain];
             let [momentum, gain] = of.map(|rows| rows.iter().map(|row| row.0[sample]).collect::<Vec<_>>());
-            let momentum = self.sample_end(sample, &mut lu, (&mass, [&momentum, &gain]));
+            let before = (&mass as &dyn Fn(usize, usize) -> f64, [&*momentum, &*gain]);
+            let strikes = self.strikes(sample, &mut lu, before);
+            let momentum = strikes.as_deref().and_then(|of| self.sample_end(sample, &mut lu, before, of));
+            found.strikes.extend(strikes.into_iter().flatten().map(|(strike, _)| strike));
             found.failed.0[sample] = momentum.is_none();
             let momentum = momentum.unwrap_or_else(|| vec![f64::NAN; n]);
             found.momentum.iter_mut().zip(momentum).for_each(|(row, p)| row.0[sample] = p);
@@ -305,9 +321,16 @@ impl Contact {
     }
 
     /// The momentum of one sample; `None` if M is singular or no motions agree.
-    fn sample_end(&mut self, sample: usize, lu: &mut Lu, (mass, before): AtEnd) -> Option<Vec<f64>> {
-        let leaving = self.leaving(sample, lu, (mass, before))?;
-        let ([before, _], n) = (before, leaving.len());
+    fn sample_end(
+        &mut self,
+        sample: usize,
+        lu: &mut Lu,
+        (mass, [before, _]): AtEnd,
+        strikes: &[(Strike, f64)],
+    ) -> Option<Vec<f64>> {
+        let n = before.len();
+        let mut leaving = vec![0.0; n];
+        strikes.iter().for_each(|(strike, v)| leaving[strike.coordinate] = -strike.restitution * v);
         loop {
             let is_held: Vec<bool> = (0..n).map(|i| self.is_held(i, sample)).collect();
             let slides = |i: usize| before[i] + self.sliding(i, sample);
@@ -324,20 +347,30 @@ impl Contact {
         }
     }
 
-    /// Velocities at the end of coordinates that are held: −e v where a stop is struck with the velocity v of a motion in which what rests
-    /// stays at rest, else 0.
-    fn leaving(&self, sample: usize, lu: &mut Lu, (mass, [before, gain]): AtEnd) -> Option<Vec<f64>> {
+    /// Coordinates that end on a stop, each with the velocity of its strike in a motion in which what rests stays at rest; `None` if M is
+    /// singular.
+    fn strikes(
+        &self,
+        sample: usize,
+        lu: &mut Lu,
+        (mass, [before, gain]): AtEnd,
+    ) -> Option<Vec<(Strike, f64)>> {
         let n = before.len();
-        let strikes = |i: usize| self.is_held(i, sample) && !self.rests(i, sample);
-        if !(0..n).any(strikes) {
-            return Some(vec![0.0; n]);
-        }
+        let is_on_stop = |i: &usize| matches!(self.motion[*i][sample], Motion::AtLower | Motion::AtUpper);
+        let strikes = |i: usize| is_on_stop(&i) && !self.rests(i, sample);
         let rests: Vec<bool> = (0..n).map(|i| self.rests(i, sample)).collect();
-        let mut of = |p: &[f64]| velocities(lu, (mass, &rests), |i| if rests[i] { 0.0 } else { p[i] });
-        let (v, gained) = (of(before)?, of(gain)?);
-        let bounces = |i: usize| strikes(i) && v[i].abs() > SLOW * gained[i].abs();
-        let restitution = |i: usize| self.stops[2][i].0[sample];
-        Some((0..n).map(|i| if bounces(i) { -restitution(i) * v[i] } else { 0.0 }).collect())
+        let (mut v, mut gained) = (vec![0.0; n], vec![0.0; n]);
+        if (0..n).any(strikes) {
+            let mut of = |p: &[f64]| velocities(lu, (mass, &rests), |i| if rests[i] { 0.0 } else { p[i] });
+            (v, gained) = (of(before)?, of(gain)?);
+        }
+        let strike = |i: usize| {
+            let bounces = strikes(i) && v[i].abs() > SLOW * gained[i].abs();
+            let restitution = if bounces { self.stops[2][i].0[sample] } else { 0.0 };
+            let gain = if bounces { gained[i] / v[i] } else { 0.0 };
+            (Strike { coordinate: i, sample, restitution, gain }, v[i])
+        };
+        Some((0..n).filter(is_on_stop).map(strike).collect())
     }
 }
 

@@ -1,5 +1,5 @@
 use super::Failures;
-use super::contact::{Before, Contact};
+use super::contact::{Before, Contact, Strike};
 use super::interval::{Balance, Integrals, Interval, Order};
 use super::newton::{Equations, Factors, Newton};
 use crate::program::{Program, Workspace};
@@ -38,6 +38,8 @@ pub struct DelState {
     pub p: Vec<Row>,
     /// Paths (w, s) of the last steps, newest first.
     history: Vec<[Vec<Row>; 2]>,
+    /// Coordinates that ended the last step on a stop.
+    pub(crate) strikes: Vec<Strike>,
     /// Samples that could not be solved, in this step or an earlier one.
     pub failed: Failures,
 }
@@ -93,14 +95,14 @@ impl Del {
             let end = contact.end(&mut self.integrals, weights, &interval, before);
             (p, failed) = (end.momentum, failed.or(end.failed));
         }
-        DelState { q: q1.to_vec(), p, history: vec![[w, interval.s]], failed }
+        DelState { q: q1.to_vec(), p, history: vec![[w, interval.s]], failed, ..DelState::default() }
     }
 
     /// Returns the state with these positions and velocities: p = L_v(q, v).
     pub fn start_at(&mut self, weights: &[f64], q: &[Row], v: &[Row]) -> DelState {
         let p = self.integrals.momentum(weights, q, v);
         let straight = [v.to_vec(), vec![Row::default(); q.len()]];
-        DelState { q: q.to_vec(), p, history: vec![straight], failed: Failures::default() }
+        DelState { q: q.to_vec(), p, history: vec![straight], ..DelState::default() }
     }
 
     /// Advances the state by one step, under controls τ at both of its ends. Failed samples are NaN from then on.
@@ -121,6 +123,7 @@ impl Del {
                 contact.land(&mut state.q);
                 let end = contact.end(&mut self.integrals, weights, &interval, before);
                 (state.p, state.failed) = (end.momentum, state.failed.or(end.failed));
+                state.strikes = end.strikes;
             }
         }
         state.history.insert(0, [interval.w, interval.s]);

@@ -24,6 +24,7 @@ pub use slopes::AccelerationSlopes;
 
 pub(crate) use acceleration::MotionSolver;
 pub(crate) use cholesky::Cholesky;
+pub(crate) use contact::Strike;
 pub(crate) use dense::{add, contracted, dot, max_abs, product, times};
 pub(crate) use interval::{GaussPoint, Integrals, Variation};
 pub(crate) use matrix::Lu;

@@ -32,7 +32,7 @@ pub struct VariationalSteps {
     sums: Sums,
     pub(super) lu: Lu,
     /// Last states, from which paths are extrapolated.
-    last: DelState,
+    pub(super) last: DelState,
     pub(super) moved: Vec<Row>,
 }
 
@@ -325,7 +325,10 @@ impl Steps for VariationalSteps {
         if let Some(with) = tangents {
             let [w, s] = self.last.last().map(<[Row]>::to_vec);
             let path = Interval { s, ..Interval::new(q, &w, tau) };
-            self.carry(weights, &path, with);
+            let (tangents, controls) = with;
+            self.carry(weights, &path, (&mut *tangents, controls));
+            let [q, p] = [&self.last.q, &self.last.p].map(Clone::clone);
+            self.carry_across_strikes(weights, [&q, &p], tangents);
         }
         q.copy_from_slice(&self.last.q);
         p.copy_from_slice(&self.last.p);

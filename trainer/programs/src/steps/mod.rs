@@ -4,6 +4,7 @@ mod explicit;
 mod implicit;
 mod runge_kutta;
 mod stages;
+mod strikes;
 mod tangents;
 mod velocities;
 

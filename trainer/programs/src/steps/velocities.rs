@@ -27,7 +27,7 @@ impl VariationalSteps {
     }
 
     /// M⁻¹ at the point that was differentiated last, row by row.
-    fn compliance(&mut self) -> Vec<Row> {
+    pub(super) fn compliance(&mut self) -> Vec<Row> {
         let n = self.n;
         let mut compliance = vec![Row::splat(f64::NAN); n * n];
         for sample in 0..WIDTH {

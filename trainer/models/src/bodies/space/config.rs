@@ -13,6 +13,7 @@ use crate::family::Family;
 use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
 use crate::laws::friction::config::FrictionConfig;
 use crate::laws::servo::ServoConfig;
+use crate::laws::stops::StopsConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use crate::tree::{Body, Joint, LogCholesky, Tree};
@@ -90,6 +91,9 @@ pub struct ArmConfig {
     /// Servos, whose commands are positions. By default commands are forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub servo: Option<ServoConfig>,
+    /// End stops, which no coordinate passes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<StopsConfig>,
     /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
@@ -120,6 +124,7 @@ impl ArmConfig {
             rotors: Learning::Learned,
             friction: FrictionConfig::default(),
             servo: None,
+            stops: None,
             dissipation: None,
             potential: None,
         }
@@ -226,6 +231,9 @@ impl ArmConfig {
         let family = self.family(&tree, &learned)?;
         let friction = self.friction.assemble(family.n(), "joint")?;
         let mut group_laws = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "joint"), friction)?;
+        let limits: Vec<[f64; 2]> = (0..family.n()).map(|i| tree.limits(i).position).collect();
+        group_laws =
+            StopsConfig::assemble(self.stops.as_ref(), (family.n(), "joint"), Some(&limits), group_laws)?;
         origin.iter().for_each(|origin| origin.set_laws(&mut group_laws));
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;

@@ -13,6 +13,7 @@ use crate::config::parts::NumberConfig;
 use crate::config::place::ShapeError;
 use crate::laws::corrections::config::NoCorrections;
 use crate::laws::friction::config::NoFriction;
+use crate::laws::stops::NoStops;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -39,6 +40,9 @@ pub struct GraphConfig {
     /// Not accepted for graphs: their node types have drag instead.
     #[serde(default, skip_serializing)]
     friction: NoFriction,
+    /// Not accepted for graphs.
+    #[serde(default, skip_serializing)]
+    stops: NoStops,
     /// Not accepted for graphs.
     #[serde(default, skip_serializing)]
     dissipation: NoCorrections,

@@ -58,20 +58,19 @@ const STICKING_WIDTH: Rule = rule("width", [Range::ABOVE, Rule::ABOVE], (0.01, S
 const VISCOUS_ASYMMETRY: Rule = asymmetry("viscous_asymmetry");
 const ASYMMETRY: Rule = asymmetry("asymmetry");
 const LOAD: Rule = {
-    let known = Range { holds: |x| (0.0..1.0).contains(&x), words: "0 or above and below 1" };
+    let known = Range::finite(|x| (0.0..1.0).contains(&x), "0 or above and below 1");
     let holds = |x| x > 0.0 && x < MOST_LOAD as f32;
-    let start = Range { holds, words: "above 0 and below 0.95 where it is learned" };
+    let start = Range::finite(holds, "above 0 and below 0.95 where it is learned");
     rule("load", [known, start], (0.1, None))
 };
 const BREAKAWAY: Rule = {
-    const KNOWN: Range = Range { holds: |x| x >= 1.0, words: "a finite number, 1 or above" };
+    const KNOWN: Range = Range::finite(|x| x >= 1.0, "a finite number, 1 or above");
     rule("breakaway", [KNOWN, KNOWN], (1.0, None))
 };
 
 const fn asymmetry(key: &'static str) -> Rule {
-    let known = Range { holds: |x| x.abs() <= 1.0, words: "between -1 and 1" };
-    let start =
-        Range { holds: |x| x.abs() < 1.0, words: "between -1 and 1, without them, where it is learned" };
+    let known = Range::finite(|x| x.abs() <= 1.0, "between -1 and 1");
+    let start = Range::finite(|x| x.abs() < 1.0, "between -1 and 1, without them, where it is learned");
     rule(key, [known, start], (0.0, None))
 }
 
@@ -129,7 +128,9 @@ impl FrictionConfig {
         }
         match &self.breakaway {
             Some(_) if !self.sticking => Err(BREAKAWAY.at(None, Problem::BreakawayOfSmooth)),
-            Some(given) if !given.are_known() => Err(BREAKAWAY.at(None, Problem::LearnedBreakaway)),
+            Some(given) if !given.are_known() => {
+                Err(BREAKAWAY.at(None, Problem::NeverLearned { key: "breakaway" }))
+            }
             _ => Ok(()),
         }
     }

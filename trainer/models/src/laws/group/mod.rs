@@ -104,6 +104,11 @@ impl GroupLaws {
         !self.servo.is_empty()
     }
 
+    /// Whether there are laws that steps solve as contacts: friction that sticks, or end stops.
+    pub fn have_contacts(&self) -> bool {
+        [Law::Sticking, Law::Stops].into_iter().any(|law| self.has(law))
+    }
+
     /// Whether there is a law of dry friction.
     pub fn has_dry_friction(&self) -> bool {
         [Law::Coulomb, Law::Directional, Law::Sticking].into_iter().any(|law| self.has(law))

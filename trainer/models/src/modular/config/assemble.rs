@@ -10,6 +10,8 @@ use crate::config::family::{FamilyConfig, NetworksBeside, Source as Begins};
 use crate::config::origin::Open;
 use crate::family::Family;
 use crate::laws::corrections::config::{Known, assemble};
+use crate::laws::group::GroupLaws;
+use crate::laws::stops::StopsConfig;
 use std::path::PathBuf;
 
 impl FamilyConfig for ModularConfig {
@@ -72,6 +74,9 @@ impl ModularConfig {
         if !self.friction.is_none() {
             model.take_friction(self.friction.assemble(model.types.len(), "element type")?);
         }
+        let groups = (model.types.len(), "element type");
+        let stops = StopsConfig::assemble(self.stops.as_ref(), groups, None, GroupLaws::default())?;
+        model.take_stops(stops);
         let chosen = self.chosen(&model).map_err(|problem| problem.at(["tree".into()]))?;
         model.trees.swap(0, chosen);
         model.check()?;

@@ -77,6 +77,13 @@ impl Assembly {
         self.group_laws.take_friction(friction);
     }
 
+    /// Replaces the old stops by the given ones, if there are any.
+    pub fn take_stops(&mut self, given: GroupLaws) {
+        if !given.stops.is_empty() {
+            self.group_laws.stops = given.stops;
+        }
+    }
+
     fn kind(&self, name: &str) -> Option<usize> {
         self.types.iter().position(|(_, named)| named.name == name)
     }

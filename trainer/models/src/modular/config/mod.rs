@@ -16,6 +16,7 @@ use crate::config::place::ShapeError;
 use crate::config::problem::Problem;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
+use crate::laws::stops::StopsConfig;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -44,6 +45,9 @@ pub struct ModularConfig {
     /// Friction of the coordinates of every element type, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// End stops, which no coordinate of an element type passes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<StopsConfig>,
     /// Network that dissipates energy; its coordinates are those of the trees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,

@@ -10,6 +10,7 @@ use crate::config::problem::Problem;
 use crate::family::Family;
 use crate::laws::corrections::config::{Known, assemble};
 use crate::laws::servo::ServoConfig;
+use crate::laws::stops::StopsConfig;
 use crate::limits::MAX_TREE_COORDINATES;
 use crate::number::Number;
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
@@ -100,6 +101,7 @@ impl BodiesConfig {
         let family = self.tree()?;
         let friction = self.friction.assemble(family.n(), "body")?;
         let group_laws = ServoConfig::assemble(self.servo.as_ref(), (family.n(), "body"), friction)?;
+        let group_laws = StopsConfig::assemble(self.stops.as_ref(), (family.n(), "body"), None, group_laws)?;
         let letters = family.coordinates();
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;

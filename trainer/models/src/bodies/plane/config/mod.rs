@@ -12,6 +12,7 @@ use crate::config::place::ShapeError;
 use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
 use crate::laws::friction::config::FrictionConfig;
 use crate::laws::servo::ServoConfig;
+use crate::laws::stops::StopsConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -40,6 +41,9 @@ pub struct BodiesConfig {
     /// Servos, whose commands are positions. By default commands are forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub servo: Option<ServoConfig>,
+    /// End stops, which no coordinate passes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<StopsConfig>,
     /// Network that dissipates energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<DissipationConfig>,
@@ -107,6 +111,7 @@ impl BodiesConfig {
             start_from: None,
             friction: FrictionConfig::default(),
             servo: None,
+            stops: None,
             dissipation: None,
             potential: None,
         }
