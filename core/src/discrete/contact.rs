@@ -355,8 +355,8 @@ fn replace_rows<R: Real, const N: usize>(
     diagonal: R,
     is_replaced: impl Fn(usize) -> bool,
 ) {
-    for (i, row) in matrix.iter_mut().enumerate().filter(|(i, _)| is_replaced(*i)) {
-        *row = [R::zero(); N];
-        row[i] = diagonal;
+    for i in (0..N).filter(|i| is_replaced(*i)) {
+        matrix[i] = [R::zero(); N];
+        matrix[i][i] = diagonal;
     }
 }

@@ -239,7 +239,8 @@ fn fitting(header: Header, data: u64) -> Result<(String, Header), Problem> {
     Ok((kind, header))
 }
 
-fn whole(x: f64) -> Result<i64, String> {
+/// The integer that a number is, or the number in digits.
+pub(crate) fn whole(x: f64) -> Result<i64, String> {
     // 2⁶³ itself does not fit; −2⁶³ does.
     let fits = x.fract() == 0.0 && (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x);
     if fits { Ok(x as i64) } else { Err(x.to_string()) }

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use csv::ByteRecord;
 
+use crate::archive::whole;
 use crate::column_problem::ColumnProblem;
 use crate::columns::Column;
 use crate::csv_clocks::Clocks;
@@ -282,7 +283,9 @@ impl Cells {
 
 fn integer(record: &ByteRecord, position: usize) -> Result<i64, Problem> {
     let cell = text(record.get(position).unwrap_or_default());
-    cell.parse().map_err(|_| Problem::NotInteger(cell))
+    // Programs that write all columns alike write 1 as 1.0 or 1e+00.
+    let whole_number = || cell.parse().ok().and_then(|x: f64| whole(x).ok());
+    cell.parse().ok().or_else(whole_number).ok_or(Problem::NotInteger(cell))
 }
 
 pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {

@@ -45,7 +45,7 @@ fn one_coordinate_needs_no_number() {
 
 #[test]
 fn trajectories_keep_their_numbers_and_start_times() {
-    let data = accept("trajectory,t,q\n7,5,0\n7,6,1\n7,7,2\n-3,0,3\n-3,1,4\n-3,2,5\n-3,3,6\n");
+    let data = accept("trajectory,t,q\n7,5,0\n7.0,6,1\n7.00e+00,7,2\n-3,0,3\n-3,1,4\n-3,2,5\n-3,3,6\n");
     let summary: Vec<_> = data.trajectories.iter().map(|m| (m.id, m.t0, m.samples())).collect();
     assert_eq!(summary, [(7, 5.0, 3), (-3, 0.0, 4)]);
     assert_eq!(data.times(&data.trajectories[0]).collect::<Vec<_>>(), [5.0, 6.0, 7.0]);
