@@ -2,14 +2,18 @@
 
 use crate::Mechanism;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::discrete::StepError;
+use leastaction_core::discrete::{Control, Del, Galerkin, State, StepError};
+use leastaction_core::forces::Forces;
 use leastaction_core::scalar::all_finite;
 
-/// A mechanism in motion, integrated by Runge–Kutta steps much finer than a tick.
+/// A mechanism in motion, integrated by steps much finer than a tick: Runge–Kutta steps or, with friction that sticks or end stops,
+/// variational steps of order 4, which solve these laws.
 #[derive(Clone, Debug)]
 pub struct Plant<'a, M, const N: usize> {
     mechanism: &'a M,
     state: ContinuousState<f32, N>,
+    /// The state with its momentum, once variational steps have been taken.
+    variational: Option<State<f32, N>>,
     substeps: u16,
 }
 
@@ -17,7 +21,7 @@ impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
     /// Creates a plant at (q, v), with the given number of integration steps (at least 1) in each call of [`Plant::advance`].
     pub fn new(mechanism: &'a M, state: ContinuousState<f32, N>, substeps: u16) -> Self {
         debug_assert!(substeps >= 1, "setups without integration steps are refused");
-        Self { mechanism, state, substeps: substeps.max(1) }
+        Self { mechanism, state, variational: None, substeps: substeps.max(1) }
     }
 
     /// Position and velocity.
@@ -31,12 +35,30 @@ impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
             return Ok(());
         }
         let h = duration / f32::from(self.substeps);
+        if self.mechanism.system().forces.sticks() {
+            return self.advance_with_contacts(h, u);
+        }
         for _ in 0..self.substeps {
             let next = self.mechanism.rk4_step(&self.state, u, h)?;
             if !all_finite(&next.q) || !all_finite(&next.v) {
                 return Err(StepError::NotFinite);
             }
             self.state = next;
+        }
+        Ok(())
+    }
+    /// Takes the variational steps of one call.
+    fn advance_with_contacts(&mut self, h: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
+        let system = self.mechanism.system();
+        let ContinuousState { q, v } = self.state;
+        let mut state = match self.variational {
+            Some(state) => state,
+            None => State::new(&system.lagrangian, q, v)?,
+        };
+        for _ in 0..self.substeps {
+            Del::<f32, Galerkin>::new(h).step(system, &mut state, &Control::held(*u))?;
+            self.state = ContinuousState { q: state.q(), v: state.velocity(&system.lagrangian)? };
+            self.variational = Some(state);
         }
         Ok(())
     }

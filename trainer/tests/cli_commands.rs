@@ -52,6 +52,8 @@ mod replaced;
 mod resume;
 #[path = "cli_commands/simulate.rs"]
 mod simulate;
+#[path = "cli_commands/stops.rs"]
+mod stops;
 #[path = "cli_commands/support.rs"]
 mod support;
 #[path = "cli_commands/swing_up.rs"]

@@ -16,6 +16,7 @@ pub struct Rise<R> {
 const SHORT: f64 = 2.0;
 /// Last term of the series; the next one is less than an f64 resolves.
 const TERMS: u8 = 26;
+const LAST: f64 = TERMS as f64;
 
 impl<R: Real> Rise<R> {
     /// Integrals for a time constant ϑ ≥ 0 and a time L ≥ 0, steps; for ϑ = 0 the answer is the input.
@@ -29,7 +30,8 @@ impl<R: Real> Rise<R> {
     /// A_k = Lᵏ x φ_{k+1}(−x) with x = L/ϑ: φ₄ by its series, the others by φ_k = 1/k! − x φ_{k+1}.
     fn short(lag: R, time: R) -> Self {
         let (one, x) = (R::one(), time / lag);
-        let series = (5..=TERMS).rev().fold(one, |sum, j| one - x * sum / R::constant(f64::from(j)));
+        let term = |(sum, j): (R, R), _| (one - x * sum / j, j - one);
+        let (series, _) = (5..=TERMS).rev().fold((one, R::constant(LAST)), term);
         let fourth = series / R::constant(24.0);
         let third = R::constant(1.0 / 6.0) - x * fourth;
         let second = one.half() - x * third;
@@ -56,10 +58,15 @@ impl<R: Real> Rise<R> {
             return Self { integrals: [R::zero(); 4] };
         }
         if time < R::constant(SHORT) * lag {
-            let of = |k: f64, before: R, own: R| (R::constant(k) * own - time * before) / lag;
+            let of = |k: R, before: R, own: R| (k * own - time * before) / lag;
             let gone = -(time / lag) / lag * (-(time / lag)).exp();
             return Self {
-                integrals: [gone, of(1.0, value, first), of(2.0, first, second), of(3.0, second, third)],
+                integrals: [
+                    gone,
+                    of(R::one(), value, first),
+                    of(R::constant(2.0), first, second),
+                    of(R::constant(3.0), second, third),
+                ],
             };
         }
         let rate = if lag > R::zero() { time / lag / lag * (R::one() - value) } else { R::zero() };

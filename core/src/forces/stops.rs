@@ -27,7 +27,8 @@ pub struct Stop<S> {
 impl<S: Scalar> Stop<S> {
     /// No stops.
     pub fn none() -> Self {
-        let [lower, upper] = [f64::NEG_INFINITY, f64::INFINITY].map(S::constant);
+        // Two literals: of an array's numbers a small program would convert each in double precision.
+        let (lower, upper) = (S::constant(f64::NEG_INFINITY), S::constant(f64::INFINITY));
         Self { lower, upper, restitution: S::zero() }
     }
 

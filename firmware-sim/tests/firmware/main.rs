@@ -11,6 +11,7 @@ mod gravity;
 mod link;
 mod mpc;
 mod observer;
+mod plant;
 mod predict;
 mod regulator;
 mod replay;

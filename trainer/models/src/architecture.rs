@@ -2,7 +2,7 @@
 
 use crate::bounds::{Bounds, Range};
 use crate::family::Parts;
-use crate::laws::{CoordinateFriction, Corrections, GroupLaws, LawEntry, NumberKind};
+use crate::laws::{CoordinateFriction, Corrections, GroupLaws, LawEntry, NumberKind, StopNumbers};
 use crate::registry::AnyFamily;
 use crate::scales::Scales;
 use leastaction_core::model::{Family as FamilyHeader, Header, Law, Laws, ModelError};
@@ -214,6 +214,17 @@ impl Architecture {
         }
         let coordinates = if is_there { self.family.group_of_coordinates() } else { Vec::new() };
         coordinates.into_iter().map(|group| groups[group]).collect()
+    }
+
+    /// End stops of every coordinate at these weights, `None` where they are out of reach; empty if there is no such law.
+    pub fn stops_of_coordinates(&self, weights: &[f64]) -> Vec<Option<StopNumbers>> {
+        if !self.group_laws.has(Law::Stops) {
+            return Vec::new();
+        }
+        let numbers: Vec<&[f64]> =
+            self.law_numbers(Law::Stops, weights).chunks(Law::Stops.ranges().len()).collect();
+        let groups = self.family.group_of_coordinates();
+        groups.into_iter().map(|group| numbers.get(group).and_then(|own| StopNumbers::of(own))).collect()
     }
 
     /// Stiffness of the servo of every coordinate at these weights, N/m or N m/rad; empty if commands are forces.

@@ -73,7 +73,7 @@ pub use graph::{GraphArchitecture, GraphType, HostTypes, NamedGraph};
 pub use inertia_network::{HostSystem, InertiaNetworkArchitecture, largest_factor};
 pub use laws::{
     Actuator, CoordinateFriction, CorrectionNetwork, Corrections, DissipationNetwork, DryNumbers, GroupLaws,
-    LaggingCommands, LawEntry, MOST_LOAD, NumberKind, WIDTH_PARTS, WIDTHS,
+    LaggingCommands, LawEntry, MOST_LOAD, NumberKind, StopNumbers, WIDTH_PARTS, WIDTHS,
 };
 pub use layers::random_layers;
 pub use limits::{

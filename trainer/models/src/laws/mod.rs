@@ -12,3 +12,4 @@ pub use actuator::{Actuator, LaggingCommands};
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 pub use friction::{CoordinateFriction, DryNumbers};
 pub use group::{GroupLaws, LawEntry, MOST_LOAD, NumberKind, WIDTH_PARTS, WIDTHS};
+pub use stops::StopNumbers;

@@ -25,6 +25,28 @@ pub struct StopsConfig {
     pub restitution: Option<GroupNumbers>,
 }
 
+/// End stops of one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopNumbers {
+    /// Lower position, m or rad.
+    pub lower: f64,
+    /// Upper position.
+    pub upper: f64,
+    /// Restitution, 0 to 1.
+    pub restitution: f64,
+}
+
+/// Half a distance, m or rad, from which on no motion reaches the stops.
+const OUT_OF_REACH: f64 = 1e30;
+
+impl StopNumbers {
+    /// Stops with these numbers of a model file; `None` if they are out of reach.
+    pub(crate) fn of(numbers: &[f64]) -> Option<Self> {
+        let [centre, half, restitution] = *numbers.first_chunk()?;
+        (half < OUT_OF_REACH).then_some(Self { lower: centre - half, upper: centre + half, restitution })
+    }
+}
+
 /// End stops that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StopsProblem {

@@ -1,9 +1,11 @@
 //! `leastaction inspect`.
 
+mod contacts;
 mod network;
 mod target;
 
 use clap::Args;
+use contacts::{DryFrictionReport, StopReport};
 use leastaction::cli::{Done, Failure, Output};
 use leastaction::models::load_part;
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
@@ -11,7 +13,7 @@ use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
 use leastaction_models::describe::Description;
 use leastaction_models::file::Precision;
-use leastaction_models::{Actuator, DryNumbers, Model};
+use leastaction_models::{Actuator, Model};
 use network::NetworkReport;
 use serde::Serialize;
 use std::fmt;
@@ -52,6 +54,9 @@ struct Report {
     /// Dry friction of every coordinate; empty if there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     dry_friction: Vec<DryFrictionReport>,
+    /// End stops of the coordinates that have some.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    stops: Vec<StopReport>,
     /// The dissipation network, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     dissipation: Option<NetworkReport>,
@@ -126,6 +131,7 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
         damping: (!damping.is_empty() && damped).then_some(damping),
         damping_asymmetry: if is_asymmetric { asymmetry } else { Vec::new() },
         dry_friction: friction.iter().filter_map(|friction| friction.dry).map(Into::into).collect(),
+        stops: StopReport::of(architecture.stops_of_coordinates(&model.weights)),
         dissipation: architecture
             .corrections
             .dissipation
@@ -144,54 +150,6 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
         provenance: model.facts.provenance,
         flash_bytes,
         model: file,
-    }
-}
-
-/// Dry friction of a coordinate, −(coulomb (1 + asymmetry t) + load (√(τ² + smoothing²) − smoothing)) t, t = tanh(v/width), or the law of these
-/// levels that sticks.
-#[derive(Serialize)]
-struct DryFrictionReport {
-    /// Constant part, N or N m.
-    coulomb: f64,
-    asymmetry: f64,
-    load: f64,
-    /// Smoothing of the load, N or N m.
-    smoothing: f64,
-    /// Width, m/s or rad/s.
-    width: f64,
-    /// Friction at rest over friction in motion; absent if friction does not stick.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    breakaway: Option<f64>,
-}
-
-impl From<DryNumbers> for DryFrictionReport {
-    fn from(of: DryNumbers) -> Self {
-        let DryNumbers { constant: coulomb, asymmetry, load, smoothing, width, breakaway } = of;
-        Self { coulomb, asymmetry, load, smoothing, width, breakaway }
-    }
-}
-
-/// Writes the asymmetry of a number that differs by direction.
-fn by_direction(f: &mut fmt::Formatter, asymmetry: f64) -> fmt::Result {
-    match asymmetry {
-        0.0 => Ok(()),
-        _ => write!(f, " ({:+.1}% forwards, {:+.1}% backwards)", 100.0 * asymmetry, -100.0 * asymmetry),
-    }
-}
-
-impl fmt::Display for DryFrictionReport {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { coulomb, asymmetry, load, smoothing, width, breakaway } = self;
-        write!(f, "{coulomb:.4} N or N m")?;
-        by_direction(f, *asymmetry)?;
-        if *load != 0.0 {
-            write!(f, " and {load:.4} of the load beyond {smoothing:.4} N or N m")?;
-        }
-        match breakaway {
-            None => write!(f, ", changing sign over {width:.4} m/s or rad/s"),
-            Some(1.0) => write!(f, ", sticking at rest"),
-            Some(breakaway) => write!(f, ", sticking at rest, where it is {breakaway:.4} times as large"),
-        }
     }
 }
 
@@ -281,6 +239,9 @@ impl fmt::Display for Report {
         }
         for (i, dry) in self.dry_friction.iter().enumerate() {
             line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{i}: {dry}"))?;
+        }
+        for (k, stop) in self.stops.iter().enumerate() {
+            line(f, if k == 0 { "end stops" } else { "" }, &stop.to_string())?;
         }
         for (name, network) in [("dissipation", &self.dissipation), ("potential beside it", &self.potential)]
         {

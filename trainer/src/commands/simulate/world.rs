@@ -5,7 +5,7 @@ use super::{Plant, Scenario};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative, positive};
-use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Viscous};
+use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Sticking, StickingFriction, Viscous};
 use leastaction_core::model::ActuatorBytes;
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::LearnZeros;
@@ -25,6 +25,9 @@ pub struct World {
     /// Width ε of Coulomb friction, rad/s or m/s [default: 0.05].
     #[arg(long, value_name = "E,…", value_delimiter = ',', value_parser = positive, requires = "coulomb")]
     width: Vec<f64>,
+    /// Whether Coulomb friction sticks at rest instead of creeping.
+    #[arg(long, requires = "coulomb", conflicts_with = "width")]
+    sticking: bool,
     /// Zero offsets of the encoders (reading minus true position), rad or m [default: 0].
     #[arg(long, value_name = "Z,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     zeros: Vec<f64>,
@@ -56,6 +59,9 @@ pub struct World {
     #[arg(long, value_name = "SD", allow_negative_numbers = true, value_parser = positive)]
     learn_zeros: Option<f64>,
 }
+
+/// Friction of an exact mechanism, of which either the smooth or the sticking dry friction is 0.
+pub type Friction<const N: usize> = (Viscous<f32, N>, (Coulomb<f32, N>, Sticking<f32, N>));
 
 /// Default width of Coulomb friction.
 const WIDTH: f64 = 0.05;
@@ -105,16 +111,20 @@ impl World {
     }
 
     /// The friction of an exact mechanism.
-    pub fn friction<const N: usize>(&self) -> Result<(Viscous<f32, N>, Coulomb<f32, N>), Failure> {
+    pub fn friction<const N: usize>(&self) -> Result<Friction<N>, Failure> {
         let viscous = for_all("--viscous", &self.viscous, 0.0)?;
         let constants: [f32; N] = for_all("--coulomb", &self.coulomb, 0.0)?;
         let widths: [f32; N] = for_all("--width", &self.width, WIDTH)?;
-        let coordinates = std::array::from_fn(|i| DryFriction {
-            constant: constants[i],
-            width: widths[i],
-            ..DryFriction::none()
-        });
-        Ok((Viscous { coefficients: viscous }, Coulomb { coordinates }))
+        let smooth =
+            |i: usize| DryFriction { constant: constants[i], width: widths[i], ..DryFriction::none() };
+        let sticking = |i: usize| StickingFriction { constant: constants[i], ..StickingFriction::none() };
+        let (mut coulomb, mut stuck) = ([DryFriction::none(); N], [StickingFriction::none(); N]);
+        match self.sticking {
+            true => stuck = std::array::from_fn(sticking),
+            false => coulomb = std::array::from_fn(smooth),
+        }
+        let dry = (Coulomb { coordinates: coulomb }, Sticking { coordinates: stuck });
+        Ok((Viscous { coefficients: viscous }, dry))
     }
 
     /// The largest forces of the drives, if given.
