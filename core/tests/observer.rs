@@ -26,14 +26,23 @@ fn observer(
     Observer::new(system, integrator, [true; 2], Tuning { memory: 5, patience: 25, zeros })
 }
 
-/// Runs 20 s under sinusoidal commands that take effect 0.6 steps late. Returns the largest error of the estimated
-/// velocity in the last 10 s, and the zeros.
+/// Runs 20 s under sinusoidal commands that take effect 0.6 steps late.
 fn run(zeros: [f64; 2], learn: Option<ZerosPrior<f64>>, known: f64) -> (f64, [f64; 2]) {
+    run_lagging(0.0, (zeros, learn), [known, 0.0])
+}
+
+/// Runs 20 s under sinusoidal commands that take effect 0.6 steps late, behind a lag of so many steps; delay and lag are what the observer knows.
+/// Returns the largest error of the estimated velocity in the last 10 s, and the zeros.
+fn run_lagging(
+    true_lag: f64,
+    (zeros, learn): ([f64; 2], Option<ZerosPrior<f64>>),
+    [delay, lag]: [f64; 2],
+) -> (f64, [f64; 2]) {
     let system = rubbing();
     let mut observer = observer(&system, learn);
-    let mut commands = Commands::new(0, Actuator { delay: known, ..Actuator::ideal() });
+    let mut commands = Commands::new(0, Actuator { delay, ..Actuator::ideal() }).with_lag(lag);
     let mut state = ContinuousState { q: [0.5, -0.3], v: [0.0; 2] };
-    let (mut before, mut worst) = ([0.0; 2], 0.0_f64);
+    let (mut before, mut y, mut worst) = ([0.0; 2], [0.0; 2], 0.0_f64);
     for k in 0..2000 {
         observer.correct(&core::array::from_fn(|i| Some(state.q[i] + zeros[i]))).unwrap();
         let estimate = observer.estimate().unwrap().unwrap();
@@ -43,8 +52,13 @@ fn run(zeros: [f64; 2], learn: Option<ZerosPrior<f64>>, known: f64) -> (f64, [f6
         let t = f64::from(k) * H;
         let u = [6.0 * (2.3 * t).sin(), 3.0 * (3.7 * t + 1.0).sin()];
         for part in 0..FINE {
-            let force = if f64::from(part) < 0.6 * f64::from(FINE) { &before } else { &u };
-            state = rk4_step(&system, &state, force, H / f64::from(FINE)).unwrap();
+            let arrived = if f64::from(part) < 0.6 * f64::from(FINE) { &before } else { &u };
+            // Halfway through the part.
+            let gone = if true_lag > 0.0 { (-0.5 / (true_lag * f64::from(FINE))).exp() } else { 0.0 };
+            let towards = |y: [f64; 2]| core::array::from_fn(|i| arrived[i] + gone * (y[i] - arrived[i]));
+            let middle: [f64; 2] = towards(y);
+            state = rk4_step(&system, &state, &middle, H / f64::from(FINE)).unwrap();
+            y = towards(middle);
         }
         before = u;
         observer.predict(&commands.advance(Some(u))).unwrap();
@@ -58,6 +72,38 @@ fn with_friction_and_a_part_of_a_step_of_delay_it_follows_closely() {
     let (unknown, _) = run([0.0; 2], None, 0.0);
     assert!(known < 5e-3, "{known}");
     assert!(unknown > 5.0 * known, "{unknown} {known}");
+}
+
+#[test]
+fn behind_a_lag_it_follows_closely() {
+    for true_lag in [0.4, 3.0] {
+        let (known, _) = run_lagging(true_lag, ([0.0; 2], None), [0.6, true_lag]);
+        let (unknown, _) = run_lagging(true_lag, ([0.0; 2], None), [0.6, 0.0]);
+        assert!(known < 5e-3 && unknown > 5.0 * known, "{true_lag}: {known} {unknown}");
+    }
+}
+
+/// The forces to come last for the decided steps, the rest of the delay and the time constant; over them the lagging command goes towards the last one.
+#[test]
+fn what_is_to_come_lasts_until_the_next_command_has_its_effect() {
+    let mut commands = Commands::new(2, Actuator { delay: 0.25, ..Actuator::ideal() }).with_lag(1.5);
+    [[1.0], [-2.0], [3.0]].into_iter().for_each(|u: [f64; 1]| {
+        commands.advance(Some(u));
+    });
+    let (mut lasted, mut parts, mut last) = (0.0, 0, 0.0);
+    let all = commands.to_come::<()>(|part, force| {
+        (lasted, parts, last) = (lasted + part, parts + 1, force.end[0]);
+        Ok(())
+    });
+    // Of the commands that were given, one acts; two steps are decided, then a quarter and two halves of the time constant pass.
+    assert_eq!((all, parts), (Ok(()), 5));
+    assert!((lasted - (2.0 + 0.25 + 1.5)).abs() < 1e-12 && (1.0..3.0).contains(&last), "{lasted} {last}");
+    let mut refused = 0;
+    let first = commands.to_come(|_, _| {
+        refused += 1;
+        Err(refused)
+    });
+    assert_eq!((first, refused), (Err(1), 1));
 }
 
 #[test]

@@ -27,6 +27,8 @@ pub struct ObserverConfig {
     pub memory: u8,
     /// Delay from a command to its effect that the firmware assumes, in ticks, whole or not; at most [`MAX_DELAY`].
     pub delay: f32,
+    /// Time constant of the drives' lag behind the delay that the firmware assumes, in ticks, at most [`MAX_DELAY`].
+    pub lag: f32,
     /// Number of samples of one encoder missing in a row, or of ticks slept through, after which the estimate is no longer trusted.
     pub patience: u8,
     /// Learning of the encoders' zeros; `None` if no zeros are learned.
@@ -85,6 +87,7 @@ impl ObserverConfig {
             newton: NEWTON,
             memory: 5,
             delay: 1.0,
+            lag: 0.0,
             patience: 25,
             zeros: None,
         }
@@ -121,6 +124,8 @@ impl ObserverConfig {
         require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")?;
         let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.delay);
         require("observer delay", self.delay, sensible, "from 0 to 8 ticks")?;
+        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.lag);
+        require("observer lag", self.lag, sensible, "from 0 to 8 ticks")?;
         let LearnZeros { deviation, innovation } =
             self.zeros.unwrap_or(LearnZeros { deviation: 1.0, innovation: 1.0 });
         for (what, x) in [("deviation of the zeros", deviation), ("deviation of an innovation", innovation)] {
@@ -150,7 +155,12 @@ impl ObserverConfig {
     /// Creates the line of delayed commands from the drive and the delay that the firmware knows.
     pub(crate) fn commands<const N: usize>(&self, drive: &Drive<N>) -> Commands<f32, N> {
         let (whole, rest) = whole_and_rest(self.delay);
-        Commands::new(whole, drive.late(rest))
+        Commands::new(whole, drive.late(rest)).with_lag(self.lag)
+    }
+
+    /// Ticks by which a command is late: its delay, and the time constant of the lag behind it.
+    pub fn lateness(&self) -> f32 {
+        self.delay + self.lag
     }
 }
 

@@ -29,17 +29,24 @@ impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
         &self.state
     }
 
-    /// Moves on for a time (s) under a held force; after an error the plant stays at the last finite state.
-    pub fn advance(&mut self, duration: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
+    /// Moves on for a time (s) under forces that are held over each of its steps; `u` is asked for them in turn, with the part of the time that
+    /// each lasts. After an error the plant stays at the last finite state.
+    pub fn advance(
+        &mut self,
+        duration: f32,
+        mut u: impl FnMut(f32) -> [f32; N],
+    ) -> Result<(), StepError<f32>> {
         if duration <= 0.0 {
             return Ok(());
         }
-        let h = duration / f32::from(self.substeps);
-        if self.mechanism.system().forces.sticks() {
-            return self.advance_with_contacts(h, u);
-        }
+        let (h, part) = (duration / f32::from(self.substeps), f32::from(self.substeps).recip());
         for _ in 0..self.substeps {
-            let next = self.mechanism.rk4_step(&self.state, u, h)?;
+            let force = u(part);
+            if self.mechanism.system().forces.sticks() {
+                self.step_with_contacts(h, &force)?;
+                continue;
+            }
+            let next = self.mechanism.rk4_step(&self.state, &force, h)?;
             if !all_finite(&next.q) || !all_finite(&next.v) {
                 return Err(StepError::NotFinite);
             }
@@ -47,19 +54,17 @@ impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
         }
         Ok(())
     }
-    /// Takes the variational steps of one call.
-    fn advance_with_contacts(&mut self, h: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
+    /// Takes a variational step.
+    fn step_with_contacts(&mut self, h: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
         let system = self.mechanism.system();
         let ContinuousState { q, v } = self.state;
         let mut state = match self.variational {
             Some(state) => state,
             None => State::new(&system.lagrangian, q, v)?,
         };
-        for _ in 0..self.substeps {
-            Del::<f32, Galerkin>::new(h).step(system, &mut state, &Control::held(*u))?;
-            self.state = ContinuousState { q: state.q(), v: state.velocity(&system.lagrangian)? };
-            self.variational = Some(state);
-        }
+        Del::<f32, Galerkin>::new(h).step(system, &mut state, &Control::held(*u))?;
+        self.state = ContinuousState { q: state.q(), v: state.velocity(&system.lagrangian)? };
+        self.variational = Some(state);
         Ok(())
     }
 }

@@ -192,20 +192,17 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         self.state.map(|state| self.continuous(&state)).transpose()
     }
 
-    /// The estimate at the time when the next command takes effect: after all steps that `commands` has decided, and the rest of the delay.
+    /// The estimate at the time when the next command takes effect: after all steps that `commands` has decided, the rest of the delay, and the
+    /// time constant of a lag.
     ///
     /// # Errors
     /// The errors of the step.
     pub fn ahead(&self, commands: &Commands<R, N>) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
         let Some(mut state) = self.state else { return Ok(None) };
-        for u in commands.decided() {
-            self.integrator.step(self.system, &mut state, &u)?;
-        }
-        let (rest, force) = commands.rest();
-        if rest > R::zero() {
-            let part = self.integrator.with_step(rest * self.integrator.h());
-            part.step(self.system, &mut state, &Control::held(force))?;
-        }
+        commands.to_come(|part, u| {
+            let part = self.integrator.with_step(part * self.integrator.h());
+            part.step(self.system, &mut state, u).map(|_| ())
+        })?;
         self.continuous(&state).map(Some)
     }
 

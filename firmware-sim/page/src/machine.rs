@@ -83,11 +83,16 @@ fn dry<const N: usize>(constants: [f32; N]) -> Coulomb<f32, N> {
 /// Lets the firmware know the actuator of its model's file, else the true one.
 pub fn know<const N: usize>(setup: &mut Setup<N>, learned: Option<ActuatorBytes>) -> Result<(), ModelError> {
     let truth = setup.devices.actuator;
-    (setup.known_drive, setup.observer.delay) = match learned {
-        None => (truth.drive, truth.delay),
+    (setup.known_drive, [setup.observer.delay, setup.observer.lag]) = match learned {
+        None => (truth.drive, [truth.delay, truth.lag]),
         Some(file) => {
-            let (_, actuator) = file.at_step::<N>(setup.tick)?;
-            (Drive { gain: actuator.gain, offset: actuator.offset }, file.delay() / setup.tick)
+            let actuator = if file.lag() > 0.0 {
+                file.at_step_with_lag::<N>(setup.tick)?.1
+            } else {
+                file.at_step::<N>(setup.tick)?.1
+            };
+            let drive = Drive { gain: actuator.gain, offset: actuator.offset };
+            (drive, [file.delay(), file.lag()].map(|time| time / setup.tick))
         }
     };
     Ok(())

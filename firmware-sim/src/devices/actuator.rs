@@ -1,7 +1,8 @@
 use crate::error::{SetupError, require};
 use crate::observer::whole_and_rest;
 use crate::wire::array;
-use leastaction_core::forces;
+use leastaction_core::forces::{self, Rise};
+use leastaction_core::linear::add_scaled;
 use serde::{Deserialize, Serialize};
 
 pub use leastaction_core::observer::MAX_DELAY;
@@ -61,12 +62,14 @@ pub struct ActuatorConfig<const N: usize> {
     /// counts from the time when a tick is due; a command that comes later than the end of that part still acts at
     /// once.
     pub delay: f32,
+    /// Time constant T of the lag behind the delay, T ẏ = u(t − d) − y, in ticks, at most [`MAX_DELAY`]; the force is that of the command y.
+    pub lag: f32,
 }
 
 impl<const N: usize> ActuatorConfig<N> {
     /// Creates actuators with the given limits; forces are the commands, one tick late.
     pub const fn new(limit: [f32; N]) -> Self {
-        Self { limit, drive: Drive::ideal(), delay: 1.0 }
+        Self { limit, drive: Drive::ideal(), delay: 1.0, lag: 0.0 }
     }
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
@@ -75,7 +78,9 @@ impl<const N: usize> ActuatorConfig<N> {
         }
         self.drive.validate()?;
         let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.delay);
-        require("actuator delay", self.delay, sensible, "from 0 to 8 ticks")
+        require("actuator delay", self.delay, sensible, "from 0 to 8 ticks")?;
+        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.lag);
+        require("actuator lag", self.lag, sensible, "from 0 to 8 ticks")
     }
 
     /// Clamps `u` to the limits.
@@ -87,24 +92,39 @@ impl<const N: usize> ActuatorConfig<N> {
 /// Delay line of commands: each comes out a number of ticks after it went in.
 pub type DelayLine<const N: usize> = leastaction_core::observer::DelayLine<f32, N>;
 
-/// Actuators with a delay line and saturation; between ticks they hold the force.
+/// Actuators with a delay line, saturation and a lag; without a lag they hold the force between ticks.
 #[derive(Clone, Debug)]
 pub struct Actuator<const N: usize> {
     config: ActuatorConfig<N>,
     line: DelayLine<N>,
-    force: [f32; N],
+    /// The command that has arrived, within the limits.
+    arrived: [f32; N],
+    /// The lagging command y.
+    y: [f32; N],
 }
 
 impl<const N: usize> Actuator<N> {
     /// Creates actuators without a command.
     pub fn new(config: ActuatorConfig<N>) -> Self {
         let line = DelayLine::new(whole_and_rest(config.delay).0);
-        Self { config, line, force: config.drive.force(&[0.0; N]) }
+        Self { config, line, arrived: [0.0; N], y: [0.0; N] }
     }
 
     /// The force acting now, N or N m.
     pub fn force(&self) -> [f32; N] {
-        self.force
+        self.config.drive.force(&self.y)
+    }
+
+    /// Lets a part of a tick pass, and returns the mean force over it.
+    pub fn pass(&mut self, part: f32) -> [f32; N] {
+        if self.config.lag <= 0.0 || part <= 0.0 {
+            return self.force();
+        }
+        let [end, area, ..] = Rise::new(self.config.lag, part).integrals;
+        let away: [f32; N] = core::array::from_fn(|i| self.arrived[i] - self.y[i]);
+        let mean = add_scaled(&self.y, area / part, &away);
+        self.y = add_scaled(&self.y, end, &away);
+        self.config.drive.force(&mean)
     }
 
     /// Fraction of a tick after which a command that is due in the tick takes effect.
@@ -112,9 +132,12 @@ impl<const N: usize> Actuator<N> {
         whole_and_rest(self.config.delay).1
     }
 
-    /// Begins a tick: takes a command, if there is one, and applies the command that is due.
+    /// Begins a tick: takes a command, if there is one, and applies the command that is due; returns the force that acts from then on.
     pub fn advance(&mut self, command: Option<[f32; N]>) -> [f32; N] {
-        self.force = self.config.drive.force(&self.config.saturate(&self.line.advance(command)));
-        self.force
+        self.arrived = self.config.saturate(&self.line.advance(command));
+        if self.config.lag <= 0.0 {
+            self.y = self.arrived;
+        }
+        self.force()
     }
 }

@@ -35,7 +35,7 @@ impl<const N: usize> Devices<N> {
     pub fn perfect(self) -> Self {
         Self {
             encoders: self.encoders.map(EncoderConfig::perfect),
-            actuator: ActuatorConfig { delay: 0.0, ..self.actuator },
+            actuator: ActuatorConfig { delay: 0.0, lag: 0.0, ..self.actuator },
             clock: ClockConfig::perfect(),
         }
     }

@@ -102,7 +102,7 @@ impl<'p, const N: usize> Followed<'p, N> {
             header: *plan.file().header(),
             start: [start.q, start.v],
             drives: [setup.known_drive, *drive],
-            delay: setup.observer.delay * setup.tick,
+            delay: setup.observer.lateness() * setup.tick,
             tolerance: setup.goal.tolerance,
             rests: rests(plan),
             begun: None,

@@ -189,7 +189,7 @@ pub fn predict<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
         let tick = forecast.tick(index, setup.tick, plant.state(), u, &angle);
         recorder.record(&tick);
         sink(&tick);
-        let moved = plant.advance(setup.tick, &u);
+        let moved = plant.advance(setup.tick, |_| u);
         let stepped = forecast.advance(&u, &plant.state().q);
         recorder.errors(stepped.is_err().into(), moved.is_err().into());
     }

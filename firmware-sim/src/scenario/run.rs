@@ -56,10 +56,13 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
         let force = self.actuator.force();
         self.braked = self.braked.filter(|braked| *braked == force);
         if self.braked.is_some() {
+            // A lagging force changes meanwhile.
+            self.actuator.pass(fraction);
             return;
         }
-        let force = add_scaled(&force, 1.0, &self.pushes[1]);
-        let moved = self.plant.advance(fraction * self.h, &force);
+        let (actuator, push) = (&mut self.actuator, &self.pushes[1]);
+        let force = |part: f32| add_scaled(&actuator.pass(part * fraction), 1.0, push);
+        let moved = self.plant.advance(fraction * self.h, force);
         self.errors += u32::from(moved.is_err());
     }
 
@@ -103,7 +106,7 @@ impl<'a, P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Run
             world: World::new(plant, setup),
             processor,
             trajectory,
-            delay: setup.observer.delay * setup.tick,
+            delay: setup.observer.lateness() * setup.tick,
             recorder: Recorder::new(setup.goal, angle),
             angle,
             ticks: 0,

@@ -128,7 +128,7 @@ impl<const N: usize> Setup<N> {
     /// The run with ideal devices, and a firmware that knows of no delay.
     #[must_use]
     pub fn perfect(self) -> Self {
-        let observer = ObserverConfig { delay: 0.0, ..self.observer };
+        let observer = ObserverConfig { delay: 0.0, lag: 0.0, ..self.observer };
         Self { devices: self.devices.perfect(), observer, ..self }
     }
 

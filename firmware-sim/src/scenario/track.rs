@@ -70,7 +70,7 @@ impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
         let program = self.program();
         program.check(model)?;
         let control = (self.gains, diagonal(model, &self.reference.at(0.0).q), program.angle);
-        let delay = program.observer.delay * program.tick;
+        let delay = program.observer.lateness() * program.tick;
         Ok(program.firmware(model, ByEncoders::new(control, program.tick, delay, cut_off)?))
     }
 }

@@ -93,6 +93,13 @@ fn a_missed_tick_repeats_the_last_command() {
 
 #[test]
 fn actuators_saturate() {
+    let mut slow = Actuator::new(ActuatorConfig { delay: 0.0, lag: 2.0, ..ActuatorConfig::new([3.0]) });
+    slow.advance(Some([5.0]));
+    assert_eq!(slow.force(), [0.0]);
+    let mean = slow.pass(1.0)[0];
+    let (end, expected) = (slow.force()[0], 3.0 * (1.0 - (-0.5_f32).exp()));
+    let expected_mean = 3.0 * (1.0 - 2.0 * (1.0 - (-0.5_f32).exp()));
+    assert!((end - expected).abs() < 1e-6 && (mean - expected_mean).abs() < 1e-6, "{end} {mean}");
     let mut actuator = Actuator::new(ActuatorConfig { delay: 0.0, ..ActuatorConfig::new([2.0, 0.0]) });
     assert_eq!(actuator.advance(Some([5.0, 1.0])), [2.0, 0.0]);
     assert_eq!(actuator.advance(Some([-5.0, -1.0])), [-2.0, 0.0]);

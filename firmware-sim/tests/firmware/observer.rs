@@ -31,7 +31,7 @@ fn errors(system: &Pendulum, config: &ObserverConfig, ticks: u32, seen: impl Fn(
         let estimate = observer.estimate().unwrap().unwrap();
         assert!(!observer.trusted() || wrap(estimate.q[0] - truth.q[0]).abs() < 0.1);
         errors.push((estimate.v[0] - truth.v[0]).abs());
-        plant.advance(H, &[0.3]).unwrap();
+        plant.advance(H, |_| [0.3]).unwrap();
     }
     errors
 }
@@ -138,7 +138,7 @@ fn learned_zero(zero: f32, config: &ObserverConfig) -> (f32, f32) {
             worst = worst.max((observer.estimate().unwrap().unwrap().v[0] - plant.state().v[0]).abs());
         }
         let u = [1.5 * (0.02 * tick as f32).sin()];
-        plant.advance(H, &u).unwrap();
+        plant.advance(H, |_| u).unwrap();
         observer.predict(&Control::held(u)).unwrap();
     }
     (observer.zeros()[0], worst)
@@ -166,7 +166,7 @@ fn a_zero_that_nothing_depends_on_stays_unlearned() {
     for _ in 0..1000 {
         let [x, theta] = plant.state().q;
         observer.correct(&[Some(x + 0.03), Some(wrap(theta + 0.03))]).unwrap();
-        plant.advance(H, &[0.0; 2]).unwrap();
+        plant.advance(H, |_| [0.0; 2]).unwrap();
         observer.predict(&Control::held([0.0; 2])).unwrap();
     }
     let ([x, theta], [x_deviation, theta_deviation]) = (observer.zeros(), observer.zeros_deviation());

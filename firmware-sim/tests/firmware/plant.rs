@@ -17,15 +17,15 @@ fn plants_solve_stops_and_friction_that_sticks() {
     for k in 0..400_u16 {
         // Two parts of a tick, as a drive with a delay has them.
         let u = 6.0 * (0.09 * f32::from(k)).sin();
-        plant.advance(0.004, &[0.7 * u]).unwrap();
-        plant.advance(0.006, &[u]).unwrap();
+        plant.advance(0.004, |_| [0.7 * u]).unwrap();
+        plant.advance(0.006, |_| [u]).unwrap();
         let q = plant.state().q[0];
         (lowest, highest) = (lowest.min(q), highest.max(q));
     }
     assert!((-0.5..-0.49).contains(&lowest) && (0.39..=0.4).contains(&highest), "{lowest} … {highest}");
     let mut held = Plant::new(&system, ContinuousState { q: [0.05], v: [0.0] }, 8);
     for _ in 0..100 {
-        held.advance(0.01, &[0.0]).unwrap();
+        held.advance(0.01, |_| [0.0]).unwrap();
     }
     assert_eq!(*held.state(), ContinuousState { q: [0.05], v: [0.0] });
 }

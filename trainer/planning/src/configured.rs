@@ -18,27 +18,13 @@ const CATCH: [f64; 2] = [0.1, 0.5];
 /// Default deviations of positions and velocities for the gains.
 const DEVIATIONS: [f64; 2] = [0.1, 1.0];
 
-/// Refuses a model whose drives lag.
-fn without_lag(machine: &Machine) -> Result<(), PlanError> {
-    let lag = machine.model.facts.actuator.lag;
-    if lag <= 0.0 {
-        return Ok(());
-    }
-    let message = format!(
-        "the drives of the model lag by {lag:.3} s, which plans do not make up for; plan with a model that was learned without `lag` in \
-         [calibration], its `delay` learned"
-    );
-    Err(PlanError::Motion(message))
-}
-
 impl Task {
     /// Completes a configuration by what the machine knows, and checks every number.
     ///
     /// # Errors
-    /// [`PlanError::Value`] with the key; [`PlanError::Motion`] for a model whose drives lag, which plans do not make up for.
+    /// [`PlanError::Value`] with the key.
     pub fn new(config: &PlanConfig, machine: &Machine) -> Result<Self, PlanError> {
         let n = machine.n();
-        without_lag(machine)?;
         let (tick, order) = step(config, machine)?;
         let (ticks_per_node, nodes) = nodes(config, tick)?;
         let limits = limits(config, machine)?;

@@ -233,7 +233,7 @@ fn config<const N: usize>(request: &Request, plan: &Plan<N, N>) -> Result<Follow
 /// Conversion between commands and forces in plans for the model, in ticks of h seconds.
 pub(super) fn drive<const N: usize>(request: &Request, h: f32) -> Result<Drive<N>, Failure> {
     let known = known_actuator(request.model, h)?;
-    Ok(known.map_or(Drive::ideal(), |(drive, _)| drive))
+    Ok(known.map_or(Drive::ideal(), |known| known.drive))
 }
 
 /// Task of following a plan on the plant of another model file.

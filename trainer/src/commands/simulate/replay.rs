@@ -106,12 +106,12 @@ impl Replay<'_> {
         let facts = &self.model.facts;
         observer.order = facts.trained_step.map_or(observer.order, |step| step.order);
         let known = known_actuator(self.model, h)?;
-        observer.delay = known.map_or(0.0, |(_, delay)| delay);
+        [observer.delay, observer.lag] = known.map_or([0.0; 2], |known| [known.delay, known.lag]);
         observer.zeros = self.learn_zeros.map(|deviation| LearnZeros { deviation, innovation: INNOVATION });
         let coordinates = self.model.architecture.coordinates();
         let mut angles = coordinates.chars().map(|letter| letter == 'a');
         let angle = std::array::from_fn(|_| angles.next().unwrap_or(false));
-        let drive = known.map_or(Drive::ideal(), |(drive, _)| drive);
+        let drive = known.map_or(Drive::ideal(), |known| known.drive);
         Ok(Program::listening(h, angle, drive, observer))
     }
 }

@@ -52,6 +52,12 @@ pub struct World {
     /// Delay that the firmware assumes, ms [default: that of the model file, else the true one].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     known_delay: Option<f64>,
+    /// Time constant of a lag of the drives behind the delay, ms, at most 8 ticks [default: that of the plant's file, else 0].
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
+    lag: Option<f64>,
+    /// Lag that the firmware assumes, ms [default: that of the model file, else the true one].
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
+    known_lag: Option<f64>,
     /// Largest lateness of ticks, ms; less than a tick [default: 0].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     jitter: Option<f64>,
@@ -80,7 +86,7 @@ impl World {
         let devices = [&self.zeros, &self.noise, &self.gain, &self.offset, &self.limit]
             .iter()
             .any(|list| !list.is_empty())
-            || [self.delay, self.known_delay, self.jitter, self.learn_zeros].iter().any(Option::is_some);
+            || self.times().iter().chain([&self.learn_zeros]).any(Option::is_some);
         if devices && request.scenario == Scenario::Predict {
             return Err(Failure::Input(
                 "predict has no encoders, no drives and no clock; leave out what is said of them, or take track or \
@@ -101,13 +107,16 @@ impl World {
     pub fn only_zeros(&self) -> Result<Option<f32>, Failure> {
         let Self { viscous, coulomb, width, zeros, noise, gain, offset, limit, .. } = self;
         let lists = [viscous, coulomb, width, zeros, noise, gain, offset, limit];
-        let numbers = [self.delay, self.known_delay, self.jitter];
-        if lists.iter().any(|list| !list.is_empty()) || numbers.iter().any(Option::is_some) {
+        if lists.iter().any(|list| !list.is_empty()) || self.times().iter().any(Option::is_some) {
             let reason = "--replay takes friction, delay and noise as they are in the log; of the options for them it \
                           knows --learn-zeros alone";
             return Err(Failure::Input(reason.to_owned()));
         }
         Ok(self.learn_zeros.map(|deviation| deviation as f32))
+    }
+
+    fn times(&self) -> [Option<f64>; 5] {
+        [self.delay, self.known_delay, self.lag, self.known_lag, self.jitter]
     }
 
     /// The friction of an exact mechanism.
@@ -168,40 +177,50 @@ impl World {
         let (h, truth) = (setup.tick, &mut setup.devices.actuator);
         let ticks = |ms: f64| (1e-3 * ms / f64::from(h)) as f32;
         truth.delay = self.delay.map_or(truth.delay, ticks);
+        truth.lag = self.lag.map_or(truth.lag, ticks);
         truth.limit = self.limit()?.unwrap_or(truth.limit);
         truth.drive = Drive {
             gain: for_all("--gain", &self.gain, 1.0)?,
             offset: for_all("--offset", &self.offset, 0.0)?,
         };
         if let Plant::Model { model, .. } = plant
-            && let Some((drive, _)) = known_actuator::<N>(model, h)?
+            && let Some(KnownActuator { drive, lag, .. }) = known_actuator::<N>(model, h)?
         {
+            truth.lag = if self.lag.is_none() { lag } else { truth.lag };
             truth.drive.gain = if self.gain.is_empty() { drive.gain } else { truth.drive.gain };
             truth.drive.offset = if self.offset.is_empty() { drive.offset } else { truth.drive.offset };
         }
         let known = known_actuator::<N>(model, h)?;
-        setup.known_drive = known.map_or(truth.drive, |(drive, _)| drive);
-        let of_model = known.map(|(_, delay)| delay);
-        setup.observer.delay = self.known_delay.map(ticks).or(of_model).unwrap_or(truth.delay);
+        setup.known_drive = known.map_or(truth.drive, |known| known.drive);
+        let [delay, lag] = known.map_or([truth.delay, truth.lag], |known| [known.delay, known.lag]);
+        setup.observer.delay = self.known_delay.map_or(delay, ticks);
+        setup.observer.lag = self.known_lag.map_or(lag, ticks);
         Ok(())
     }
 }
 
-/// Gain, offset and delay (in steps of h seconds) of a model file's actuator; `None` if the command is the force. A lag is refused.
-pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<(Drive<N>, f32)>, Failure> {
+/// Actuator of a model file.
+#[derive(Clone, Copy)]
+pub struct KnownActuator<const N: usize> {
+    /// Gain and offset.
+    pub drive: Drive<N>,
+    /// Delay, in steps.
+    pub delay: f32,
+    /// Time constant of the lag, in steps.
+    pub lag: f32,
+}
+
+/// The actuator of a model file for steps of h seconds; `None` if the command is the force.
+pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<KnownActuator<N>>, Failure> {
     let bytes = model.facts.actuator.to_bytes();
     let Ok(file) = ActuatorBytes::new(&bytes) else { return Ok(None) };
-    if file.lag() > 0.0 {
-        let message = format!(
-            "the drives of the model lag by {:.3} s, which the firmware's program does not make up for; take a model that was learned \
-             without `lag` in [calibration], its `delay` learned",
-            file.lag()
-        );
-        return Err(Failure::Input(message));
-    }
-    let (_, Actuator { gain, offset, .. }) =
-        file.at_step(h).map_err(|error| Failure::Input(error.to_string()))?;
-    Ok(Some((Drive { gain, offset }, file.delay() / h)))
+    let at_step = if file.lag() > 0.0 {
+        file.at_step_with_lag(h).map(|(_, actuator, _)| actuator)
+    } else {
+        file.at_step(h).map(|(_, actuator)| actuator)
+    };
+    let Actuator { gain, offset, .. } = at_step.map_err(|error| Failure::Input(error.to_string()))?;
+    Ok(Some(KnownActuator { drive: Drive { gain, offset }, delay: file.delay() / h, lag: file.lag() / h }))
 }
 
 /// Replaces `values` by those of an option, if the option is given.
