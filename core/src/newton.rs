@@ -44,7 +44,7 @@ impl<R: Real> Newton<R> {
             }
             equations.update()?;
             since_revision += 1;
-            report.iterations += 1;
+            report.iterations = report.iterations.saturating_add(1);
         }
     }
 

@@ -118,11 +118,14 @@ impl From<ConstraintError<f32>> for Error {
             ConstraintError::Mass { node } => Self::new(Status::Singular, [node * LEASTACTION_DIMENSIONS]),
             ConstraintError::NotFinite => Status::NotFinite.into(),
             ConstraintError::NotConverged(report) => StepError::NotConverged(report).into(),
-            // None of these can occur with a loaded graph and workspaces of the right size.
+            // None of these can occur with a loaded graph, which has no friction that sticks, and workspaces of the right size.
             ConstraintError::Node { .. }
             | ConstraintError::Length { .. }
             | ConstraintError::Shape { .. }
-            | ConstraintError::Workspace { .. } => Status::OtherGraphError.into(),
+            | ConstraintError::Workspace { .. }
+            | ConstraintError::Grip { .. }
+            | ConstraintError::Width { .. }
+            | ConstraintError::Backward { .. } => Status::OtherGraphError.into(),
         }
     }
 }

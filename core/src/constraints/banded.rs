@@ -29,8 +29,9 @@ impl<'a, R: Real> Banded<'a, R> {
         Self { band, entries }
     }
 
-    /// Sets every entry inside the band.
-    pub fn set(&mut self, entry: impl Fn(usize, usize) -> R) {
+    /// Sets every entry inside the band; `sizes`: also the sizes by which pivots are judged, to those of the diagonal.
+    #[inline(always)]
+    pub fn set(&mut self, sizes: bool, entry: impl Fn(usize, usize) -> R) {
         let (band, width) = (self.band, width(self.band));
         let equations = self.entries.len() / width;
         for (k, row) in self.entries.chunks_exact_mut(width.get()).enumerate() {
@@ -42,7 +43,7 @@ impl<'a, R: Real> Banded<'a, R> {
                     diagonal = value.abs();
                 }
             }
-            if let Some(size) = row.last_mut() {
+            if let (true, Some(size)) = (sizes, row.last_mut()) {
                 *size = diagonal;
             }
         }
@@ -51,6 +52,23 @@ impl<'a, R: Real> Banded<'a, R> {
     /// Factors the matrix in place. Fails with the index of the row whose pivot is no more than rounding error,
     /// or is not finite.
     pub fn factor(&mut self) -> Result<(), usize> {
+        self.eliminate(false)
+    }
+
+    /// [`Banded::factor`] for equations that may follow from those before them: their unknown is then 0. Fails with the index of a row that
+    /// is not finite.
+    pub fn factor_independent(&mut self) -> Result<(), usize> {
+        self.eliminate(true)
+    }
+
+    /// Whether [`Banded::factor_independent`] has found that an equation follows from those before it.
+    pub fn is_dependent(&self, equation: usize) -> bool {
+        let mut rows = self.entries.chunks_exact(width(self.band).get());
+        rows.nth(equation).and_then(|row| row.get(self.band)).is_some_and(|pivot| !pivot.is_finite())
+    }
+
+    #[inline(always)]
+    fn eliminate(&mut self, skips: bool) -> Result<(), usize> {
         let (band, width) = (self.band, width(self.band));
         // A redundant row is left with a pivot of a few rounding units of its diagonal entry.
         let smallest = R::constant(64.0) * R::EPSILON;
@@ -58,11 +76,17 @@ impl<'a, R: Real> Banded<'a, R> {
             let Some((upper, lower)) = self.entries.split_at_mut_checked((k + 1) * width.get()) else {
                 return Err(k);
             };
-            let mut above = upper.iter().skip(k * width.get() + band);
-            let (Some(pivot), Some(size)) = (above.next(), upper.last()) else { return Err(k) };
-            if pivot.abs() <= smallest * *size || !pivot.is_finite() {
+            let Some(row) = upper.get_mut(k * width.get()..) else { return Err(k) };
+            let (Some(pivot), Some(size)) = (row.get(band).copied(), row.last()) else { return Err(k) };
+            let is_dependent = pivot.abs() <= smallest * *size;
+            if (is_dependent && !skips) || !pivot.is_finite() {
                 return Err(k);
             }
+            if let (true, Some(pivot)) = (is_dependent, row.get_mut(band)) {
+                *pivot = R::constant(f64::INFINITY);
+            }
+            let mut above = row.iter().skip(band);
+            let Some(pivot) = above.next() else { return Err(k) };
             for (offset, row) in lower.chunks_exact_mut(width.get()).take(band).enumerate() {
                 let mut entries = row.iter_mut().skip(band - 1 - offset);
                 let Some(factor) = entries.next() else { return Err(k) };

@@ -4,6 +4,9 @@
 //! block per node and an equation touches few nodes, so the matrix is banded: its band is 1 for a chain in order, and time and memory are
 //! then linear in the length of the chain. [`Constrained::new`] finds the band once.
 //!
+//! Beside dry friction that sticks, what sticks leaves M⁻¹, and an equation that no other coordinate can change gets no impulse: see
+//! [`rattle`](crate::discrete::rattle#dry-friction-that-sticks).
+//!
 //! Sources: LGNN (its equation 2, corrected); Hairer, Lubich, Wanner, "Geometric Numerical Integration", section VII.1.
 
 mod banded;
@@ -149,6 +152,23 @@ pub enum ConstraintError<R> {
         /// The node.
         node: usize,
     },
+    /// Dry friction of a node that is no number of at least 0, or a breakaway ratio below 1.
+    Grip {
+        /// The node.
+        node: usize,
+        /// The coordinate, from 0.
+        axis: usize,
+    },
+    /// The width of the smooth law of dry friction is not positive and finite.
+    Width {
+        /// The width ε, m/s.
+        width: R,
+    },
+    /// A step, or a part of one of order 4, that goes back in time or nowhere, where dry friction that sticks has no solution.
+    Backward {
+        /// Length of the step or of its part, s.
+        h: R,
+    },
     /// Positions, momenta, forces or energies are infinite or NaN.
     NotFinite,
     /// The equations of a step were not solved within the allowed iterations.
@@ -187,6 +207,20 @@ impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
                 write!(f, "constraint {constraint} follows from those before it, or contradicts them")
             }
             Self::Mass { node } => write!(f, "the mass of node {node} is singular"),
+            Self::Grip { node, axis } => write!(
+                f,
+                "the dry friction of node {node} along axis {axis} needs levels of at least 0 and a breakaway ratio of at least 1"
+            ),
+            Self::Width { width } => {
+                write!(
+                    f,
+                    "the width of the smooth law of dry friction, {width} m/s, is not positive and finite"
+                )
+            }
+            Self::Backward { h } => write!(
+                f,
+                "friction that sticks cannot be stepped by {h} s: use order 2 and a step above 0, for order 4 goes back in time"
+            ),
             Self::NotFinite => SolveError::NotFinite.fmt(f),
             Self::NotConverged(report) => report.not_converged(f),
         }

@@ -84,7 +84,7 @@ where
     }
     check_finite(acceleration, lambda)?;
     let mut matrix = Banded::new(mechanism.band(), workspace.numbers(mechanism.matrix_workspace()));
-    matrix.set(|k, l| rows.coupling(k, inverses, &rows, l));
+    matrix.set(true, |k, l| rows.coupling(k, inverses, &rows, l));
     matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })?;
     matrix.solve(lambda);
     rows.transposed_times(lambda, |node, force| {

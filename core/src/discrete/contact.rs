@@ -1,25 +1,12 @@
 //! Contacts of a step: which coordinates stick or lie on an end stop, and the momentum that this leaves at its end.
 
+use super::motion::Motion;
 use super::{Interval, Path, StepError};
 use crate::forces::{Grip, Stop, System};
 use crate::lagrangian::Lagrangian;
 use crate::linear::{Matrix, multiply, solve, solve_many};
 use crate::newton::Report;
 use crate::scalar::{Real, all_finite};
-
-/// Motion of a coordinate during a step or at its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
-    Sticks,
-    Forward,
-    Backward,
-    /// Moves without dry friction, and cannot stick.
-    Free,
-    /// Ends on the lower stop.
-    AtLower,
-    /// Ends on the upper stop.
-    AtUpper,
-}
 
 /// Motions of all coordinates, the impulses that friction can give in half a step, and the increments that lead to the stops.
 #[derive(Clone, Copy, Debug)]
@@ -76,17 +63,12 @@ impl<R: Real, const N: usize> Contact<R, N> {
     /// The contacts of a path, before any revision.
     pub fn new<P: Path>(grips: &[Grip<R>; N], stops: &[Stop<R>; N], path: &Interval<R, P, N>) -> Self {
         let (zero, half) = (R::zero(), path.h.abs().half());
-        let impulse = |grip: &Grip<R>| Grip {
-            forward: half * grip.forward,
-            backward: half * grip.backward,
-            breakaway: grip.breakaway,
-        };
         let (q0, w) = (path.start(), path.increment());
         let to_stops = core::array::from_fn(|i| {
             let [lower, upper] = [stops[i].lower, stops[i].upper].map(|stop| (stop - q0[i]) / path.h);
             [-((-lower).max(zero)), upper.max(zero)]
         });
-        let grips = core::array::from_fn(|i| impulse(&grips[i]));
+        let grips = core::array::from_fn(|i| grips[i].over(half));
         let mut contact = Self { grips, stops: *stops, to_stops, motion: [Motion::Free; N], returns: [0; N] };
         contact.motion = core::array::from_fn(|i| contact.seen(i, w[i]));
         contact
@@ -106,15 +88,7 @@ impl<R: Real, const N: usize> Contact<R, N> {
     /// The motion that a velocity shows away from the stops.
     #[inline(always)]
     fn moving(&self, i: usize, v: R) -> Motion {
-        if self.grips[i].forward + self.grips[i].backward == R::zero() {
-            Motion::Free
-        } else if v > R::zero() {
-            Motion::Forward
-        } else if v < R::zero() {
-            Motion::Backward
-        } else {
-            Motion::Sticks
-        }
+        Motion::shown(&self.grips[i], v)
     }
 
     #[inline(always)]
@@ -165,9 +139,9 @@ impl<R: Real, const N: usize> Contact<R, N> {
         match self.motion[i] {
             _ if self.rests(i) => R::zero(),
             // Slides until it strikes.
-            Motion::Forward | Motion::AtUpper => -self.grips[i].forward,
-            Motion::Backward | Motion::AtLower => self.grips[i].backward,
-            Motion::Free | Motion::Sticks => R::zero(),
+            Motion::AtUpper => Motion::Forward.sliding(&self.grips[i]),
+            Motion::AtLower => Motion::Backward.sliding(&self.grips[i]),
+            other => other.sliding(&self.grips[i]),
         }
     }
 
@@ -184,8 +158,6 @@ impl<R: Real, const N: usize> Contact<R, N> {
             Motion::Sticks if v != R::zero() => Motion::Sticks,
             Motion::AtLower if !is_there(lower) => Motion::AtLower,
             Motion::AtUpper if !is_there(upper) => Motion::AtUpper,
-            Motion::Sticks if needed < -forward_hold => Motion::Forward,
-            Motion::Sticks if needed > backward_hold => Motion::Backward,
             // A stop only pushes; friction holds too where the coordinate rests, and slides where it strikes.
             Motion::AtUpper if upper == R::zero() && needed > backward_hold => self.moving(i, -R::one()),
             Motion::AtLower if lower == R::zero() && needed < -forward_hold => self.moving(i, R::one()),
@@ -193,9 +165,7 @@ impl<R: Real, const N: usize> Contact<R, N> {
             Motion::AtLower if lower < R::zero() && needed < backward - known_to => self.moving(i, -R::one()),
             Motion::Forward | Motion::Free if v > upper => Motion::AtUpper,
             Motion::Backward | Motion::Free if v < lower => Motion::AtLower,
-            Motion::Forward if v < R::zero() => Motion::Sticks,
-            Motion::Backward if v > R::zero() => Motion::Sticks,
-            same => same,
+            same => same.agreeing(&self.grips[i], v, needed, known_to),
         }
     }
 
@@ -339,11 +309,9 @@ impl<R: Real, const N: usize> Contact<R, N> {
         let [forward_hold, backward_hold] =
             if rests { [breakaway * forward + slack, breakaway * backward + slack] } else { [slack; 2] };
         match self.motion[i] {
-            Motion::Sticks | Motion::AtLower if needed < -forward_hold => self.moving(i, R::one()),
-            Motion::Sticks | Motion::AtUpper if needed > backward_hold => self.moving(i, -R::one()),
-            Motion::Forward if v < R::zero() => Motion::Sticks,
-            Motion::Backward if v > R::zero() => Motion::Sticks,
-            same => same,
+            Motion::AtLower if needed < -forward_hold => self.moving(i, R::one()),
+            Motion::AtUpper if needed > backward_hold => self.moving(i, -R::one()),
+            same => same.agreeing(&self.grips[i], v, needed, slack),
         }
     }
 }

@@ -98,6 +98,7 @@
 mod contact;
 mod derivative;
 mod interval;
+mod motion;
 mod newton;
 mod order;
 mod path;

@@ -19,7 +19,8 @@
 //! Source: Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; Acary and Brogliato, "Numerical methods for
 //! nonsmooth dynamical systems", 2008, chapter 10.
 
-use super::contact::{Contact, End, Motion, slack};
+use super::contact::{Contact, End, slack};
+use super::motion::Motion;
 use super::newton::{Solved, StepEquations, Target};
 use super::{GaussPoint, Interval, Path, StepError, Variation};
 use crate::forces::{Forces, System};

@@ -50,6 +50,13 @@ impl<S: Scalar> Grip<S> {
         Self { forward: S::zero(), backward: S::zero(), breakaway: S::one() }
     }
 
+    /// The largest impulses over a time, s, in N s or N m s.
+    #[must_use]
+    #[inline(always)]
+    pub(crate) fn over(self, time: S) -> Self {
+        Self { forward: time * self.forward, backward: time * self.backward, breakaway: self.breakaway }
+    }
+
     /// Both frictions of a coordinate together; the larger breakaway ratio.
     #[must_use]
     #[inline(always)]

@@ -15,5 +15,6 @@ mod rattle;
 mod rattle_order;
 mod rattle_start;
 mod rattle_state;
+mod rattle_sticking;
 mod sticking;
 mod stops;

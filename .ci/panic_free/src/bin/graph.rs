@@ -3,12 +3,13 @@
 #![no_main]
 
 use core::hint::black_box;
-use leastaction_core::constraints::Holonomic;
-use leastaction_core::discrete::Newton;
+use leastaction_core::constraints::{Constrained, Holonomic};
+use leastaction_core::discrete::rattle::{ParticleState, Rattle};
+use leastaction_core::discrete::{Newton, Order};
 use leastaction_core::energy::graph::{Edge, Fixed, Graph, Member, Union, cutoff_edges};
-use leastaction_core::forces::{Forces, System};
+use leastaction_core::forces::{Forces, Grip, System};
 use leastaction_core::model::GraphModel;
-use leastaction_core::particles::Particles;
+use leastaction_core::particles::{Gripped, Particles};
 use leastaction_core::stepper::{
     Actuated, Actuation, Direct, Drive, Held, Kind, Linear, ParticleMemory, ParticleStepper, particle_numbers,
 };
@@ -45,6 +46,21 @@ fn fixed(graph: Graph<f32, 2, 6, 8, 2>) {
     everything(&System { lagrangian, forces: lagrangian });
 }
 
+/// Steps beside rods under dry friction that sticks.
+#[inline(never)]
+fn gripped(graph: &Graph<f32, 2, 6, 8, 2>, rods: &[Holonomic<f32, 2>]) {
+    let (grips, at) = (black_box([[Grip::none(); 2]; NODES]), black_box([[0.1; 2]; NODES]));
+    let Ok(system) = Gripped::new(graph, &grips, black_box(0.1)) else { return };
+    all(&system);
+    let Ok(mechanism) = Constrained::new(&system, rods) else { return };
+    let (mut memory, mut more, mut work) = ([0.0; 256], [0.0; 256], [0.0; 512]);
+    let rattle = Rattle::new(black_box(0.01), black_box(Order::Two));
+    if let Ok(mut state) = ParticleState::new(&mechanism, &at, &at, &mut memory, &mut work) {
+        let _ = black_box(rattle.step(&mechanism, &mut state, Some(&at), &mut work));
+    }
+    let _ = black_box(rattle.start(&mechanism, [&at; 2], None, &mut more, &mut work).is_ok());
+}
+
 /// Everything of a stepper of this kind.
 #[inline(never)]
 fn stepper<K: Kind, A: Actuation<6>, const PAST: usize>() {
@@ -73,6 +89,7 @@ extern "C" fn _start() -> ! {
         said::<_, 4>(&model);
         let _ = black_box((model.rattle::<f32>(), model.system.constrained().is_ok()));
         all(&graph);
+        gripped(&graph, model.system.rods);
         fixed(graph);
         let nodes = black_box([0, 1, 2]);
         let members = [Member { graph, nodes: &nodes }; 2];

@@ -12,11 +12,38 @@
 //! Positions and momenta are summed with compensation, and φ is evaluated at position and carry
 //! ([`Positions`](crate::constraints::Positions)), because the step divides φ by h.
 //!
+//! # Dry friction that sticks
+//!
+//! Dry friction ([`Gripped`](crate::particles::Gripped)) is a set-valued law with two impulses a step. Λ⁻ joins the first line and belongs to w,
+//! Λ⁺ the second and belongs to v₁: with the levels c⁺ and c⁻ of [`Grip`](crate::forces::Grip) and the breakaway ratio s, for each coordinate i
+//!
+//! - it sticks: w_i = 0 in place of its equation of momentum, and −½h s c⁺ ≤ Λ⁻_i ≤ ½h s c⁻; Λ⁻_i is what balances it, rods included;
+//! - or it slides: Λ⁻_i = −½h c⁺ and w_i ≥ 0, or Λ⁻_i = ½h c⁻ and w_i ≤ 0;
+//!
+//! and the same for Λ⁺ and v₁. A coordinate that sticks leaves M⁻¹, so that A₁ M⁻¹ A₀ᵀ is that of the others: it has w_i = 0 to the last bit, and
+//! so a body at rest keeps every bit of its state. An equation that the others cannot change, as that of a rod between two nodes at rest, or that
+//! follows from equations before it, gets no impulse: any would do, as friction balances it, and 0 is the one that loads friction with the outer
+//! forces alone. If friction cannot hold these, what exceeds its level slides at it, and the rod has an equation again; what rods then keep in
+//! place has w_i = 0 too, where velocities are no more than rounding. If the others move such an equation off 0, its multiplier would
+//! have no bound, and what sticks along it slides.
+//!
+//! Motions are found by an active set: for n coordinates, the first 2n revisions replace all that contradict the solution; those after them
+//! go down the convex function ½wᵀMw − pᵀw + Σ½hc|w| from rest, one coordinate at a time, twice. After 14n revisions in a line the step is an
+//! error ([`ConstraintError::NotConverged`]), and the state unchanged.
+//!
+//! Λ⁻·w ≤ 0 and Λ⁺·v₁ ≤ 0. With V = 0, no force and a quadratic T, T₁ − T₀ = Λ⁻·w + Λ⁺·v₁ + Λ₀·A₀w − ½|w − v₀|² − ½|v₁ − w|² in the norm of M:
+//! without rods energy never grows, and with rods friction takes what remains beside RATTLE's own error of energy, which is of
+//! order h³ in a step. Between events steps are of order 2; at an event, the instant is off by a part of the step. Order 4 steps
+//! back in time, where friction that sticks has no unique solution, and is refused ([`ConstraintError::Backward`]). Particles have no end stops.
+//!
+//! # Order 4
+//!
 //! Order 4 is Suzuki's composition of five such steps. The composition is symmetric like the step itself. Its
 //! order is therefore even, and it keeps constraints, momentum and reversibility.
 //!
 //! Sources: Andersen, "Rattle", J. Comput. Phys. 1983; Marsden and West, Acta Numerica 2001, section 3.5; Hairer, Lubich,
-//! Wanner, "Geometric Numerical Integration", sections VII.1.4 and V.3.2.
+//! Wanner, "Geometric Numerical Integration", sections VII.1.4 and V.3.2; Moreau, "Unilateral contact and dry friction in finite freedom
+//! dynamics", 1988.
 
 mod points;
 mod shot;
@@ -78,8 +105,13 @@ impl<R: Real> Rattle<R> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
-        let system = mechanism.system();
-        Self::workspace_of::<D>(system.nodes(), mechanism.equations(), mechanism.band(), system.workspace())
+        let (system, equations) = (mechanism.system(), mechanism.equations());
+        let most = Self::workspace_of::<D>(system.nodes(), equations, mechanism.band(), system.workspace());
+        if system.sticks() {
+            most + Self::sticking_workspace_of::<D>(system.nodes(), equations)
+        } else {
+            most
+        }
     }
 
     /// [`Rattle::workspace`] from the numbers it depends on, usable as an array length: nodes, constraint equations, the band of A M⁻¹ Aᵀ
@@ -91,7 +123,15 @@ impl<R: Real> Rattle<R> {
         band: usize,
         system: usize,
     ) -> usize {
-        system + coupled(nodes, equations) * D * (3 + D) + Banded::<R>::workspace(equations, band) + equations
+        system
+            + coupled(nodes, equations) * solver::solved::<D>()
+            + Banded::<R>::workspace(equations, band)
+            + equations
+    }
+
+    /// Numbers that [`Rattle::workspace_of`] leaves out for particles with friction that sticks ([`Particles::sticks`]).
+    pub const fn sticking_workspace_of<const D: usize>(nodes: usize, equations: usize) -> usize {
+        solver::sticking::<D>(nodes, equations)
     }
 
     /// Advances `state` by one step under an external force on each node, N, constant over the step.
@@ -160,10 +200,37 @@ impl<R: Real> Rattle<R> {
         check_start(mechanism, q0)?;
         check_start(mechanism, q1)?;
         force.map_or(Ok(()), |force| mechanism.check_nodes(force))?;
-        let solver = Solver::new(mechanism, &self.newton, workspace)?;
-        Shot::new(self, solver, state, [q0, q1], force).hit()?;
+        let mut solver = Solver::new(mechanism, &self.newton, workspace)?;
+        if mechanism.system().sticks() {
+            self.arrive(&mut solver, &mut state.next, [q0, q1], force)?;
+        } else {
+            Shot::new(self, solver, state, [q0, q1], force).hit()?;
+        }
         state.next.finish(self.h)?;
         state.swap();
+        Ok(())
+    }
+
+    /// The end of a step between given positions. Friction that sticks would hide from a shot how fast it must be; but at order 2, the only one it
+    /// is stepped with, the increment tells the momentum between both lines.
+    fn arrive<S, C, const D: usize>(
+        &self,
+        solver: &mut Solver<R, S, C, D>,
+        next: &mut Points<R, D>,
+        [q0, q1]: [&[[R; D]]; 2],
+        force: Option<&[[R; D]]>,
+    ) -> Result<(), ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        self.order.substeps(self.h).try_for_each(|h| solver.check_direction(h))?;
+        next.begin_at(q1);
+        for (v, (q0, q1)) in next.v.iter_mut().zip(q0.iter().zip(q1)) {
+            *v = core::array::from_fn(|i| (q1[i] - q0[i]) / self.h);
+        }
+        solver.arrive(next, force, self.h)?;
+        next.lambda.fill(R::zero());
         Ok(())
     }
 

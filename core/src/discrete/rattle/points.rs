@@ -49,6 +49,14 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
         Self { q, q_carry, p, p_carry, v, internal, lambda: workspace.numbers(equations) }
     }
 
+    /// Sets positions, and all sums to begin anew.
+    pub fn begin_at(&mut self, q: &[[R; D]]) {
+        copy(self.q, q);
+        self.q_carry.fill([R::zero(); D]);
+        self.p_carry.fill([R::zero(); D]);
+        self.lambda.fill(R::zero());
+    }
+
     pub fn copy(&mut self, other: &Self) {
         let from = [&*other.q, other.q_carry, other.p, other.p_carry, other.v, other.internal];
         let to = [&mut *self.q, self.q_carry, self.p, self.p_carry, self.v, self.internal];

@@ -32,7 +32,7 @@ impl<R: Real> Stage<R> {
         }
         if let Self::Velocities { half } = self {
             let mut drags = [[R::zero(); D]; BLOCK];
-            system.drags(first, v, &mut drags);
+            system.single_valued_drags(first, v, &mut drags);
             r.iter_mut().zip(&drags).for_each(|(r, drag)| *r = add_scaled(r, half, drag));
         }
     }
@@ -49,7 +49,7 @@ impl<R: Real> Stage<R> {
         system.masses(first, v, masses);
         if let Self::Velocities { half } = self {
             let mut slopes = [[R::zero(); D]; BLOCK];
-            system.drag_slopes(first, v, &mut slopes);
+            system.single_valued_drag_slopes(first, v, &mut slopes);
             for (mass, slope) in masses.iter_mut().zip(&slopes) {
                 for i in 0..D {
                     mass[i][i] -= half * slope[i];
@@ -66,6 +66,14 @@ pub(super) struct Scale<R> {
     pub impulse: R,
     /// Velocities or their change, whichever is larger, m/s.
     pub velocity: R,
+}
+
+impl<R: Real> Scale<R> {
+    /// The scale before the first update, when none is known.
+    #[inline(always)]
+    pub fn ones() -> Self {
+        Self { impulse: R::one(), velocity: R::one() }
+    }
 }
 
 /// The larger number; not finite if either is not.

@@ -21,18 +21,11 @@ where
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
         let newton = self.newton;
-        newton.solve(&mut Coupled {
-            solver: self,
-            points,
-            stage,
-            scale: None,
-            keeps_matrix: false,
-            before: R::one(),
-        })
+        newton.solve(&mut Coupled::new(self, points, stage))
     }
 
     /// Writes the residuals of both equations, and returns the largest relative to the size of its terms.
-    fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
+    pub(super) fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
         let (system, mut worst) = (self.mechanism.system(), R::zero());
         let mut terms = [R::zero(); BLOCK];
         let blocks = points.v.chunks(BLOCK).zip(points.p.chunks(BLOCK)).zip(self.update.chunks_mut(BLOCK));
@@ -58,7 +51,7 @@ where
     }
 
     /// Sets the trial positions q + hv.
-    fn move_trial(&mut self, points: &Points<R, D>, h: R) {
+    pub(super) fn move_trial(&mut self, points: &Points<R, D>, h: R) {
         let start = points.q.iter().zip(points.q_carry.iter()).zip(points.v.iter());
         let trial = self.trial.iter_mut().zip(self.trial_carry.iter_mut());
         for ((q, carry), ((q0, carry0), v)) in trial.zip(start) {
@@ -69,6 +62,18 @@ where
 
     /// Inverts M for each node, and factors A₁ M⁻¹ A₀ᵀ.
     fn linearise(&mut self, points: &Points<R, D>, stage: Stage<R>) -> Result<(), ConstraintError<R>> {
+        self.invert_masses(points, stage)?;
+        self.couple(points, true);
+        self.matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })
+    }
+
+    /// Inverts M for each node.
+    #[inline(always)]
+    pub(super) fn invert_masses(
+        &mut self,
+        points: &Points<R, D>,
+        stage: Stage<R>,
+    ) -> Result<(), ConstraintError<R>> {
         let system = self.mechanism.system();
         let blocks = points.v.chunks(BLOCK).zip(self.inverses.chunks_mut(BLOCK));
         for (block, (v, masses)) in blocks.enumerate() {
@@ -77,11 +82,16 @@ where
         for (node, mass) in self.inverses.iter_mut().enumerate() {
             *mass = inverse(*mass).ok_or(ConstraintError::Mass { node })?;
         }
+        Ok(())
+    }
+
+    /// Writes A₁ W A₀ᵀ with the present blocks W of the nodes; `sizes`: whether pivots are judged by it.
+    #[inline(always)]
+    pub(super) fn couple(&mut self, points: &Points<R, D>, sizes: bool) {
         let (constraints, inverses) = (self.mechanism.constraints(), &self.inverses);
         let left = Rows { constraints, x: Positions::with_carry(self.trial, self.trial_carry) };
         let right = Rows { constraints, x: points.positions() };
-        self.matrix.set(|k, l| left.coupling(k, inverses, &right, l));
-        self.matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })
+        self.matrix.set(sizes, |k, l| left.coupling(k, inverses, &right, l));
     }
 
     /// Turns residuals into changes: M u = r for each node, then (A₁ M⁻¹ A₀ᵀ) dΛ = −(c + A₁ u).
@@ -120,12 +130,12 @@ where
 }
 
 /// The velocities and impulses of all nodes, coupled by constraints.
-struct Coupled<'e, 'm, 'r, 'p, R, S, C: ?Sized, const D: usize> {
-    solver: &'e mut Solver<'m, 'r, R, S, C, D>,
-    points: &'e mut Points<'p, R, D>,
-    stage: Stage<R>,
+pub(super) struct Coupled<'e, 'm, 'r, 'p, R, S, C: ?Sized, const D: usize> {
+    pub solver: &'e mut Solver<'m, 'r, R, S, C, D>,
+    pub points: &'e mut Points<'p, R, D>,
+    pub stage: Stage<R>,
     /// `None` before the first update.
-    scale: Option<Scale<R>>,
+    pub scale: Option<Scale<R>>,
     /// Whether the next update keeps the matrix. For velocities it does as long as the residual falls, since
     /// their equations are linear if the energies are quadratic. For positions it never does: the residual that
     /// an old matrix leaves has the same sign at every step, and in f32 the energy would drift ten times as
@@ -133,6 +143,32 @@ struct Coupled<'e, 'm, 'r, 'p, R, S, C: ?Sized, const D: usize> {
     keeps_matrix: bool,
     /// The last residual.
     before: R,
+}
+
+impl<'e, 'm, 'r, 'p, R, S, C, const D: usize> Coupled<'e, 'm, 'r, 'p, R, S, C, D>
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    pub fn new(
+        solver: &'e mut Solver<'m, 'r, R, S, C, D>,
+        points: &'e mut Points<'p, R, D>,
+        stage: Stage<R>,
+    ) -> Self {
+        Self { solver, points, stage, scale: None, keeps_matrix: false, before: R::one() }
+    }
+
+    /// Moves the unknowns, after [`Solver::linearise`]; `impulse` is the size of the residuals of the momenta if it becomes the scale.
+    #[inline(always)]
+    pub fn advance(&mut self, impulse: R) {
+        self.solver.changes();
+        if self.scale.is_none() {
+            let velocity = worse(largest(self.points.v), largest(self.solver.update));
+            self.scale = Some(Scale { impulse, velocity });
+        }
+        self.solver.apply(self.points);
+    }
 }
 
 impl<R, S, C, const D: usize> Equations<R> for Coupled<'_, '_, '_, '_, R, S, C, D>
@@ -144,7 +180,7 @@ where
     type Error = ConstraintError<R>;
 
     fn residual(&mut self) -> R {
-        let scale = self.scale.unwrap_or(Scale { impulse: R::one(), velocity: R::one() });
+        let scale = self.scale.unwrap_or(Scale::ones());
         let residual = self.solver.residual(self.points, self.stage, scale);
         if self.scale.is_none() {
             return unmeasured(residual);
@@ -160,17 +196,12 @@ where
         if !self.keeps_matrix {
             self.solver.linearise(self.points, self.stage)?;
         }
-        self.solver.changes();
-        if self.scale.is_none() {
-            let velocity = worse(largest(self.points.v), largest(self.solver.update));
-            self.scale = Some(Scale { impulse, velocity });
-        }
-        self.solver.apply(self.points);
+        self.advance(impulse);
         Ok(())
     }
 }
 
 /// 1, or NaN if a residual is not finite: before the first update there is no scale to measure it by.
-fn unmeasured<R: Real>(residual: R) -> R {
+pub(super) fn unmeasured<R: Real>(residual: R) -> R {
     R::one() + residual * R::zero()
 }

@@ -1,5 +1,7 @@
 mod block;
 mod coupled;
+mod motions;
+mod sticking;
 
 use super::Rattle;
 use super::points::{Points, add, copy};
@@ -14,6 +16,7 @@ use crate::scalar::Real;
 pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
     mechanism: &'m Constrained<'m, R, S, C, D>,
     newton: &'m Newton<R>,
+    /// Workspace of the system, then that of friction that sticks.
     scratch: &'r mut [R],
     /// Positions q + hv, at which A₁ is taken and the constraints must hold; they then become the new q.
     trial: &'r mut [[R; D]],
@@ -38,11 +41,16 @@ where
         workspace: &'r mut [R],
     ) -> Result<Self, ConstraintError<R>> {
         let mut workspace = Workspace::new(Rattle::workspace(mechanism), workspace)?;
-        let nodes = coupled(mechanism.system().nodes(), mechanism.equations());
+        let (system, equations) = (mechanism.system(), mechanism.equations());
+        let (nodes, begun) = if system.sticks() {
+            (system.nodes(), sticking::memory::<D>(system.nodes(), equations))
+        } else {
+            (coupled(system.nodes(), equations), 0)
+        };
         Ok(Self {
             mechanism,
             newton,
-            scratch: workspace.numbers(mechanism.system().workspace()),
+            scratch: workspace.numbers(system.workspace() + begun),
             trial: workspace.vectors(nodes),
             trial_carry: workspace.vectors(nodes),
             update: workspace.vectors(nodes),
@@ -61,7 +69,7 @@ where
         points.p_carry.fill([R::zero(); D]);
         points.lambda.fill(R::zero());
         system.momenta(0, points.v, points.p);
-        system.l_q(points.q, self.scratch, points.internal);
+        self.l_q(points);
         self.solve(points, Stage::Velocities { half: R::zero() })?;
         self.drag(points, R::zero());
         Ok(())
@@ -74,15 +82,60 @@ where
         force: Option<&[[R; D]]>,
         h: R,
     ) -> Result<Report<R>, ConstraintError<R>> {
-        let (system, half) = (self.mechanism.system(), h.half());
-        kick(points, force, half);
-        let positions = self.solve(points, Stage::Positions { h })?;
+        self.check_direction(h)?;
+        kick(points, force, h.half());
+        let positions = self.solve_line(points, Stage::Positions { h }, h.half())?;
+        self.rest(points);
         self.drift(points, h);
-        system.l_q(points.q, self.scratch, points.internal);
+        Ok(positions.worse(self.end(points, force, h.half())?))
+    }
+
+    /// Completes a state that has reached q₁ with the increment w, in `v`, by the second line of a step.
+    pub fn arrive(
+        &mut self,
+        points: &mut Points<R, D>,
+        force: Option<&[[R; D]]>,
+        h: R,
+    ) -> Result<(), ConstraintError<R>> {
+        self.mechanism.system().momenta(0, points.v, points.p);
+        copy(self.trial, points.q);
+        self.trial_carry.fill([R::zero(); D]);
+        self.end(points, force, h.half()).map(drop)
+    }
+
+    /// The second line of a step, at q₁.
+    #[inline(always)]
+    fn end(
+        &mut self,
+        points: &mut Points<R, D>,
+        force: Option<&[[R; D]]>,
+        half: R,
+    ) -> Result<Report<R>, ConstraintError<R>> {
+        self.l_q(points);
         kick(points, force, half);
-        let velocities = self.solve(points, Stage::Velocities { half })?;
+        let report = self.solve_line(points, Stage::Velocities { half }, half)?;
         self.drag(points, half);
-        Ok(positions.worse(velocities))
+        self.rest(points);
+        Ok(report)
+    }
+
+    /// Friction that sticks gives energy to a motion back in time.
+    #[inline(always)]
+    pub fn check_direction(&self, h: R) -> Result<(), ConstraintError<R>> {
+        let goes = h > R::zero() || !self.mechanism.system().sticks();
+        if goes { Ok(()) } else { Err(ConstraintError::Backward { h }) }
+    }
+
+    /// L_q at the present positions.
+    #[inline(always)]
+    fn l_q(&mut self, points: &mut Points<R, D>) {
+        let system = self.mechanism.system();
+        let scratch = if system.sticks() {
+            self.scratch.get_mut(..system.workspace()).unwrap_or_default()
+        } else {
+            &mut *self.scratch
+        };
+        system.l_q(points.q, scratch, points.internal);
     }
 
     /// p += ½h Q(v); Q also joins the internal forces, for the next kick.
@@ -91,7 +144,7 @@ where
         let mut momenta = momenta.map(|((p, carry), internal)| (p, carry, internal));
         for (block, v) in points.v.chunks(BLOCK).enumerate() {
             let mut drags = [[R::zero(); D]; BLOCK];
-            self.mechanism.system().drags(block * BLOCK, v, &mut drags);
+            self.mechanism.system().single_valued_drags(block * BLOCK, v, &mut drags);
             for (drag, (p, carry, internal)) in drags.iter().zip(momenta.by_ref()) {
                 add(p, carry, &drag.map(|q| half * q));
                 *internal = add_scaled(internal, R::one(), drag);
@@ -110,6 +163,21 @@ where
         }
     }
 
+    /// Solves a line of a step in which friction that sticks gives impulses over the time `half`, s.
+    #[inline(always)]
+    fn solve_line(
+        &mut self,
+        points: &mut Points<R, D>,
+        stage: Stage<R>,
+        half: R,
+    ) -> Result<Report<R>, ConstraintError<R>> {
+        if self.mechanism.system().sticks() {
+            self.solve_sticking(points, stage, half)
+        } else {
+            self.solve(points, stage)
+        }
+    }
+
     fn solve(&mut self, points: &mut Points<R, D>, stage: Stage<R>) -> Result<Report<R>, ConstraintError<R>> {
         if self.mechanism.equations() == 0 {
             self.solve_nodes(points, stage)
@@ -117,6 +185,16 @@ where
             self.solve_all(points, stage)
         }
     }
+}
+
+/// Workspace of friction that sticks: what lines of a step begin with, and the nodes, which then are solved together.
+pub(super) const fn sticking<const D: usize>(nodes: usize, equations: usize) -> usize {
+    sticking::memory::<D>(nodes, equations) + (nodes - coupled(nodes, equations)) * solved::<D>()
+}
+
+/// Numbers that a node takes which is solved together with others.
+pub(super) const fn solved<const D: usize>() -> usize {
+    D * (3 + D)
 }
 
 /// Number of nodes that are solved together: all if there are constraints, else none.

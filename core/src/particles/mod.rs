@@ -2,7 +2,14 @@
 //!
 //! L(q, v) = Σ T_i(v_i) − V(q). The mass matrix has one block per node, and forces are sums over nodes and edges, so time and memory grow
 //! linearly with the system.
+//!
+//! [`Gripped`] particles have dry friction that sticks.
 
+mod gripped;
+
+pub use gripped::Gripped;
+
+use crate::forces::Grip;
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::scalar::Real;
@@ -47,6 +54,28 @@ pub trait Particles<R: Real, const D: usize> {
     /// [`Particles::drag_slope`] of neighbouring nodes.
     fn drag_slopes(&self, first: usize, v: &[[R; D]], slopes: &mut [[R; D]]) {
         each(first, v, slopes, |node, v| self.drag_slope(node, v));
+    }
+
+    /// Whether a part of the drag is dry friction that sticks, which is set-valued at rest. A program whose particles say no has no code for it.
+    #[inline(always)]
+    fn sticks(&self) -> bool {
+        false
+    }
+    /// Levels of the dry friction of one node, N, at least 0. [`Rattle`](crate::discrete::rattle::Rattle) solves this law; in
+    /// [`Particles::drag`] a smooth law of the same levels stands in for it.
+    #[inline(always)]
+    fn grips(&self, _node: usize) -> [Grip<R>; D] {
+        [Grip::none(); D]
+    }
+    /// [`Particles::drags`] without dry friction that sticks, and thus all of it for most particles.
+    #[inline(always)]
+    fn single_valued_drags(&self, first: usize, v: &[[R; D]], drags: &mut [[R; D]]) {
+        self.drags(first, v, drags);
+    }
+    /// [`Particles::drag_slopes`] of [`Particles::single_valued_drags`].
+    #[inline(always)]
+    fn single_valued_drag_slopes(&self, first: usize, v: &[[R; D]], slopes: &mut [[R; D]]) {
+        self.drag_slopes(first, v, slopes);
     }
 }
 
