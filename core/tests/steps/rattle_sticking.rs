@@ -470,7 +470,7 @@ fn two_positions_start_a_state() {
     assert_eq!(rest, [[0.0; 2]; 3]);
 }
 
-/// What friction cannot be is refused, and a step that is refused leaves the state.
+/// Friction that cannot be is refused, and a step that is refused leaves the state.
 #[test]
 fn errors() {
     let exact = Exact::<f64, 2>::under_gravity(&[1.0, 1.0], 0.0);

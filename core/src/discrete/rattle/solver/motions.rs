@@ -79,7 +79,7 @@ where
             *from = core::array::from_fn(|i| from[i] + part * (to[i] - from[i]));
         }
         let Some((_, node, i)) = blocking else { return self.release_from_rods() || self.release() };
-        // Where it did not move at all, what friction cannot hold may be the reason, which the second descent takes first, or the other
+        // A coordinate that did not move at all: what friction cannot hold may be the reason, which the second descent takes first, or the other
         // direction may be the right one.
         let second = self.revisions >= self.second();
         if part == R::zero() && second && (self.release_from_rods() || self.release()) {
