@@ -31,7 +31,7 @@ fn run(zeros: [f64; 2], learn: Option<ZerosPrior<f64>>, known: f64) -> (f64, [f6
     run_lagging(0.0, (zeros, learn), [known, 0.0])
 }
 
-/// Runs 20 s under sinusoidal commands that take effect 0.6 steps late, behind a lag of so many steps; delay and lag are what the observer knows.
+/// Runs 20 s under sinusoidal commands that take effect 0.6 steps late, then lag by `true_lag` steps, with an observer of this delay and lag.
 /// Returns the largest error of the estimated velocity in the last 10 s, and the zeros.
 fn run_lagging(
     true_lag: f64,
@@ -95,7 +95,7 @@ fn what_is_to_come_lasts_until_the_next_command_has_its_effect() {
         (lasted, parts, last) = (lasted + part, parts + 1, force.end[0]);
         Ok(())
     });
-    // Of the commands that were given, one acts; two steps are decided, then a quarter and two halves of the time constant pass.
+    // Two steps are decided, then a quarter and two halves of the time constant pass.
     assert_eq!((all, parts), (Ok(()), 5));
     assert!((lasted - (2.0 + 0.25 + 1.5)).abs() < 1e-12 && (1.0..3.0).contains(&last), "{lasted} {last}");
     let mut refused = 0;

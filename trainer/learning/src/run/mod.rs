@@ -29,6 +29,7 @@ mod origin;
 mod plan;
 mod range;
 mod report;
+mod rest_width;
 mod resume;
 mod ringing;
 #[cfg(test)]

@@ -11,6 +11,7 @@ use super::lengths;
 use super::log_scales;
 use super::notice::{Notice, prepared};
 use super::origin::at_origin;
+use super::rest_width;
 use super::stages::{self, Scope, Stage, Windowed};
 use super::starts::FURTHER;
 use super::{TorqueReport, range, ringing, torques};
@@ -100,7 +101,12 @@ impl Plan {
             }
             Scope::Fold { training, .. } => training,
         };
+        let widths = rest_width::open(&architecture);
         log_scales::follow(&mut architecture, &mut initial, (&data, training))?;
+        let fits_torques = loss == TrainingLoss::Torque || loss.of_samples().is_none();
+        if fits_torques && !matches!(scope, Scope::Fold { goes_on: true, .. }) {
+            rest_width::choose(&mut architecture, (&widths, &mut initial), (&data, training), &config)?;
+        }
         let mut given = initial.clone();
         // The bodies of an arm are fitted separately, before any stage.
         let of_samples =

@@ -2,7 +2,10 @@
 
 use crate::config::Config;
 use crate::data::Dataset;
-use crate::torque::fit::{Bodies, FitError, Fitted, JointNumber, JointNumbers, Learned, fit, fit_by_folds};
+use crate::torque::fit::{
+    Bodies, FitError, Fitted, JointNumber, JointNumbers, Learned, fit, fit_by_folds, mean_nmse,
+    squared_errors, variances,
+};
 use crate::torque::{SampleError, Samples};
 use crate::torque_numbers::TorqueNumbers;
 use crate::torques::{Driven, SplitErrors, samples, widths_at_rest};
@@ -80,17 +83,10 @@ pub(super) fn fitted(
     (data, training): (&Dataset, usize),
     config: &Config,
 ) -> Result<TorqueFit, super::PlanError> {
-    let (calibration, cut_off) = (config.calibration.calibration(), config.training.cut_off);
-    let offsets = calibration.offset == Setting::Learned;
-    let learned = learned(architecture, arm, offsets);
-    let actuator = calibration.known_actuator(arm.n());
-    let train = &data.trajectories[..training.min(data.trajectories.len())];
-    let widths = widths_at_rest(architecture, initial);
-    let driven = Driven { actuator: actuator.clone(), widths };
-    let train = samples(train, (data.h, data.control_kind()), &driven, cut_off).map_err(TorqueError::from)?;
-    let what = "numbers of bodies";
-    let tree = arm.host_tree(initial).ok_or(ModelError::OutOfRange { what })?;
-    let found = best(&tree, &train, &learned)?;
+    let cut_off = config.training.cut_off;
+    let Posed { tree, samples: train, learned, actuator } =
+        posed((architecture, arm), initial, (data, training), config)?;
+    let (found, offsets) = (best(&tree, &train, &learned)?, learned.offsets);
     let mut weights = initial.to_vec();
     arm.put(&found.arm.tree, &mut weights);
     put_friction(architecture, &found.arm.joints, &mut weights);
@@ -107,6 +103,50 @@ pub(super) fn fitted(
         numbers: TorqueNumbers::of((architecture, arm), &found.arm, (&train, &learned))?,
     };
     Ok(TorqueFit { weights, actuator, report })
+}
+
+/// A fit to torques: the arm at its start, samples of the training trajectories, what is learned, and the known drives.
+struct Posed {
+    tree: Tree,
+    samples: Samples,
+    learned: Learned,
+    actuator: Actuator,
+}
+
+fn posed(
+    (architecture, arm): (&Architecture, &ArmArchitecture),
+    initial: &[f64],
+    (data, training): (&Dataset, usize),
+    config: &Config,
+) -> Result<Posed, super::PlanError> {
+    let calibration = config.calibration.calibration();
+    let learned = learned(architecture, arm, calibration.offset == Setting::Learned);
+    let actuator = calibration.known_actuator(arm.n());
+    let train = &data.trajectories[..training.min(data.trajectories.len())];
+    let driven = Driven { actuator: actuator.clone(), widths: widths_at_rest(architecture, initial) };
+    let samples = samples(train, (data.h, data.control_kind()), &driven, config.training.cut_off)
+        .map_err(TorqueError::from)?;
+    let what = "numbers of bodies";
+    let tree = arm.host_tree(initial).ok_or(ModelError::OutOfRange { what })?;
+    Ok(Posed { tree, samples, learned, actuator })
+}
+
+/// Error of a fit with the usual prior to the torques of the training trajectories: mean over coordinates of the mean squared error over the
+/// variance; 0 for another family than an arm.
+///
+/// # Errors
+/// The same as of the fit.
+pub(super) fn training_error(
+    architecture: &Architecture,
+    initial: &[f64],
+    of: (&Dataset, usize),
+    config: &Config,
+) -> Result<f64, super::PlanError> {
+    let Some(arm) = architecture.family.arm() else { return Ok(0.0) };
+    let Posed { tree, samples, learned, .. } = posed((architecture, arm), initial, of, config)?;
+    let found = fit(&tree, &samples, &learned, 1.0)?;
+    let errors = squared_errors(&found.arm.torques(&samples), &samples);
+    Ok(mean_nmse(&errors, &variances(&samples)))
 }
 
 /// The fit with the prior strength that cross-validation over folds of the samples chooses.

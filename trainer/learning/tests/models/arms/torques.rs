@@ -50,6 +50,37 @@ fn friction_is_learned_beside_what_is_known_of_it() {
     assert!(torque_errors(&trained.model(), &data_of(&robot), 20.0).unwrap().nmse < 1e-3);
 }
 
+/// The way on which friction at rest turns is that of the log, if the configuration gives no width.
+#[test]
+fn friction_at_rest_turns_on_the_way_that_the_log_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &description(2.6));
+    let widths_of = |truth: f64, rest: &str| {
+        let mut robot = robot();
+        robot.joints.iter_mut().for_each(|joint| joint.width = truth);
+        let mut data = data_of(&robot);
+        for log in &mut data.trajectories {
+            let t = (0..log.q.len()).map(|k| k as f64 * H).collect();
+            let (q, v) = (log.q.clone(), log.v.clone().unwrap());
+            let a =
+                Rows::from_rows(N, (0..q.len()).map(|k| motion(log.id as usize, k as f64 * H)[2])).unwrap();
+            let samples = Samples { t, tau: q.clone(), q, v, a }.with_friction_at_rest(&[truth; N]);
+            log.u = Rows::from_flat(N, robot.torques(&samples));
+        }
+        let rest = format!(
+            "[model.friction]\nviscous = \"learned\"\ncoulomb = \"sticking\"\n{rest}\n[calibration]\noffset = \"learned\""
+        );
+        let trained = Plan::new(config_of(folder.path(), &rest).unwrap(), &data).unwrap().train().unwrap();
+        let friction = trained.architecture.friction_of_coordinates(&trained.best.weights);
+        friction.iter().map(|own| own.dry.unwrap().width).collect::<Vec<_>>()
+    };
+    let (narrow, wide) = (widths_of(0.005, ""), widths_of(0.5, ""));
+    for (narrow, wide) in narrow.iter().zip(&wide) {
+        assert!((0.003..0.013).contains(narrow) && *wide > 3.9 * narrow, "{narrow} {wide}");
+    }
+    assert_eq!(widths_of(0.05, "width = 0.02"), [0.02; N]);
+}
+
 /// A network of the same coordinates, with the friction of an arm, learns from the same filtered motion, from scratch or from the arm.
 #[test]
 fn a_network_is_learned_from_the_same_torques() {
