@@ -4,7 +4,7 @@ pub use leastaction_core::discrete::Order;
 pub use leastaction_core::observer::{Integrator, Observer, Tuning, ZerosPrior};
 
 use crate::Mechanism;
-use crate::devices::{Drive, MAX_DELAY};
+use crate::devices::{Drive, require_ticks};
 use crate::error::{Range, SetupError, require};
 use crate::wire::{NewtonWire, OrderWire};
 use leastaction_core::discrete::Newton;
@@ -25,9 +25,9 @@ pub struct ObserverConfig {
     pub newton: Newton<f32>,
     /// Maximum number of samples in memory, at least 1: a longer memory smooths the noise more and follows a wrong model longer.
     pub memory: u8,
-    /// Delay from a command to its effect that the firmware assumes, in ticks, whole or not; at most [`MAX_DELAY`].
+    /// Delay from a command to its effect that the firmware assumes, in ticks, whole or not; at most [`MAX_DELAY`](crate::devices::MAX_DELAY).
     pub delay: f32,
-    /// Time constant of the drives' lag behind the delay that the firmware assumes, in ticks, at most [`MAX_DELAY`].
+    /// Time constant of the drives' lag behind the delay that the firmware assumes, in ticks, at most [`MAX_DELAY`](crate::devices::MAX_DELAY).
     pub lag: f32,
     /// Number of samples of one encoder missing in a row, or of ticks slept through, after which the estimate is no longer trusted.
     pub patience: u8,
@@ -122,10 +122,8 @@ impl ObserverConfig {
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
         require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")?;
-        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.delay);
-        require("observer delay", self.delay, sensible, "from 0 to 8 ticks")?;
-        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.lag);
-        require("observer lag", self.lag, sensible, "from 0 to 8 ticks")?;
+        require_ticks("observer delay", self.delay)?;
+        require_ticks("observer lag", self.lag)?;
         let LearnZeros { deviation, innovation } =
             self.zeros.unwrap_or(LearnZeros { deviation: 1.0, innovation: 1.0 });
         for (what, x) in [("deviation of the zeros", deviation), ("deviation of an innovation", innovation)] {

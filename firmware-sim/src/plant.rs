@@ -54,6 +54,7 @@ impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
         }
         Ok(())
     }
+
     /// Takes a variational step.
     fn step_with_contacts(&mut self, h: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
         let system = self.mechanism.system();

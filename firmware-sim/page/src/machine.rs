@@ -3,7 +3,7 @@
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
 use leastaction_core::model::{ActuatorBytes, ModelError};
-use leastaction_firmware_sim::devices::Drive;
+use leastaction_firmware_sim::devices::LearnedActuator;
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::{MpcConfig, Setup};
 use leastaction_firmware_sim::trajectory::reference::Friction;
@@ -86,13 +86,8 @@ pub fn know<const N: usize>(setup: &mut Setup<N>, learned: Option<ActuatorBytes>
     (setup.known_drive, [setup.observer.delay, setup.observer.lag]) = match learned {
         None => (truth.drive, [truth.delay, truth.lag]),
         Some(file) => {
-            let actuator = if file.lag() > 0.0 {
-                file.at_step_with_lag::<N>(setup.tick)?.1
-            } else {
-                file.at_step::<N>(setup.tick)?.1
-            };
-            let drive = Drive { gain: actuator.gain, offset: actuator.offset };
-            (drive, [file.delay(), file.lag()].map(|time| time / setup.tick))
+            let LearnedActuator { drive, delay, lag } = LearnedActuator::new(&file, setup.tick)?;
+            (drive, [delay, lag])
         }
     };
     Ok(())

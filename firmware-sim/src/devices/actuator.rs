@@ -3,6 +3,7 @@ use crate::observer::whole_and_rest;
 use crate::wire::array;
 use leastaction_core::forces::{self, Rise};
 use leastaction_core::linear::add_scaled;
+use leastaction_core::model::{ActuatorBytes, ModelError};
 use serde::{Deserialize, Serialize};
 
 pub use leastaction_core::observer::MAX_DELAY;
@@ -77,15 +78,41 @@ impl<const N: usize> ActuatorConfig<N> {
             require("actuator limit", limit, limit.is_finite() && limit >= 0.0, "finite and not negative")?;
         }
         self.drive.validate()?;
-        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.delay);
-        require("actuator delay", self.delay, sensible, "from 0 to 8 ticks")?;
-        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.lag);
-        require("actuator lag", self.lag, sensible, "from 0 to 8 ticks")
+        require_ticks("actuator delay", self.delay)?;
+        require_ticks("actuator lag", self.lag)
     }
 
     /// Clamps `u` to the limits.
     pub fn saturate(&self, u: &[f32; N]) -> [f32; N] {
         core::array::from_fn(|i| u[i].max(-self.limit[i]).min(self.limit[i]))
+    }
+}
+
+/// Checks a time that a command is late by, in ticks.
+pub(crate) fn require_ticks(what: &'static str, ticks: f32) -> Result<(), SetupError> {
+    require(what, ticks, (0.0..=f32::from(MAX_DELAY)).contains(&ticks), "from 0 to 8 ticks")
+}
+
+/// Gain, offset, delay and lag of the drives in a model's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearnedActuator<const N: usize> {
+    /// Gain and offset.
+    pub drive: Drive<N>,
+    /// Delay, in ticks.
+    pub delay: f32,
+    /// Time constant of the lag, in ticks.
+    pub lag: f32,
+}
+
+impl<const N: usize> LearnedActuator<N> {
+    /// Reads them for ticks of h seconds.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] for another number of coordinates; [`ModelError::OutOfRange`] for a delay of more than 65,535 ticks.
+    pub fn new(file: &ActuatorBytes, h: f32) -> Result<Self, ModelError> {
+        let forces::Actuator { gain, offset, .. } =
+            if file.lag() > 0.0 { file.at_step_with_lag(h)?.1 } else { file.at_step(h)?.1 };
+        Ok(Self { drive: Drive { gain, offset }, delay: file.delay() / h, lag: file.lag() / h })
     }
 }
 

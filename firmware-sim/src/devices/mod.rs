@@ -5,7 +5,8 @@ mod clock;
 mod encoder;
 mod random;
 
-pub use actuator::{Actuator, ActuatorConfig, DelayLine, Drive, MAX_DELAY};
+pub(crate) use actuator::require_ticks;
+pub use actuator::{Actuator, ActuatorConfig, DelayLine, Drive, LearnedActuator, MAX_DELAY};
 pub use clock::{Arrival, Clock, ClockConfig};
 pub use encoder::{EncoderConfig, Encoders};
 pub use random::{Device, Stream};

@@ -74,8 +74,9 @@ fn fit(model: &Model, logs: &Arc<WindowLogs>) -> Option<Fit> {
     let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
     let steps =
         ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
-    let system = model.system().ok()?;
-    let (integrator, order, _) = Integrator::of_trained(model.facts.trained_step, &system, (logs.h, logs.h));
+    let own = WindowModel::new(&model.architecture).ok()?;
+    let (integrator, order, _) =
+        Integrator::of_trained(model.facts.trained_step, &own.system, (logs.h, logs.h));
     let settings = WindowSettings {
         steps,
         stride: steps,
@@ -84,7 +85,6 @@ fn fit(model: &Model, logs: &Arc<WindowLogs>) -> Option<Fit> {
         order,
         calibration: Calibration { lag: Setting::Known(model.facts.actuator.lag), ..Calibration::default() },
     };
-    let own = WindowModel::new(&model.architecture).ok()?;
     let loss = WindowLoss::new(own, logs, 0..logs.count(), settings).ok()?;
     let actuator = &model.facts.actuator;
     let gains = (0..logs.n).map(|i| actuator.gain(i));

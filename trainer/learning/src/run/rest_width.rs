@@ -47,16 +47,14 @@ pub(super) fn choose(
         }
         (own, weights)
     };
-    let mut best: Option<(f64, f64)> = None;
-    for factor in FACTORS {
-        let (own, weights) = widened(factor);
+    let (mut least, mut best) = (f64::INFINITY, None);
+    for (own, weights) in FACTORS.map(widened) {
         let error = training_error(&own, &weights, of, config)?;
-        if best.is_none_or(|(least, _)| error < WORTH * least) {
-            best = Some((error, factor));
+        if error < WORTH * least {
+            (least, best) = (error, Some((own, weights)));
         }
     }
-    if let Some((_, factor)) = best {
-        let (own, weights) = widened(factor);
+    if let Some((own, weights)) = best {
         initial.copy_from_slice(&weights);
         *architecture = own;
     }

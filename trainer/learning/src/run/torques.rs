@@ -135,7 +135,7 @@ fn posed(
 /// variance; 0 for another family than an arm.
 ///
 /// # Errors
-/// The same as of the fit.
+/// [`PlanError`](super::PlanError) if the logs cannot be made into samples, or the bodies cannot be fitted.
 pub(super) fn training_error(
     architecture: &Architecture,
     initial: &[f64],

@@ -29,7 +29,7 @@ impl From<DryNumbers> for DryFrictionReport {
 }
 
 /// Writes the asymmetry of a number that differs by direction.
-pub(super) fn by_direction(f: &mut fmt::Formatter, asymmetry: f64) -> fmt::Result {
+fn by_direction(f: &mut fmt::Formatter, asymmetry: f64) -> fmt::Result {
     match asymmetry {
         0.0 => Ok(()),
         _ => write!(f, " ({:+.1}% forwards, {:+.1}% backwards)", 100.0 * asymmetry, -100.0 * asymmetry),

@@ -5,9 +5,9 @@ use super::{Plant, Scenario};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative, positive};
-use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Sticking, StickingFriction, Viscous};
+use leastaction_core::forces::{Coulomb, DryFriction, Sticking, StickingFriction, Viscous};
 use leastaction_core::model::ActuatorBytes;
-use leastaction_firmware_sim::devices::Drive;
+use leastaction_firmware_sim::devices::{Drive, LearnedActuator};
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::Setup;
 use leastaction_models::Model;
@@ -184,7 +184,7 @@ impl World {
             offset: for_all("--offset", &self.offset, 0.0)?,
         };
         if let Plant::Model { model, .. } = plant
-            && let Some(KnownActuator { drive, lag, .. }) = known_actuator::<N>(model, h)?
+            && let Some(LearnedActuator { drive, lag, .. }) = known_actuator::<N>(model, h)?
         {
             truth.lag = if self.lag.is_none() { lag } else { truth.lag };
             truth.drive.gain = if self.gain.is_empty() { drive.gain } else { truth.drive.gain };
@@ -199,28 +199,11 @@ impl World {
     }
 }
 
-/// Actuator of a model file.
-#[derive(Clone, Copy)]
-pub struct KnownActuator<const N: usize> {
-    /// Gain and offset.
-    pub drive: Drive<N>,
-    /// Delay, in steps.
-    pub delay: f32,
-    /// Time constant of the lag, in steps.
-    pub lag: f32,
-}
-
 /// The actuator of a model file for steps of h seconds; `None` if the command is the force.
-pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<KnownActuator<N>>, Failure> {
+pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<LearnedActuator<N>>, Failure> {
     let bytes = model.facts.actuator.to_bytes();
     let Ok(file) = ActuatorBytes::new(&bytes) else { return Ok(None) };
-    let at_step = if file.lag() > 0.0 {
-        file.at_step_with_lag(h).map(|(_, actuator, _)| actuator)
-    } else {
-        file.at_step(h).map(|(_, actuator)| actuator)
-    };
-    let Actuator { gain, offset, .. } = at_step.map_err(|error| Failure::Input(error.to_string()))?;
-    Ok(Some(KnownActuator { drive: Drive { gain, offset }, delay: file.delay() / h, lag: file.lag() / h }))
+    LearnedActuator::new(&file, h).map(Some).map_err(|error| Failure::Input(error.to_string()))
 }
 
 /// Replaces `values` by those of an option, if the option is given.
