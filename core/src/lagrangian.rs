@@ -78,6 +78,23 @@ pub struct Hessian<S, const N: usize> {
     pub l_vv: [[S; N]; N],
 }
 
+/// Derivatives of a system's momentum and forces in one number π of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column<S, const N: usize> {
+    /// ∂p/∂π.
+    pub momentum: [S; N],
+    /// ∂(L_q + Q)/∂π.
+    pub force: [S; N],
+}
+
+impl<S: Scalar, const N: usize> Column<S, N> {
+    /// The column of a number on which nothing depends.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { momentum: [S::zero(); N], force: [S::zero(); N] }
+    }
+}
+
 /// A Lagrangian in N coordinates, evaluated in the scalar S.
 ///
 /// A family implements this once; continuous and discrete dynamics, on the host and on the chip, use nothing else. Evaluation cannot fail:
@@ -98,6 +115,20 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     }
     /// All first and second derivatives at (q, v).
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
+
+    /// Writes the columns of a body's inertial numbers, in which L is linear, and returns how many there are: ten for a body in space
+    /// ([`BodyInertia`](crate::energy::arm::BodyInertia)), four in the plane ([`PlanarInertia`](crate::energy::bodies::PlanarInertia)), in
+    /// their order, and none for a family without bodies. Columns beyond the end of `columns` are left out.
+    #[inline(always)]
+    fn inertial_columns(
+        &self,
+        _body: usize,
+        _q: &[S; N],
+        _v: &[S; N],
+        _columns: &mut [Column<S, N>],
+    ) -> usize {
+        0
+    }
 }
 
 impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
@@ -119,5 +150,10 @@ impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         (**self).hessian(q, v)
+    }
+
+    #[inline(always)]
+    fn inertial_columns(&self, body: usize, q: &[S; N], v: &[S; N], columns: &mut [Column<S, N>]) -> usize {
+        (**self).inertial_columns(body, q, v, columns)
     }
 }

@@ -33,6 +33,7 @@
 //! **LGNN** (Bhattoo, Ranu, Krishnan, MLST 2023); variational integration after Marsden and West (Acta Numerica 2001).
 #![no_std]
 
+pub mod adapt;
 pub mod constraints;
 pub mod continuous;
 pub mod control;

@@ -1,4 +1,4 @@
-use super::{Forces, smaller};
+use super::{Coefficient, Forces, smaller};
 use crate::linear::{Matrix, SolveError, diagonal, solve_many};
 use crate::scalar::{Real, Scalar};
 
@@ -147,6 +147,13 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Coulomb<S, N> {
             slopes[i][i] = friction.velocity_derivative(v[i], tau[i]);
         }
         (zero, slopes)
+    }
+
+    fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
+        match coefficient {
+            Coefficient::Coulomb => core::array::from_fn(|i| -self.coordinates[i].direction(v[i])),
+            _ => [S::zero(); N],
+        }
     }
 
     fn load_derivative(&self, _: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {

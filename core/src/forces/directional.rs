@@ -1,4 +1,4 @@
-use super::{DryFriction, Forces};
+use super::{Coefficient, DryFriction, Forces};
 use crate::linear::{Matrix, diagonal};
 use crate::scalar::{Real, Scalar};
 
@@ -45,6 +45,16 @@ impl<S: Scalar> DirectionalFriction<S> {
         -(viscous * v + self.constant * (one + self.asymmetry * t) * t)
     }
 
+    /// ∂Q/∂b or ∂Q/∂c.
+    fn slope(&self, coefficient: Coefficient, v: S) -> S {
+        let (one, t) = (S::one(), self.direction(v));
+        match coefficient {
+            Coefficient::DirectionalViscous => -((one + self.viscous_asymmetry * t) * v),
+            Coefficient::Directional => -((one + self.asymmetry * t) * t),
+            _ => S::zero(),
+        }
+    }
+
     /// ∂Q/∂v = −(b (1 + βt) + (bβv + c (1 + 2δt)) (1 − t²)/ε).
     fn velocity_derivative(&self, v: S) -> S {
         let (one, t) = (S::one(), self.direction(v));
@@ -76,6 +86,11 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Directional<S, N> {
     fn derivatives(&self, _: &[S; N], v: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         let slopes = core::array::from_fn(|i| self.coordinates[i].velocity_derivative(v[i]));
         ([[S::zero(); N]; N], diagonal(slopes))
+    }
+
+    fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
+        let slope = |i: usize| self.coordinates[i].slope(coefficient, v[i]);
+        core::array::from_fn(slope)
     }
 
     fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {

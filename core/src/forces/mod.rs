@@ -9,6 +9,7 @@
 //! networks: [`Dissipation`], which only takes energy away, and [`PotentialCorrection`], which only stores it.
 
 mod actuator;
+mod coefficient;
 mod control;
 mod correction;
 mod coulomb;
@@ -23,6 +24,7 @@ mod stops;
 mod viscous;
 
 pub use actuator::{Actuator, ControlKind};
+pub use coefficient::Coefficient;
 pub use control::Control;
 pub use correction::PotentialCorrection;
 pub use coulomb::{Coulomb, DryFriction};
@@ -90,6 +92,12 @@ pub trait Forces<S: Scalar, const N: usize> {
     #[inline(always)]
     fn stops(&self) -> [Stop<S>; N] {
         [Stop::none(); N]
+    }
+
+    /// ∂Q_i/∂c_i of a coefficient c of every coordinate; 0 for one that these laws do not have.
+    #[inline(always)]
+    fn slopes(&self, _coefficient: Coefficient, _v: &[S; N]) -> [S; N] {
+        [S::zero(); N]
     }
 
     /// Potential energy that the force stores, J: V for a force Q = −∂V/∂q, 0 for any other force.
@@ -169,6 +177,11 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
     #[inline(always)]
     fn stops(&self) -> [Stop<S>; N] {
         (**self).stops()
+    }
+
+    #[inline(always)]
+    fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
+        (**self).slopes(coefficient, v)
     }
 
     #[inline(always)]

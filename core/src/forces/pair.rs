@@ -1,4 +1,4 @@
-use super::{Forces, Grip, Stop, smaller};
+use super::{Coefficient, Forces, Grip, Stop, smaller};
 use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
 use crate::scalar::{Real, Scalar};
 
@@ -55,6 +55,12 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
     fn stops(&self) -> [Stop<S>; N] {
         let (a, b) = (self.0.stops(), self.1.stops());
         core::array::from_fn(|i| a[i].both(b[i]))
+    }
+
+    #[inline(always)]
+    fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
+        let (a, b) = self;
+        add_scaled(&a.slopes(coefficient, v), S::one(), &b.slopes(coefficient, v))
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-use super::{Coulomb, DryFriction, Forces};
+use super::{Coefficient, Coulomb, DryFriction, Forces};
 use crate::linear::Matrix;
 use crate::scalar::{Real, Scalar};
 
@@ -96,6 +96,12 @@ impl<S: Scalar> StickingFriction<S> {
         self.with_constant(self.constant * (S::one() + self.asymmetry * t))
     }
 
+    /// ∂Q/∂c of the smooth law.
+    fn slope(&self, v: S) -> S {
+        let t = self.direction(v);
+        -((S::one() + self.asymmetry * t) * t)
+    }
+
     /// ∂Q/∂v of the smooth law; c (1 + δt) varies with v too, by cδ (1 − t²)/ε.
     fn velocity_derivative(&self, v: S, tau: S) -> S {
         let t = self.direction(v);
@@ -134,6 +140,13 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Sticking<S, N> {
             slopes[i][i] = friction.velocity_derivative(v[i], tau[i]);
         }
         (zero, slopes)
+    }
+
+    fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
+        match coefficient {
+            Coefficient::Sticking => core::array::from_fn(|i| self.coordinates[i].slope(v[i])),
+            _ => [S::zero(); N],
+        }
     }
 
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {

@@ -1,4 +1,4 @@
-use super::Forces;
+use super::{Coefficient, Forces};
 use crate::linear::{Matrix, diagonal};
 use crate::scalar::Scalar;
 
@@ -23,6 +23,13 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Viscous<S, N> {
 
     fn derivatives(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         ([[S::zero(); N]; N], diagonal(self.coefficients.map(|c| -c)))
+    }
+
+    fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
+        match coefficient {
+            Coefficient::Viscous => v.map(|v| -v),
+            _ => [S::zero(); N],
+        }
     }
 
     fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {

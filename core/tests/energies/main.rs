@@ -5,6 +5,7 @@ mod common;
 
 mod arms;
 mod bodies;
+mod columns;
 mod constraints;
 mod continuous;
 mod coulomb;

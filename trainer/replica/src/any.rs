@@ -1,7 +1,9 @@
 use crate::ForcesOf;
 use leastaction_core::energy::MAX_HIDDEN;
 use leastaction_core::forces::System;
-use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
+use leastaction_core::lagrangian::{
+    Column, Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization,
+};
 
 /// Maximum number of hidden layers of a network, as in a model file.
 pub const LAYERS: usize = MAX_HIDDEN;
@@ -54,5 +56,15 @@ impl<const N: usize> Lagrangian<f32, N> for AnyLagrangian<'_, N> {
 
     fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
         self.0.hessian(q, v)
+    }
+
+    fn inertial_columns(
+        &self,
+        body: usize,
+        q: &[f32; N],
+        v: &[f32; N],
+        columns: &mut [Column<f32, N>],
+    ) -> usize {
+        self.0.inertial_columns(body, q, v, columns)
     }
 }

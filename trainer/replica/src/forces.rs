@@ -2,8 +2,8 @@
 
 use crate::{LAYERS, UNITS};
 use leastaction_core::forces::{
-    Coulomb, Directional, Dissipation, Forces, Grip, PotentialCorrection, Servo, Sticking, Stop, Stops,
-    Viscous,
+    Coefficient, Coulomb, Directional, Dissipation, Forces, Grip, PotentialCorrection, Servo, Sticking, Stop,
+    Stops, Viscous,
 };
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
@@ -187,6 +187,10 @@ impl<const N: usize> Forces<f32, N> for ForcesOf<'_, N> {
 
     fn stops(&self) -> [Stop<f32>; N] {
         with_law!(self, law => law.stops())
+    }
+
+    fn slopes(&self, coefficient: Coefficient, v: &[f32; N]) -> [f32; N] {
+        with_law!(self, law => law.slopes(coefficient, v))
     }
 
     fn potential(&self, q: &[f32; N]) -> f32 {

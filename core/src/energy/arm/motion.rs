@@ -3,8 +3,10 @@
 //! All vectors are in the axes of the base, and a body's moments are about the origin of its own frame. Sums need no rotation on their way
 //! to the base, and lose no digits to a far origin.
 
-use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about};
-use super::{ARM_PARAMETERS, ArmParameters, BodyInertia, Joint};
+use super::vector::{
+    Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about, turned_back,
+};
+use super::{ARM_PARAMETERS, ArmParameters, BodyInertia, INERTIAL_PARAMETERS, Joint};
 use crate::energy::multibody::{self, Space, Wrench as _};
 use crate::scalar::Scalar;
 
@@ -69,6 +71,8 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Carried = Carried<S>;
     type Rotor = Rotor<S>;
     type Pull = Vector<S>;
+    type Twist = Twist<S>;
+    type Inertial = [S; INERTIAL_PARAMETERS];
 
     fn base() -> Self {
         let (zero, one, none) = (S::zero(), S::one(), [S::zero(); 3]);
@@ -127,6 +131,46 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
             Joint::Revolute => dot(self.axis, pull),
             Joint::Prismatic => S::zero(),
         }
+    }
+
+    #[inline(always)]
+    fn unit_twist(&self, to: Vector<S>) -> Twist<S> {
+        match self.joint {
+            Joint::Revolute => Twist { angular: self.axis, linear: cross(self.axis, to) },
+            Joint::Prismatic => Twist { angular: [S::zero(); 3], linear: self.axis },
+        }
+    }
+
+    #[inline(always)]
+    fn bend_twist(bend: &Twist<S>, to: Vector<S>) -> Twist<S> {
+        Twist { angular: bend.angular, linear: add(bend.linear, cross(bend.angular, to)) }
+    }
+
+    /// With the twist (w, u) and the velocity (ω, ṙ), in the axes of the body: w·(Iω + mc × ṙ) + u·(mṙ + ω × mc).
+    #[inline(always)]
+    fn momentum_slopes(&self, twist: &Twist<S>) -> [S; INERTIAL_PARAMETERS] {
+        let Twist { angular: w, linear: u } = self.in_own_axes(twist);
+        let Twist { angular: o, linear: r } = self.in_own_axes(&self.velocity);
+        let [x, y, z] = add(cross(r, w), cross(u, o));
+        let both = |i: usize, j: usize| w[i] * o[j] + w[j] * o[i];
+        [dot(u, r), x, y, z, w[0] * o[0], both(0, 1), w[1] * o[1], both(0, 2), both(1, 2), w[2] * o[2]]
+    }
+
+    /// γ·(mu + w × mc).
+    #[inline(always)]
+    fn gravity_slopes(&self, twist: &Twist<S>, gravity: Vector<S>) -> [S; INERTIAL_PARAMETERS] {
+        let Twist { angular: w, linear: u } = self.in_own_axes(twist);
+        let gravity = turned_back(&self.rotation, gravity);
+        let ([x, y, z], zero) = (cross(gravity, w), S::zero());
+        [dot(gravity, u), x, y, z, zero, zero, zero, zero, zero, zero]
+    }
+}
+
+impl<S: Scalar> Frame<S> {
+    #[inline(always)]
+    fn in_own_axes(&self, twist: &Twist<S>) -> Twist<S> {
+        let turned = |a| turned_back(&self.rotation, a);
+        Twist { angular: turned(twist.angular), linear: turned(twist.linear) }
     }
 }
 

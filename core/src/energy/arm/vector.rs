@@ -39,6 +39,13 @@ pub(super) fn turned<S: Scalar>(rotation: &Rotation<S>, a: Vector<S>) -> Vector<
     rotation.map(|row| dot(row, a))
 }
 
+/// Rᵀa.
+#[inline(always)]
+pub(super) fn turned_back<S: Scalar>(rotation: &Rotation<S>, a: Vector<S>) -> Vector<S> {
+    let [x, y, z] = rotation;
+    from_fn(|i| x[i] * a[0] + y[i] * a[1] + z[i] * a[2])
+}
+
 /// AB.
 #[inline(always)]
 pub(super) fn product<S: Scalar>(a: &Rotation<S>, b: &Rotation<S>) -> Rotation<S> {

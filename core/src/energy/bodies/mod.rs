@@ -6,12 +6,14 @@
 //!
 //! T = Σ ½m|ẋ|² + ½I φ̇² + ½J(φ̇_parent + g q̇)²,  V = −Σ m γ·x.
 
+mod inertia;
 mod motion;
 mod parameters;
 mod vector;
 
 pub use super::modular::TreeError;
 pub use super::multibody::{Bodies, BodyTree, Joint, TreeBody};
+pub use inertia::{PLANAR_INERTIAL_PARAMETERS, PlanarInertia};
 pub use parameters::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
 pub use vector::Vector;
 

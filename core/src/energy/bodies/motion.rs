@@ -1,7 +1,7 @@
 //! Frames and velocities of a tree, from the ground up, and sums over all that every joint carries, from the tips down.
 
-use super::vector::{Vector, Wrench, across, add, cross, dot, scale, turned};
-use super::{BODY_PARAMETERS, BodyParameters, Joint};
+use super::vector::{Vector, Wrench, across, add, cross, dot, scale, turned, turned_back};
+use super::{BODY_PARAMETERS, BodyParameters, Joint, PLANAR_INERTIAL_PARAMETERS};
 use crate::energy::multibody::{self, Space, Wrench as _};
 use crate::scalar::Scalar;
 
@@ -39,6 +39,9 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Carried = Carried<S>;
     type Rotor = Rotor<S>;
     type Pull = S;
+    /// Angular velocity w, and velocity u of a point.
+    type Twist = (S, Vector<S>);
+    type Inertial = [S; PLANAR_INERTIAL_PARAMETERS];
 
     fn base() -> Self {
         let (zero, none) = (S::zero(), [S::zero(); 2]);
@@ -103,6 +106,34 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
             Joint::Revolute => pull,
             Joint::Prismatic => S::zero(),
         }
+    }
+
+    #[inline(always)]
+    fn unit_twist(&self, to: Vector<S>) -> (S, Vector<S>) {
+        match self.joint {
+            Joint::Revolute => (S::one(), across(to)),
+            Joint::Prismatic => (S::zero(), self.axis),
+        }
+    }
+
+    #[inline(always)]
+    fn bend_twist(bend: &Vector<S>, _: Vector<S>) -> (S, Vector<S>) {
+        (S::zero(), *bend)
+    }
+
+    /// With the velocity (φ̇, ṙ): w (Iφ̇ + mc × ṙ) + u·(mṙ + φ̇⊥mc).
+    #[inline(always)]
+    fn momentum_slopes(&self, (w, u): &(S, Vector<S>)) -> [S; PLANAR_INERTIAL_PARAMETERS] {
+        let moment = across(add(scale(self.spin, *u), scale(*w, self.velocity)));
+        let [x, y] = turned_back(self.axis, scale(-S::one(), moment));
+        [dot(*u, self.velocity), x, y, *w * self.spin]
+    }
+
+    /// γ·(mu + w⊥mc).
+    #[inline(always)]
+    fn gravity_slopes(&self, (w, u): &(S, Vector<S>), gravity: Vector<S>) -> [S; PLANAR_INERTIAL_PARAMETERS] {
+        let [x, y] = turned_back(self.axis, scale(-*w, across(gravity)));
+        [dot(gravity, *u), x, y, S::zero()]
     }
 }
 

@@ -42,6 +42,12 @@ pub(super) fn turned<S: Scalar>(axis: Vector<S>, [along, aside]: Vector<S>) -> V
     [axis[0] * along - axis[1] * aside, axis[1] * along + axis[0] * aside]
 }
 
+/// Components of a vector along an axis and across it.
+#[inline(always)]
+pub(super) fn turned_back<S: Scalar>(axis: Vector<S>, a: Vector<S>) -> Vector<S> {
+    [dot(axis, a), cross(axis, a)]
+}
+
 /// A linear part, and an angular part about a joint: momentum (kg m/s, kg m²/s) or its derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrench<S> {

@@ -1,6 +1,7 @@
 //! Trees of rigid bodies on joints in any [`Space`]: one recursion from the base up for the frames and their motion, and one from the tips
 //! down for the sums over all that every joint carries.
 
+mod inertial;
 mod space;
 mod tree;
 
@@ -8,7 +9,7 @@ pub use space::{Carried, Frame, Rotor, Space, Wrench};
 pub use tree::{BodyTree, Joint, TreeBody};
 
 use crate::expected::{expected, present};
-use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
+use crate::lagrangian::{Column, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear;
 use crate::scalar::{Scalar, WeightFormat};
 
@@ -202,6 +203,10 @@ where
 
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         self.derivatives(q, v, None)
+    }
+
+    fn inertial_columns(&self, body: usize, q: &[S; N], v: &[S; N], columns: &mut [Column<S, N>]) -> usize {
+        self.columns_of_body(body, (q, v), columns)
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {

@@ -28,6 +28,10 @@ pub trait Frame<S: Scalar>: Copy {
     type Rotor: Rotor<S, Self>;
     /// Derivative of γ·U under rotation of U, before its component along a joint's coordinate is taken.
     type Pull: Copy;
+    /// Angular velocity, and linear velocity of a point.
+    type Twist: Copy;
+    /// Inertial numbers of a body, in which its energies are linear.
+    type Inertial: Copy + AsRef<[S]>;
 
     /// The fixed frame that trees stand on.
     fn base() -> Self;
@@ -45,6 +49,15 @@ pub trait Frame<S: Scalar>: Copy {
     fn pull(unit: &Self::Wrench, gravity: Self::Vector) -> Self::Pull;
     /// The component of a pull at this joint along its coordinate.
     fn pulled(&self, pull: Self::Pull) -> S;
+
+    /// The twist of a point at `to` from this joint's origin, at a unit velocity of the joint.
+    fn unit_twist(&self, to: Self::Vector) -> Self::Twist;
+    /// z as a twist of a point at `to` from the joint's origin.
+    fn bend_twist(bend: &Self::Bend, to: Self::Vector) -> Self::Twist;
+    /// Derivatives, in the inertial numbers of the body of this frame, of its momentum along a twist of the frame's origin.
+    fn momentum_slopes(&self, twist: &Self::Twist) -> Self::Inertial;
+    /// Derivatives, in the same numbers, of γ·U, U the linear momentum of the body at this twist.
+    fn gravity_slopes(&self, twist: &Self::Twist, gravity: Self::Vector) -> Self::Inertial;
 }
 
 /// A linear part, and an angular part about a joint.

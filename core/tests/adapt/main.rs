@@ -1,0 +1,6 @@
+//! Adaptation of a model's numbers against dense algebra, exact motions and statistics.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod filter;
