@@ -5,7 +5,7 @@
 //!
 //! Data flows one way through the modules of this crate:
 //! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] →
-//! [`continuous`] and [`discrete`] → [`control`], [`observer`] and [`model`] → [`stepper`] and [`plan`].
+//! [`continuous`] and [`discrete`] → [`control`], [`observer`] and [`model`] → [`stepper`], [`plan`] and [`guard`].
 //!
 //! # Notation
 //!
@@ -34,6 +34,7 @@
 #![no_std]
 
 pub mod adapt;
+mod checksum;
 pub mod constraints;
 pub mod continuous;
 pub mod control;
@@ -41,6 +42,7 @@ pub mod discrete;
 pub mod energy;
 mod expected;
 pub mod forces;
+pub mod guard;
 pub mod lagrangian;
 pub mod linear;
 pub mod model;

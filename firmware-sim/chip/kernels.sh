@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks on one or all emulated boards that the loops in the processor's own instructions give the bits of plain Rust, and counts the
 # instructions of the building blocks of an evaluation: a layer of 32 x 32 forward and back with tangents, one unit of an activation, an
-# elementary function. Fails if a bit differs.
+# elementary function, the checksum of 1024 bytes. Fails if a bit differs.
 set -euo pipefail
 cd "$(dirname "$0")"
 source ./tools.sh

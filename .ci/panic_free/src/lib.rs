@@ -13,6 +13,7 @@ use leastaction_core::forces::{
     Actuator, Coulomb, Directional, Dissipation, Forces, PotentialCorrection, Sticking, Stops, System,
     Viscous,
 };
+use leastaction_core::guard::{Sweep, Voted};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Model, ModelError};
 use leastaction_core::plan::Plan;
@@ -166,6 +167,18 @@ where
     let _ = black_box(stepper::<L, F, Galerkin, Held, Actuated<N>, N, 3>(model));
     let _ = black_box(stepper::<L, F, Galerkin, Held, Lagged<N>, N, 3>(model));
     let _ = black_box(stepper::<L, F, Midpoint, Linear, Lagged<N>, N, 5>(model));
+}
+
+/// Guards of a file and of a state.
+#[inline(never)]
+pub fn guards(file: &[u8]) {
+    let (mut sweep, mut voted) = (black_box(Sweep::new()), black_box(Voted::new(0.1, [0.0; 3])));
+    let _ = black_box(sweep.advance(file, black_box(Sweep::slice(file.len(), 6))));
+    let _ = black_box(voted.run(|gain, x| {
+        *x = x.map(|x: f32| x + gain);
+        x[0]
+    }));
+    black_box(voted.state());
 }
 
 /// Everything of a plan.

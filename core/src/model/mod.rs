@@ -70,10 +70,8 @@ pub use step::TrainedStep;
 pub(crate) use write::File;
 pub use write::{WriteError, write};
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use crate::checksum::Checksum;
 
-/// CRC-32/ISO-HDLC without a table: 0 bytes of RAM, no table in flash.
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 /// Length of the checksum at the end of a file, bytes.
 pub(crate) const CRC_BYTES: usize = 4;
 /// Maximum number of padding bytes that bring the weights to a multiple of 4.
@@ -81,7 +79,7 @@ const MAX_PADDING: usize = 3;
 /// Length of the magic letters and the version, bytes.
 pub(crate) const PREFIX_BYTES: usize = MAGIC.len() + 1;
 
-/// Computes the checksum at the end of a file, from all bytes before it.
+/// Computes the checksum at the end of a file, CRC-32/ISO-HDLC, from all bytes before it.
 pub fn checksum(body: &[u8]) -> u32 {
-    CRC.checksum(body)
+    Checksum::new().over(body).value()
 }

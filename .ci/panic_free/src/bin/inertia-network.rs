@@ -7,7 +7,7 @@ use leastaction_core::discrete::Midpoint;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::model::InertiaNetworkModel;
-use panic_free::{Flash, Friction, everything, halt, regulated, said, steppers};
+use panic_free::{Flash, Friction, everything, guards, halt, regulated, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
@@ -25,6 +25,7 @@ extern "C" fn _start() -> ! {
         let _ = black_box(model.system.forces.1.stiffness(0.01, mass, &tau));
         let _ = black_box(model.system.forces.load_derivative(&tau, &tau, &tau));
     }
+    guards(FLASH.bytes());
     everything::<_, Viscous<f32, 2>, 2>(&System::conservative(CARTPOLE));
     halt()
 }

@@ -10,6 +10,7 @@ use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::{
     Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Seen, Viscous,
 };
+use leastaction_core::model::checksum;
 use leastaction_core::network::{Activation, Dense, Jet, Units};
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use leastaction_fpu as fpu;
@@ -225,6 +226,8 @@ fn run() -> Result<(), &'static [u8]> {
     activation(b"softplus", Activation::Softplus);
     activation(b"squareplus", Activation::Squareplus);
     activation(b"isru", Activation::Isru);
+    static BYTES: [u8; 1024] = [0x5a; 1024];
+    print::number(b"checksum_of_1024_bytes", mean(CALLS, || _ = black_box(checksum(black_box(&BYTES)))));
     elementary();
     laws();
     network_laws().ok_or(b"a law's network does not fit".as_slice())

@@ -1,0 +1,104 @@
+use core::fmt;
+
+/// Three copies of a state S, each with its own copy of the constants C that a tick reads, such as a model.
+///
+/// A tick is computed from two copies, one after the other. If outcomes and states agree, the third copy takes over the state. If they differ,
+/// the tick is computed from the third copy, which has still the state before, and the one that it does not agree with takes over constants
+/// and state of the others.
+///
+/// A tick so takes twice its time, three times after a fault, and three times its memory. Outcomes and states are compared by [`PartialEq`];
+/// constants are not, so a damaged constant is found by its first effect. What all three ticks share is not guarded: the arguments of
+/// the tick, and the weights in flash, for which there is [`Sweep`](super::Sweep).
+///
+/// Source: R. E. Lyons and W. Vanderkulk, "The use of triple-modular redundancy to improve computer reliability", IBM Journal of Research and
+/// Development 6(2), 1962.
+///
+/// ```
+/// use leastaction_core::guard::Voted;
+///
+/// // A sum of 0.5 x, with 0.5 as a constant.
+/// let mut sum = Voted::new(0.5, 0.0);
+/// for x in [1.0, 2.0] {
+///     sum.run(|gain, sum| *sum += gain * x)?;
+/// }
+/// assert_eq!(sum.state(), &1.5);
+/// # Ok::<(), leastaction_core::guard::Disagreed>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Voted<C, S> {
+    copies: [Replica<C, S>; 3],
+}
+
+#[derive(Clone, Debug)]
+struct Replica<C, S> {
+    constants: C,
+    state: S,
+}
+
+/// Outcome on which at least two of three copies agree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Agreed<O> {
+    /// The outcome.
+    pub outcome: O,
+    /// Whether a copy was outvoted: a fault was found and repaired.
+    pub outvoted: bool,
+}
+
+/// Error that no two of three copies agree: the state is lost and must be made anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Disagreed;
+
+impl fmt::Display for Disagreed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "no two of three copies agree: start anew")
+    }
+}
+
+impl core::error::Error for Disagreed {}
+
+impl<C: Clone, S: Clone + PartialEq> Voted<C, S> {
+    /// Creates three copies of constants and state.
+    pub fn new(constants: C, state: S) -> Self {
+        let replica = || Replica { constants: constants.clone(), state: state.clone() };
+        Self { copies: [replica(), replica(), replica()] }
+    }
+
+    /// The state.
+    pub fn state(&self) -> &S {
+        let [Replica { state, .. }, ..] = &self.copies;
+        state
+    }
+
+    /// Computes a tick. `work` is called two or three times, and may change nothing but its state.
+    ///
+    /// # Errors
+    /// [`Disagreed`] if no two copies agree.
+    pub fn run<O: PartialEq>(
+        &mut self,
+        mut work: impl FnMut(&C, &mut S) -> O,
+    ) -> Result<Agreed<O>, Disagreed> {
+        let [first, second, third] = &mut self.copies;
+        let (one, two) = (once(&mut work, first), once(&mut work, second));
+        if one == two && first.state == second.state {
+            third.state.clone_from(&first.state);
+            return Ok(Agreed { outcome: one, outvoted: false });
+        }
+        let three = once(&mut work, third);
+        if three == one && third.state == first.state {
+            second.clone_from(first);
+            Ok(Agreed { outcome: one, outvoted: true })
+        } else if three == two && third.state == second.state {
+            first.clone_from(second);
+            Ok(Agreed { outcome: two, outvoted: true })
+        } else {
+            Err(Disagreed)
+        }
+    }
+}
+
+/// Computes a tick from one copy. A program has its code once, whatever the number of copies.
+#[inline(never)]
+fn once<C, S, O>(work: &mut impl FnMut(&C, &mut S) -> O, copy: &mut Replica<C, S>) -> O {
+    work(&copy.constants, &mut copy.state)
+}
