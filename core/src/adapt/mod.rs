@@ -4,10 +4,16 @@
 //!
 //! p(t₁) − p(t₀) = ∫ (L_q + Q + τ) dt
 //!
-//! is linear in many numbers π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives — and contains
-//! no acceleration. A balance takes it over windows of a smooth weight, [`Filter`] estimates from it how far the numbers are from those of
-//! the file, with their standard errors, and forgets only what is excited.
+//! is linear in many [numbers](Number) π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives — and
+//! contains no acceleration. [`Balance`] takes it over windows of a smooth weight, [`Filter`] estimates from it how far the numbers are from
+//! the model's, with their standard errors, and forgets only what is excited. An [`Adapter`] does both at every tick, in bounded time.
 
+mod adapter;
+mod balance;
 mod filter;
+mod number;
 
+pub use adapter::{Adapter, Agreement, Tuning};
+pub use balance::{Balance, Terms, Window};
 pub use filter::{Filter, Innovation, Measurement};
+pub use number::{Moment, Number};
