@@ -1,7 +1,7 @@
 use crate::Mechanism;
 use crate::control::{Command, Controller, Target};
 use crate::devices::ActuatorConfig;
-use crate::observer::{ObserverConfig, ObserverOf};
+use crate::observer::{Observer, ObserverConfig};
 use crate::tick::Mode;
 use crate::wire::{ReportWire, StateWire, array};
 use leastaction_core::continuous::ContinuousState;
@@ -57,29 +57,30 @@ const MOST_ELAPSED: u32 = 256;
 ///
 /// It steps the model ahead over the commands that are already decided, so the controller sees the state that its force will meet. If a
 /// step of the model fails, it holds the last good state, commands no force in that tick, and counts the error.
-pub struct Firmware<'a, M: Mechanism<N>, C, const N: usize> {
-    model: &'a M,
+///
+/// The model is no part of it: every tick takes the model, whose numbers may have changed since the one before.
+#[derive(Debug)]
+pub struct Firmware<C, const N: usize> {
     controller: C,
-    observer: ObserverOf<'a, M, N>,
+    observer: Observer<f32, N>,
     actuator: ActuatorConfig<N>,
     line: Commands<f32, N>,
     force: Control<f32, N>,
     last: Outcome<N>,
 }
 
-impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C, N> {
+impl<C, const N: usize> Firmware<C, N> {
     /// Creates a program with ticks of h seconds for actuators with the given limits, gains and offsets (the delay is that of `observer`,
     /// not of `actuator`); `angle` marks the encoders that forget whole turns.
     pub fn new(
-        model: &'a M,
         controller: C,
         h: f32,
         angle: [bool; N],
         observer: &ObserverConfig,
         actuator: ActuatorConfig<N>,
     ) -> Self {
-        let (line, observer) = (observer.commands(&actuator.drive), observer.observer(model, h, angle));
-        Self { model, controller, observer, actuator, line, force: Control::none(), last: Outcome::waiting() }
+        let (line, observer) = (observer.commands(&actuator.drive), observer.observer(h, angle));
+        Self { controller, observer, actuator, line, force: Control::none(), last: Outcome::waiting() }
     }
 
     /// The last outcome.
@@ -92,23 +93,38 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         &self.controller
     }
 
-    /// Runs `elapsed` ticks after the last run, on the samples that arrived, towards a target.
-    pub fn run(&mut self, elapsed: u32, measured: &[Option<f32>; N], target: &Target<N>) -> Outcome<N> {
+    /// Runs over a model `elapsed` ticks after the last run, on the samples that arrived, towards a target.
+    pub fn run<M: Mechanism<N>>(
+        &mut self,
+        model: &M,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        target: &Target<N>,
+    ) -> Outcome<N>
+    where
+        C: Controller<M, N>,
+    {
         let mut outcome = Outcome { errors: 0, ..self.last };
-        let estimated = self.estimate(elapsed, measured, &mut outcome);
+        let estimated = self.estimate(model, elapsed, measured, &mut outcome);
         self.controller.read(elapsed, measured);
-        let command = estimated.and_then(|()| self.command(target));
+        let command = estimated.and_then(|()| self.command(model, target));
         if command.is_err() {
             outcome.errors += 1;
         }
         self.give(outcome, command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe }))
     }
 
-    /// Runs on the samples and the command of a log; the logged command replaces the controller's. At the first tick
-    /// of a log, the same command is assumed for all ticks before.
-    pub fn replay(&mut self, elapsed: u32, measured: &[Option<f32>; N], u: [f32; N]) -> Outcome<N> {
+    /// Runs over a model on the samples and the command of a log; the logged command replaces the controller's. At the first tick of a log, the
+    /// same command is assumed for all ticks before.
+    pub fn replay<M: Mechanism<N>>(
+        &mut self,
+        model: &M,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        u: [f32; N],
+    ) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };
-        let estimated = self.estimate(elapsed, measured, &mut outcome);
+        let estimated = self.estimate(model, elapsed, measured, &mut outcome);
         outcome.errors += u32::from(estimated.is_err());
         if elapsed == FIRST_TICK {
             self.line.take_past(u);
@@ -129,28 +145,29 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
     }
 
     /// Predicts over the elapsed ticks and corrects; returns the first error after trying everything.
-    fn estimate(
+    fn estimate<M: Mechanism<N>>(
         &mut self,
+        model: &M,
         elapsed: u32,
         measured: &[Option<f32>; N],
         outcome: &mut Outcome<N>,
     ) -> Result<(), StepError<f32>> {
-        let mut result = Ok(());
+        let (system, mut result) = (model.system(), Ok(()));
         self.observer.wake(elapsed.saturating_sub(1));
         // Ticks beyond the observer's patience and the line's delay make no difference.
         for tick in 0..elapsed.min(MOST_ELAPSED) {
             if tick > 0 {
                 self.force = self.line.advance(None);
             }
-            match self.observer.predict(&self.force) {
+            match self.observer.predict(system, &self.force) {
                 Ok(report) => outcome.newton = report.unwrap_or(outcome.newton),
                 Err(error) => result = result.and(Err(error)),
             }
         }
         outcome.predicted = self.predicted(measured);
-        let corrected = self.observer.correct(measured);
+        let corrected = self.observer.correct(system, measured);
         outcome.zeros = self.observer.zeros();
-        if let Some(estimate) = self.observer.estimate()? {
+        if let Some(estimate) = self.observer.estimate(system)? {
             outcome.estimate = estimate;
         }
         result.and(corrected)
@@ -164,12 +181,19 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         }
     }
 
-    fn command(&mut self, target: &Target<N>) -> Result<Command<N>, StepError<f32>> {
-        let state = match self.observer.ahead(&self.line)? {
+    fn command<M: Mechanism<N>>(
+        &mut self,
+        model: &M,
+        target: &Target<N>,
+    ) -> Result<Command<N>, StepError<f32>>
+    where
+        C: Controller<M, N>,
+    {
+        let state = match self.observer.ahead(model.system(), &self.line)? {
             Some(state) if self.observer.trusted() => state,
             _ => return Ok(Outcome::waiting().command),
         };
-        let Command { u, mode } = self.controller.command(self.model, target, &state)?;
+        let Command { u, mode } = self.controller.command(model, target, &state)?;
         if !all_finite(&u) {
             return Err(StepError::NotFinite);
         }

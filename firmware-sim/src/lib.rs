@@ -52,7 +52,7 @@ pub use angle::{wrap, wrap_where};
 pub use error::{Range, SetupError};
 pub use firmware::{Firmware, Outcome};
 pub use mechanism::{Mechanism, Trained, require_quadratic};
-pub use processor::Processor;
+pub use processor::{InPlace, Processor};
 pub use program::{Program, Task};
 pub use summary::{Goal, Incidents, Summary};
 pub use tick::{Mode, Tick, TraceHash};

@@ -3,7 +3,6 @@
 pub use leastaction_core::discrete::Order;
 pub use leastaction_core::observer::{Integrator, Observer, Tuning, ZerosPrior};
 
-use crate::Mechanism;
 use crate::devices::{Drive, require_ticks};
 use crate::error::{Range, SetupError, require};
 use crate::wire::{NewtonWire, OrderWire};
@@ -43,10 +42,6 @@ pub struct LearnZeros {
     /// Standard deviation of an innovation, rad or m, > 0; with a larger one, the zeros are learned more slowly.
     pub innovation: f32,
 }
-
-/// The observer of a mechanism's model.
-pub type ObserverOf<'a, M, const N: usize> =
-    Observer<'a, f32, <M as Mechanism<N>>::Lagrangian, <M as Mechanism<N>>::Forces, N>;
 
 /// Treatment of an order or a tick that a model was not trained for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -137,17 +132,12 @@ impl ObserverConfig {
         Integrator::new(self.order, h, self.newton)
     }
 
-    /// Creates the observer of a model for ticks of h seconds; `angle` marks the encoders that forget whole turns.
-    pub fn observer<'a, M: Mechanism<N>, const N: usize>(
-        &self,
-        model: &'a M,
-        h: f32,
-        angle: [bool; N],
-    ) -> ObserverOf<'a, M, N> {
+    /// Creates the observer for ticks of h seconds; `angle` marks the encoders that forget whole turns.
+    pub fn observer<const N: usize>(&self, h: f32, angle: [bool; N]) -> Observer<f32, N> {
         let zeros =
             self.zeros.map(|LearnZeros { deviation, innovation }| ZerosPrior { deviation, innovation });
         let tuning = Tuning { memory: self.memory, patience: self.patience, zeros };
-        Observer::new(model.system(), self.integrator(h), angle, tuning)
+        Observer::new(self.integrator(h), angle, tuning)
     }
 
     /// Creates the line of delayed commands from the drive and the delay that the firmware knows.

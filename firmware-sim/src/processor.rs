@@ -3,7 +3,7 @@ use crate::control::{Controller, Target};
 use crate::firmware::{Firmware, Outcome};
 use core::convert::Infallible;
 
-/// Execution of the firmware's part of a tick: [`Firmware`] in place, or a processor at the other end of a link.
+/// Execution of the firmware's part of a tick: [`Firmware`] [in place](InPlace), or a processor at the other end of a link.
 pub trait Processor<const N: usize> {
     /// Reason why a tick did not run; a [`Firmware`] in place always runs.
     type Error;
@@ -32,7 +32,16 @@ pub trait Processor<const N: usize> {
     fn last(&self) -> &Outcome<N>;
 }
 
-impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for Firmware<'_, M, C, N> {
+/// A [`Firmware`] that runs in place, over one model.
+#[derive(Debug)]
+pub struct InPlace<'m, M, C, const N: usize> {
+    /// The model, for which the firmware was begun.
+    pub model: &'m M,
+    /// The firmware.
+    pub firmware: Firmware<C, N>,
+}
+
+impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for InPlace<'_, M, C, N> {
     type Error = Infallible;
 
     fn run(
@@ -41,7 +50,7 @@ impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for Firm
         measured: &[Option<f32>; N],
         target: &Target<N>,
     ) -> Result<Outcome<N>, Infallible> {
-        Ok(self.run(elapsed, measured, target))
+        Ok(self.firmware.run(self.model, elapsed, measured, target))
     }
 
     fn replay(
@@ -50,10 +59,10 @@ impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for Firm
         measured: &[Option<f32>; N],
         u: [f32; N],
     ) -> Result<Outcome<N>, Infallible> {
-        Ok(self.replay(elapsed, measured, u))
+        Ok(self.firmware.replay(self.model, elapsed, measured, u))
     }
 
     fn last(&self) -> &Outcome<N> {
-        self.last()
+        self.firmware.last()
     }
 }

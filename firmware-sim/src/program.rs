@@ -1,7 +1,6 @@
 use crate::control::{
-    Catch, Controller, Coordinates, Float, Follow, Gains, Law, Listen, Mpc, MpcSettings, NoMpc, NoPump,
-    Nodes, Plans, PumpConfig, Regulator, States, SwingUp, SwungUp, TaskController, Tolerance, Track,
-    collected,
+    Catch, Coordinates, Float, Follow, Gains, Law, Listen, Mpc, MpcSettings, NoMpc, NoPump, Nodes, Plans,
+    PumpConfig, Regulator, States, SwingUp, SwungUp, TaskController, Tolerance, Track, collected,
 };
 use crate::devices::{ActuatorConfig, Drive};
 use crate::error::{SetupError, require, require_finite};
@@ -97,7 +96,7 @@ impl<const N: usize> Task<N> {
 }
 
 /// Firmware that is begun by a program, with the pump P and the decisions R.
-type Begun<'m, 'p, M, P, R, const N: usize> = Firmware<'m, M, TaskController<'p, P, R, N>, N>;
+type Begun<'p, P, R, const N: usize> = Firmware<TaskController<'p, P, R, N>, N>;
 /// Pump for a model of N coordinates.
 type PumpOf<M, const N: usize> = <Coordinates<N> as SwungUp<M, N>>::Pump;
 
@@ -130,20 +129,13 @@ impl<const N: usize> Program<N> {
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
-    pub fn listen<'m, M: Mechanism<N>>(
-        &self,
-        model: &'m M,
-    ) -> Result<Firmware<'m, M, Listen, N>, SetupError> {
+    pub fn listen<M: Mechanism<N>>(&self, model: &M) -> Result<Firmware<Listen, N>, SetupError> {
         self.check(model)?;
-        Ok(self.firmware(model, Listen))
+        Ok(self.firmware(Listen))
     }
 
-    pub(crate) fn firmware<'m, M: Mechanism<N>, C: Controller<M, N>>(
-        &self,
-        model: &'m M,
-        controller: C,
-    ) -> Firmware<'m, M, C, N> {
-        Firmware::new(model, controller, self.tick, self.angle, &self.observer, self.actuator)
+    pub(crate) fn firmware<C>(&self, controller: C) -> Firmware<C, N> {
+        Firmware::new(controller, self.tick, self.angle, &self.observer, self.actuator)
     }
 
     /// Creates the firmware over a model of any coordinates, for every task except a swing-up, a plan and decisions.
@@ -151,10 +143,7 @@ impl<const N: usize> Program<N> {
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
     /// [`SetupError::NoSwingUp`], [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
-    pub fn follow<'m, M: Mechanism<N>>(
-        &self,
-        model: &'m M,
-    ) -> Result<Begun<'m, 'static, M, NoPump, NoMpc, N>, SetupError> {
+    pub fn follow<M: Mechanism<N>>(&self, model: &M) -> Result<Begun<'static, NoPump, NoMpc, N>, SetupError> {
         self.follow_with(model, || Err(SetupError::NoPlan))
     }
 
@@ -163,15 +152,15 @@ impl<const N: usize> Program<N> {
     ///
     /// # Errors
     /// See [`Program::follow`]; also those of `plan`, [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
-    pub fn follow_with<'m, 'p, M: Mechanism<N>, E: From<SetupError>>(
+    pub fn follow_with<'p, M: Mechanism<N>, E: From<SetupError>>(
         &self,
-        model: &'m M,
+        model: &M,
         plan: impl FnOnce() -> Result<Plan<'p, N, N>, E>,
-    ) -> Result<Begun<'m, 'p, M, NoPump, NoMpc, N>, E> {
+    ) -> Result<Begun<'p, NoPump, NoMpc, N>, E> {
         let no_swing_up = |_, _, _| Err(SetupError::NoSwingUp);
         let plans = || collected([plan()].into_iter());
         let controller = self.controller(model, plans, no_swing_up, |_, _| Err(SetupError::NoMpc.into()))?;
-        Ok(self.firmware(model, controller))
+        Ok(self.firmware(controller))
     }
 
     /// Creates the firmware over a model of a pendulum, q = θ, or of a cart and its pole, q = (x, θ), for every task except a plan and
@@ -180,17 +169,17 @@ impl<const N: usize> Program<N> {
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
     /// that no feedback holds upright; [`SetupError::NoMpc`] and [`SetupError::NoPlan`].
-    pub fn start<'m, M: Mechanism<N>, const D: usize>(
+    pub fn start<M: Mechanism<N>, const D: usize>(
         &self,
-        model: &'m M,
-    ) -> Result<Begun<'m, 'static, M, PumpOf<M, N>, NoMpc, N>, SetupError>
+        model: &M,
+    ) -> Result<Begun<'static, PumpOf<M, N>, NoMpc, N>, SetupError>
     where
         Coordinates<N>: SwungUp<M, N> + States<D>,
     {
         let swing_up = |pump, tolerance, catch| self.swing_up(model, pump, &tolerance, catch);
         let no_plan = || Err(SetupError::NoPlan);
         let controller = self.controller(model, no_plan, swing_up, |_, _| Err(SetupError::NoMpc))?;
-        Ok(self.firmware(model, controller))
+        Ok(self.firmware(controller))
     }
 
     /// Creates the firmware as [`Program::start`] does, but for every task; `plans` gives the plans, which were made for this model, if the
@@ -198,12 +187,12 @@ impl<const N: usize> Program<N> {
     ///
     /// # Errors
     /// See [`Program::start`]; also those of `plans` and of [`Mpc::new`], [`SetupError::PlanTick`] and [`SetupError::PlanAngle`].
-    pub fn start_with<'m, 'p, M: Mechanism<N>, E: From<SetupError>, const D: usize>(
+    pub fn start_with<'p, M: Mechanism<N>, E: From<SetupError>, const D: usize>(
         &self,
-        model: &'m M,
+        model: &M,
         plans: impl FnOnce() -> Result<Plans<'p, N>, E>,
         nodes: &'p mut Nodes<N, D>,
-    ) -> Result<Begun<'m, 'p, M, PumpOf<M, N>, Mpc<'p, N, D>, N>, E>
+    ) -> Result<Begun<'p, PumpOf<M, N>, Mpc<'p, N, D>, N>, E>
     where
         Coordinates<N>: SwungUp<M, N> + States<D>,
     {
@@ -212,7 +201,7 @@ impl<const N: usize> Program<N> {
             let plans = settings.plan.map_or(Ok(Plans::new()), |_| plans())?;
             Ok(Mpc::new(model, settings, self, plans, nodes)?)
         })?;
-        Ok(self.firmware(model, controller))
+        Ok(self.firmware(controller))
     }
 
     /// Creates the firmware over a model of any coordinates for the task [`Task::Mpc`], which works in `nodes`, with the plans that it
@@ -221,19 +210,19 @@ impl<const N: usize> Program<N> {
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
     /// [`SetupError::NoMpc`] for another task; more than [`MAX_PLANS`](crate::control::MAX_PLANS) plans; those of [`Mpc::new`].
-    pub fn mpc<'m, 'p, M: Mechanism<N>, const D: usize>(
+    pub fn mpc<'p, M: Mechanism<N>, const D: usize>(
         &self,
-        model: &'m M,
+        model: &M,
         plans: &[Plan<'p, N, N>],
         nodes: &'p mut Nodes<N, D>,
-    ) -> Result<Firmware<'m, M, Mpc<'p, N, D>, N>, SetupError>
+    ) -> Result<Firmware<Mpc<'p, N, D>, N>, SetupError>
     where
         Coordinates<N>: States<D>,
     {
         let Task::Mpc(settings) = self.task else { return Err(SetupError::NoMpc) };
         self.check(model)?;
         let plans = collected(plans.iter().copied().map(Ok::<_, SetupError>))?;
-        Ok(self.firmware(model, Mpc::new(model, settings, self, plans, nodes)?))
+        Ok(self.firmware(Mpc::new(model, settings, self, plans, nodes)?))
     }
 
     /// Creates the controller over a model; `swing_up` makes the one that brings the mechanism upright, `mpc` the one that decides, which may

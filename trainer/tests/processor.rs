@@ -8,7 +8,7 @@ use leastaction_firmware_sim::link::{Files, Flash, Port, Refusal, Workspace, ser
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{RunError, SwingUpConfig, TrackConfig, run_on};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
-use leastaction_firmware_sim::{Program, Summary, Tick};
+use leastaction_firmware_sim::{InPlace, Program, Summary, Tick};
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::{self, JoinHandle};
@@ -131,7 +131,8 @@ fn config() -> SwingUpConfig<2> {
 fn in_place(config: &SwingUpConfig<2>) -> Summary<2> {
     let model = Cartpole::load(&MODEL.0).unwrap();
     let plant = System::conservative(CARTPOLE);
-    run_on(&plant, config.program().start(&model.system).unwrap(), &config.setup, REST, |_| {}).unwrap()
+    let firmware = InPlace { model: &model.system, firmware: config.program().start(&model.system).unwrap() };
+    run_on(&plant, firmware, &config.setup, REST, |_| {}).unwrap()
 }
 
 #[test]
@@ -156,7 +157,7 @@ fn tracking_is_the_same_over_a_line() {
     config.setup.observer.other_step = OtherStep::Accepted;
     let plant = System::conservative(CARTPOLE);
     let model = Cartpole::load(&MODEL.0).unwrap();
-    let firmware = config.program().start(&model.system).unwrap();
+    let firmware = InPlace { model: &model.system, firmware: config.program().start(&model.system).unwrap() };
     let expected = run_on(&plant, firmware, &config.setup, config.reference, |_| {}).unwrap();
     let (wire, _thread) = processor(Some(&MODEL.0), Fault::None);
     let mut remote = Remote::begin(wire, &config.program(), PATIENCE).unwrap();

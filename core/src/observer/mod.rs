@@ -67,12 +67,11 @@ fn gains<R: Real>(n: u8) -> (R, R) {
     (two * (two * n + one) / both, beta)
 }
 
-/// The estimate of a mechanism's state.
+/// The estimate of a mechanism's state. It holds no model: every call that needs the system takes it, so its numbers may change between calls.
 ///
 /// T is taken as ½vᵀM(q)v; for any other kinetic energy, v is not M⁻¹p. Every call takes a bounded time; nothing is allocated.
 #[derive(Clone, Debug)]
-pub struct Observer<'a, R, L, F, const N: usize> {
-    system: &'a System<L, F>,
+pub struct Observer<R, const N: usize> {
     integrator: Integrator<R>,
     angle: [bool; N],
     tuning: Tuning<R>,
@@ -87,17 +86,11 @@ pub struct Observer<'a, R, L, F, const N: usize> {
     zeros: Zeros<R, N>,
 }
 
-impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer<'a, R, L, F, N> {
-    /// Creates an observer that steps `system` by an integrator; `angle` marks the encoders that forget whole turns. A memory of 0 is taken
+impl<R: Real, const N: usize> Observer<R, N> {
+    /// Creates an observer that steps its systems by an integrator; `angle` marks the encoders that forget whole turns. A memory of 0 is taken
     /// as 1.
-    pub fn new(
-        system: &'a System<L, F>,
-        integrator: Integrator<R>,
-        angle: [bool; N],
-        tuning: Tuning<R>,
-    ) -> Self {
+    pub fn new(integrator: Integrator<R>, angle: [bool; N], tuning: Tuning<R>) -> Self {
         Self {
-            system,
             integrator,
             angle,
             tuning: Tuning { memory: tuning.memory.max(1), ..tuning },
@@ -140,16 +133,20 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
         }
     }
 
-    /// Steps the model under the force that acted.
+    /// Steps the system under the force that acted.
     ///
     /// # Errors
     /// The errors of the step; the estimate is then unchanged.
-    pub fn predict(&mut self, u: &Control<R, N>) -> Result<Option<Report<R>>, StepError<R>> {
+    pub fn predict<L: Lagrangian<R, N>, F: Forces<R, N>>(
+        &mut self,
+        system: &System<L, F>,
+        u: &Control<R, N>,
+    ) -> Result<Option<Report<R>>, StepError<R>> {
         let Some(mut state) = self.state else { return Ok(None) };
-        let report = self.integrator.step(self.system, &mut state, u)?;
+        let report = self.integrator.step(system, &mut state, u)?;
         if self.tuning.zeros.is_some() {
-            let ContinuousState { q, v } = self.continuous(&state)?;
-            self.zeros = self.zeros.stepped(self.system, (&q, &v, &u.end), self.integrator.h())?;
+            let ContinuousState { q, v } = continuous(&system.lagrangian, &state)?;
+            self.zeros = self.zeros.stepped(system, (&q, &v, &u.end), self.integrator.h())?;
         }
         self.state = Some(state);
         Ok(Some(report))
@@ -159,10 +156,14 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
     ///
     /// # Errors
     /// An error if the estimate would not be finite, or the mass matrix is singular; the estimate is then unchanged.
-    pub fn correct(&mut self, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
+    pub fn correct<L: Lagrangian<R, N>, F>(
+        &mut self,
+        system: &System<L, F>,
+        measured: &[Option<R>; N],
+    ) -> Result<(), StepError<R>> {
         match self.state {
-            None => self.begin(measured)?,
-            Some(state) => self.update(&state, measured)?,
+            None => self.begin(&system.lagrangian, measured)?,
+            Some(state) => self.update(&system.lagrangian, &state, measured)?,
         }
         for (i, sample) in measured.iter().enumerate() {
             self.remember(i, sample.is_some());
@@ -188,8 +189,11 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
     ///
     /// # Errors
     /// An error if the mass matrix is singular.
-    pub fn estimate(&self) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
-        self.state.map(|state| self.continuous(&state)).transpose()
+    pub fn estimate<L: Lagrangian<R, N>, F>(
+        &self,
+        system: &System<L, F>,
+    ) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
+        self.state.map(|state| continuous(&system.lagrangian, &state)).transpose()
     }
 
     /// The estimate at the time when the next command takes effect: after all steps that `commands` has decided, the rest of the delay, and the
@@ -197,22 +201,25 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
     ///
     /// # Errors
     /// The errors of the step.
-    pub fn ahead(&self, commands: &Commands<R, N>) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
+    pub fn ahead<L: Lagrangian<R, N>, F: Forces<R, N>>(
+        &self,
+        system: &System<L, F>,
+        commands: &Commands<R, N>,
+    ) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
         let Some(mut state) = self.state else { return Ok(None) };
         commands.to_come(|part, u| {
             let part = self.integrator.with_step(part * self.integrator.h());
-            part.step(self.system, &mut state, u).map(|_| ())
+            part.step(system, &mut state, u).map(|_| ())
         })?;
-        self.continuous(&state).map(Some)
-    }
-
-    /// Position and velocity of a discrete state.
-    fn continuous(&self, state: &State<R, N>) -> Result<ContinuousState<R, N>, StepError<R>> {
-        Ok(ContinuousState { q: state.q(), v: state.velocity(&self.system.lagrangian)? })
+        continuous(&system.lagrangian, &state).map(Some)
     }
 
     /// Starts at rest at the first reading of every coordinate.
-    fn begin(&mut self, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
+    fn begin<L: Lagrangian<R, N>>(
+        &mut self,
+        lagrangian: &L,
+        measured: &[Option<R>; N],
+    ) -> Result<(), StepError<R>> {
         for (first, sample) in self.first.iter_mut().zip(measured) {
             *first = sample.or(*first);
         }
@@ -221,23 +228,28 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
             let Some(first) = first else { return Ok(()) };
             *q = first - *q;
         }
-        self.state = Some(State::new(&self.system.lagrangian, q, [R::zero(); N])?);
+        self.state = Some(State::new(lagrangian, q, [R::zero(); N])?);
         self.zeros.follow_readings();
         Ok(())
     }
 
-    fn update(&mut self, state: &State<R, N>, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
+    fn update<L: Lagrangian<R, N>>(
+        &mut self,
+        lagrangian: &L,
+        state: &State<R, N>,
+        measured: &[Option<R>; N],
+    ) -> Result<(), StepError<R>> {
         if measured.iter().all(Option::is_none) {
             return Ok(());
         }
-        let (mut estimate, mut zeros) = (self.continuous(state)?, self.zeros);
+        let (mut estimate, mut zeros) = (continuous(lagrangian, state)?, self.zeros);
         for (i, sample) in measured.iter().enumerate() {
             if let Some(y) = sample {
                 self.take(i, *y, &mut estimate, &mut zeros);
             }
         }
         zeros.check()?;
-        self.state = Some(State::new(&self.system.lagrangian, estimate.q, estimate.v)?);
+        self.state = Some(State::new(lagrangian, estimate.q, estimate.v)?);
         self.zeros = zeros;
         Ok(())
     }
@@ -256,4 +268,12 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
             }
         }
     }
+}
+
+/// Position and velocity of a discrete state.
+fn continuous<R: Real, L: Lagrangian<R, N>, const N: usize>(
+    lagrangian: &L,
+    state: &State<R, N>,
+) -> Result<ContinuousState<R, N>, StepError<R>> {
+    Ok(ContinuousState { q: state.q(), v: state.velocity(lagrangian)? })
 }

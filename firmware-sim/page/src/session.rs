@@ -11,7 +11,7 @@ use leastaction_core::lagrangian::{Energies, Lagrangian};
 use leastaction_core::model::{Model, ModelError};
 use leastaction_firmware_sim::control::{Coordinates, Mpc, States, blank_nodes};
 use leastaction_firmware_sim::scenario::{MpcConfig, Run};
-use leastaction_firmware_sim::{Firmware, Mechanism, Mode, SetupError, Tick, Trained};
+use leastaction_firmware_sim::{InPlace, Mechanism, Mode, SetupError, Tick, Trained};
 
 /// Reason why a run does not begin.
 pub enum Refused {
@@ -76,7 +76,7 @@ pub trait Live {
 }
 
 /// Firmware that decides at every tick, timed.
-type Deciding<M, const N: usize, const D: usize> = Timed<Firmware<'static, M, Mpc<'static, N, D>, N>>;
+type Deciding<M, const N: usize, const D: usize> = Timed<InPlace<'static, M, Mpc<'static, N, D>, N>>;
 
 /// A run with what the page asks about it; D is 2N.
 struct Session<M: Mechanism<N> + 'static, const N: usize, const D: usize> {
@@ -110,7 +110,7 @@ where
     let system = &arena.put(model).ok_or(Refused::Large)?.system;
     let model = &*arena.put(Trained { system, step }).ok_or(Refused::Large)?;
     let nodes = arena.put(blank_nodes()).ok_or(Refused::Large)?;
-    let firmware = Timed::new(config.program().mpc(model, &[], nodes)?);
+    let firmware = Timed::new(InPlace { model, firmware: config.program().mpc(model, &[], nodes)? });
     let run = Run::new(plant, firmware, &config.setup, config.settings.goal)?;
     let session = Session { run, plant, model, config, pushes: [(0.0, 0); N], decisions: 0 };
     Ok(arena.put(session).ok_or(Refused::Large)?)
@@ -128,7 +128,7 @@ impl<M: Mechanism<N>, const N: usize, const D: usize> Session<M, N, D> {
         let setup = &self.config.setup;
         let energy = |Energies { kinetic, potential }: Energies<f32>| [kinetic, potential];
         let firmware = self.run.processor();
-        let motion = firmware.of().controller().motion();
+        let motion = firmware.of().firmware.controller().motion();
         let mut ticks = setup.observer.delay;
         for (shown, node) in view.motion.iter_mut().zip(motion) {
             let second = if N > 1 { node.x[1] } else { 0.0 };

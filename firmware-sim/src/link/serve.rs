@@ -182,20 +182,22 @@ impl<P: Port> Link<'_, P> {
     }
 
     /// Starts a program, and runs its ticks up to the first frame that is no tick.
-    fn program<'m, M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
+    fn program<M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
         &mut self,
-        model: Result<&'m M, &Refusal>,
-        start: impl FnOnce(&'m M) -> Result<Firmware<'m, M, C, N>, Refusal>,
+        model: Result<&M, &Refusal>,
+        start: impl FnOnce(&M) -> Result<Firmware<C, N>, Refusal>,
     ) -> Result<Frame, P::Error> {
-        match model.map_err(|refusal| *refusal).and_then(start) {
-            Ok(firmware) => self.ticks(firmware),
+        let begun = model.map_err(|refusal| *refusal).and_then(|model| Ok((model, start(model)?)));
+        match begun {
+            Ok((model, firmware)) => self.ticks(model, firmware),
             Err(refusal) => self.refuse(refusal),
         }
     }
 
     fn ticks<M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
         &mut self,
-        mut firmware: Firmware<'_, M, C, N>,
+        model: &M,
+        mut firmware: Firmware<C, N>,
     ) -> Result<Frame, P::Error> {
         let ready: Answer<'_, N> = Answer::Ready { processor: self.processor };
         self.send(&ready)?;
@@ -203,10 +205,10 @@ impl<P: Port> Link<'_, P> {
             let frame = self.receive()?;
             let (sequence, (instructions, outcome)) = match parse_request::<N>(&frame) {
                 Ok(Request::Tick(Samples { sequence, elapsed, measured, target })) => {
-                    (sequence, self.port.count(|| firmware.run(elapsed, &measured, &target)))
+                    (sequence, self.port.count(|| firmware.run(model, elapsed, &measured, &target)))
                 }
                 Ok(Request::Log(LoggedSamples { sequence, elapsed, measured, command })) => {
-                    (sequence, self.port.count(|| firmware.replay(elapsed, &measured, command)))
+                    (sequence, self.port.count(|| firmware.replay(model, elapsed, &measured, command)))
                 }
                 _ => return Ok(frame),
             };

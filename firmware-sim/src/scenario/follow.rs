@@ -184,7 +184,7 @@ pub fn follow<'p, P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     config.setup.validate()?;
     let firmware = config.program().follow_with(model, || Ok::<_, SetupError>(*plan))?;
     let mut followed = Followed::new(plan, config);
-    let summary = run_in_place(plant, firmware, &config.setup, plan, |tick| {
+    let summary = run_in_place(plant, (model, firmware), &config.setup, plan, |tick| {
         followed.update(tick);
         sink(tick);
     })?;

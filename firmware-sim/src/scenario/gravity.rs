@@ -134,7 +134,7 @@ pub fn gravity<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     config.setup.validate()?;
     let firmware = config.program().follow(model)?;
     let mut floating = Floating::new(&config.setup);
-    let summary = run_in_place(plant, firmware, &config.setup, config.setup.start.q, |tick| {
+    let summary = run_in_place(plant, (model, firmware), &config.setup, config.setup.start.q, |tick| {
         floating.update(tick);
         sink(tick);
     })?;

@@ -180,7 +180,7 @@ where
     let mut nodes = blank_nodes();
     let firmware = config.program().mpc(model, plans, &mut nodes)?;
     let mut decided = Decided::default();
-    let summary = run_in_place(plant, firmware, &config.setup, config.settings.goal, |tick| {
+    let summary = run_in_place(plant, (model, firmware), &config.setup, config.settings.goal, |tick| {
         decided.update(tick);
         sink(tick);
     })?;

@@ -1,13 +1,13 @@
 use super::{Push, Setup};
 use crate::angle::difference;
-use crate::control::{Target, Trajectory};
+use crate::control::{Controller, Target, Trajectory};
 use crate::devices::{Actuator, Arrival, Clock, Encoders};
 use crate::error::SetupError;
-use crate::firmware::Outcome;
+use crate::firmware::{Firmware, Outcome};
 use crate::plant::Plant;
 use crate::summary::{Recorder, Summary};
 use crate::tick::{Mode, Tick};
-use crate::{Mechanism, Processor};
+use crate::{InPlace, Mechanism, Processor};
 use core::convert::Infallible;
 use core::fmt;
 use leastaction_core::linear::add_scaled;
@@ -260,17 +260,18 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
     Ok(run.summary())
 }
 
-/// Runs a world with a firmware that always runs.
-pub(super) fn run_in_place<P, R, const N: usize>(
+/// Runs a world with a firmware over a model, which always runs.
+pub(super) fn run_in_place<P, M, C, const N: usize>(
     plant: &P,
-    firmware: R,
+    (model, firmware): (&M, Firmware<C, N>),
     setup: &Setup<N>,
     trajectory: impl Trajectory<N>,
     sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, SetupError>
 where
     P: Mechanism<N>,
-    R: Processor<N, Error = Infallible>,
+    M: Mechanism<N>,
+    C: Controller<M, N>,
 {
-    Ok(run_on(plant, firmware, setup, trajectory, sink)?)
+    Ok(run_on(plant, InPlace { model, firmware }, setup, trajectory, sink)?)
 }

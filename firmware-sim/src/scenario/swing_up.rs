@@ -77,7 +77,7 @@ pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
     sink: impl FnMut(&Tick<1>),
 ) -> Result<Summary<1>, SetupError> {
     config.setup.validate()?;
-    run_in_place(plant, config.program().start(model)?, &config.setup, [0.0], sink)
+    run_in_place(plant, (model, config.program().start(model)?), &config.setup, [0.0], sink)
 }
 
 /// Swings a pole up by the cart that carries it and holds it, by energies and derivatives of the model alone.
@@ -92,5 +92,5 @@ pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
     sink: impl FnMut(&Tick<2>),
 ) -> Result<Summary<2>, SetupError> {
     config.setup.validate()?;
-    run_in_place(plant, config.program().start(model)?, &config.setup, [0.0; 2], sink)
+    run_in_place(plant, (model, config.program().start(model)?), &config.setup, [0.0; 2], sink)
 }

@@ -62,16 +62,16 @@ impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
     ///
     /// # Errors
     /// See [`Program::follow`]; also a cut-off frequency out of range.
-    pub fn by_encoders<'m, M: Mechanism<N>>(
+    pub fn by_encoders<M: Mechanism<N>>(
         &self,
-        model: &'m M,
+        model: &M,
         cut_off: f32,
-    ) -> Result<Firmware<'m, M, ByEncoders<N>, N>, SetupError> {
+    ) -> Result<Firmware<ByEncoders<N>, N>, SetupError> {
         let program = self.program();
         program.check(model)?;
         let control = (self.gains, diagonal(model, &self.reference.at(0.0).q), program.angle);
         let delay = program.observer.lateness() * program.tick;
-        Ok(program.firmware(model, ByEncoders::new(control, program.tick, delay, cut_off)?))
+        Ok(program.firmware(ByEncoders::new(control, program.tick, delay, cut_off)?))
     }
 }
 
@@ -112,5 +112,5 @@ pub fn track<P: Mechanism<N>, M: Mechanism<N>, T: Trajectory<N>, const N: usize>
 ) -> Result<Summary<N>, SetupError> {
     config.validate()?;
     let firmware = config.program().follow(model)?;
-    run_in_place(plant, firmware, &config.setup, &config.reference, sink)
+    run_in_place(plant, (model, firmware), &config.setup, &config.reference, sink)
 }

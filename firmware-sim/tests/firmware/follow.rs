@@ -82,15 +82,15 @@ fn missed_ticks_are_ticks_of_the_plan() {
     let (mut every, mut some) = (start(), start());
     let target = Target::of(&[0.0], 0.0, H);
     let waits = (0..).find(|_| {
-        let [one, _] = [&mut every, &mut some].map(|firmware| firmware.run(1, &[Some(0.5)], &target));
+        let [one, _] = [&mut every, &mut some].map(|firmware| firmware.run(&model, 1, &[Some(0.5)], &target));
         one.command.mode != Mode::Wait
     });
     assert_eq!(waits, Some(2), "the estimate is trusted after three samples");
-    let modes: Vec<_> = (0..3).map(|_| every.run(1, &[Some(0.5)], &target).command.mode).collect();
+    let modes: Vec<_> = (0..3).map(|_| every.run(&model, 1, &[Some(0.5)], &target).command.mode).collect();
     assert_eq!(modes, [Mode::Track, Mode::Hold, Mode::Hold]);
-    assert_eq!(some.run(2, &[Some(0.5)], &target).command.mode, Mode::Hold);
+    assert_eq!(some.run(&model, 2, &[Some(0.5)], &target).command.mode, Mode::Hold);
     // A command is that of the plan at the estimate.
-    let outcome = some.run(1, &[Some(0.4)], &target);
+    let outcome = some.run(&model, 1, &[Some(0.4)], &target);
     let expected = plan.force(4, &outcome.estimate.q, &outcome.estimate.v).unwrap();
     assert_eq!((outcome.command.u, outcome.command.u[0] > 0.25), (expected, true));
 }
@@ -105,7 +105,7 @@ fn the_plan_goes_on_while_an_encoder_is_silent() {
     let mut firmware = config.program().follow_with(&model, || Ok::<_, SetupError>(plan)).unwrap();
     let target = Target::of(&[0.0], 0.0, H);
     let mut run = |readings: u32, reading: Option<f32>| {
-        (0..readings).map(|_| firmware.run(1, &[reading], &target).command).last().unwrap()
+        (0..readings).map(|_| firmware.run(&model, 1, &[reading], &target).command).last().unwrap()
     };
     assert_eq!(run(10, Some(3.1)).mode, Mode::Track);
     let silent = run(300, None);
@@ -178,9 +178,9 @@ fn a_command_that_is_no_number_is_safe() {
     let program = perfect(&written, ROTARY).program();
     let mut firmware = program.follow_with(&model, || Ok::<_, SetupError>(plan)).unwrap();
     let target = Target::of(&[0.0], 0.0, H);
-    let mut outcome = firmware.run(1, &[Some(1.6)], &target);
+    let mut outcome = firmware.run(&model, 1, &[Some(1.6)], &target);
     for i in 1..6_u8 {
-        outcome = firmware.run(1, &[Some(1.6 + 0.1 * f32::from(i))], &target);
+        outcome = firmware.run(&model, 1, &[Some(1.6 + 0.1 * f32::from(i))], &target);
     }
     assert_eq!((outcome.command.mode, outcome.command.u, outcome.errors), (Mode::Safe, [0.0], 1));
 }

@@ -248,7 +248,7 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     assert_eq!(said.len(), 41);
     for (i, frame) in (0..).zip(&said[1..]) {
         let Samples { elapsed, measured, target, .. } = tick(i);
-        let outcome = firmware.run(elapsed, &measured, &target);
+        let outcome = firmware.run(&model.system, elapsed, &measured, &target);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
 }
@@ -269,7 +269,7 @@ fn bodies_with_friction_run_as_they_do_in_place() {
     let (said, _) = answers(Some(&DRY_FILE.0), heard);
     for (i, frame) in (0..).zip(&said[1..]) {
         let Samples { elapsed, measured, target, .. } = tick(i);
-        let outcome = firmware.run(elapsed, &measured, &target);
+        let outcome = firmware.run(&model.system, elapsed, &measured, &target);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
     assert!(said.len() == 21 && firmware.last().command.u[0] != 0.0);
@@ -301,7 +301,7 @@ fn an_arm_runs_tick_by_tick_as_it_does_in_place() {
     assert_eq!((said.len(), parse_answer::<7>(&said[0])), (22, Ok(Answer::Ready { processor: "tester" })));
     for (i, frame) in (0..).zip(&said[1..21]) {
         let Samples { sequence, elapsed, measured, target } = tick(i);
-        let outcome = firmware.run(elapsed, &measured, &target);
+        let outcome = firmware.run(&model.system, elapsed, &measured, &target);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence, outcome, instructions: 0 })));
     }
     assert!(firmware.last().command.u.iter().all(|u| *u != 0.0));
@@ -353,7 +353,7 @@ fn decisions_at_every_tick_are_those_in_place() {
     let mut decided = 0;
     for (i, frame) in (0..).zip(&said[1..]) {
         let Samples { elapsed, measured, target, .. } = tick(i);
-        let outcome = firmware.run(elapsed, &measured, &target);
+        let outcome = firmware.run(&model.system, elapsed, &measured, &target);
         decided += u32::from(outcome.command.mode == Mode::Mpc && outcome.command.u[0] != 0.0);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
@@ -391,7 +391,7 @@ fn a_log_runs_tick_by_tick_as_it_does_in_place() {
     assert_eq!(said.len(), 41);
     for (sequence, frame) in (0..).zip(&said[1..]) {
         let LoggedSamples { elapsed, measured, command, .. } = logged(sequence);
-        let outcome = firmware.replay(elapsed, &measured, command);
+        let outcome = firmware.replay(&model.system, elapsed, &measured, command);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence, outcome, instructions: 0 })));
         assert_eq!((outcome.command.u, outcome.errors), (command, 0));
     }

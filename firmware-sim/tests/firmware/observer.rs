@@ -22,13 +22,13 @@ fn pendulum() -> Pendulum {
 /// each tick whether the encoder delivers its reading.
 fn errors(system: &Pendulum, config: &ObserverConfig, ticks: u32, seen: impl Fn(u32) -> bool) -> Vec<f32> {
     let mut plant = Plant::new(system, ContinuousState { q: [0.5], v: [4.0] }, 8);
-    let mut observer = config.observer(system, H, [true]);
+    let mut observer = config.observer(H, [true]);
     let mut errors = Vec::new();
     for tick in 0..ticks {
         let truth = *plant.state();
-        observer.predict(&Control::held([0.3])).unwrap();
-        observer.correct(&[seen(tick).then_some(wrap(truth.q[0]))]).unwrap();
-        let estimate = observer.estimate().unwrap().unwrap();
+        observer.predict(system, &Control::held([0.3])).unwrap();
+        observer.correct(system, &[seen(tick).then_some(wrap(truth.q[0]))]).unwrap();
+        let estimate = observer.estimate(system).unwrap().unwrap();
         assert!(!observer.trusted() || wrap(estimate.q[0] - truth.q[0]).abs() < 0.1);
         errors.push((estimate.v[0] - truth.v[0]).abs());
         plant.advance(H, |_| [0.3]).unwrap();
@@ -55,11 +55,11 @@ fn it_coasts_through_gaps_on_the_model() {
 fn trust_is_lost_in_silence_and_regained() {
     let system = pendulum();
     let config = ObserverConfig { patience: 10, ..ObserverConfig::default() };
-    let mut observer = config.observer(&system, H, [true]);
+    let mut observer = config.observer(H, [true]);
     let mut trusted = Vec::new();
     for tick in 0..40 {
-        observer.predict(&Control::held([0.0])).unwrap();
-        observer.correct(&[(!(10..25).contains(&tick)).then_some(PI)]).unwrap();
+        observer.predict(&system, &Control::held([0.0])).unwrap();
+        observer.correct(&system, &[(!(10..25).contains(&tick)).then_some(PI)]).unwrap();
         trusted.push(observer.trusted());
     }
     let at = |range: core::ops::Range<usize>| trusted[range].iter().all(|t| *t);
@@ -71,8 +71,8 @@ fn trust_is_lost_in_silence_and_regained() {
 fn after_a_long_sleep_it_starts_anew() {
     let system = pendulum();
     let config = ObserverConfig { patience: 10, ..ObserverConfig::default() };
-    let mut observer = config.observer(&system, H, [true]);
-    (0..5).for_each(|_| observer.correct(&[Some(PI)]).unwrap());
+    let mut observer = config.observer(H, [true]);
+    (0..5).for_each(|_| observer.correct(&system, &[Some(PI)]).unwrap());
     observer.wake(10);
     assert!(observer.trusted() && observer.state().is_some());
     observer.wake(11);
@@ -81,11 +81,11 @@ fn after_a_long_sleep_it_starts_anew() {
 
 #[test]
 fn nothing_is_estimated_before_every_encoder_has_spoken() {
-    let system = System::conservative(CARTPOLE);
-    let mut observer = ObserverConfig::default().observer(&system, H, [false, true]);
-    observer.correct(&[Some(0.1), None]).unwrap();
+    let system = System::<_, Viscous<f32, 2>>::conservative(CARTPOLE);
+    let mut observer = ObserverConfig::default().observer(H, [false, true]);
+    observer.correct(&system, &[Some(0.1), None]).unwrap();
     assert!(observer.state().is_none());
-    observer.correct(&[None, Some(3.0)]).unwrap();
+    observer.correct(&system, &[None, Some(3.0)]).unwrap();
     assert_eq!(observer.state().map(|s| s.q()), Some([0.1, 3.0]));
 }
 
@@ -94,14 +94,14 @@ fn a_longer_memory_smooths_more() {
     let system = pendulum();
     let spread = |memory| {
         let config = ObserverConfig { memory, ..ObserverConfig::default() };
-        let mut observer = config.observer(&system, H, [true]);
+        let mut observer = config.observer(H, [true]);
         let mut worst = 0.0_f32;
         for tick in 0..200_u32 {
             let noise = if tick % 2 == 0 { 1e-3 } else { -1e-3 };
-            observer.predict(&Control::held([0.0])).unwrap();
-            observer.correct(&[Some(wrap(PI + noise))]).unwrap();
+            observer.predict(&system, &Control::held([0.0])).unwrap();
+            observer.correct(&system, &[Some(wrap(PI + noise))]).unwrap();
             if tick > 50 {
-                worst = worst.max(observer.estimate().unwrap().unwrap().v[0].abs());
+                worst = worst.max(observer.estimate(&system).unwrap().unwrap().v[0].abs());
             }
         }
         worst
@@ -112,16 +112,16 @@ fn a_longer_memory_smooths_more() {
 #[test]
 fn a_prediction_ahead_is_that_many_steps() {
     let system = pendulum();
-    let mut observer = ObserverConfig::default().observer(&system, H, [true]);
-    observer.correct(&[Some(1.0)]).unwrap();
+    let mut observer = ObserverConfig::default().observer(H, [true]);
+    observer.correct(&system, &[Some(1.0)]).unwrap();
     let mut commands = Commands::new(2, Actuator::ideal());
     let forces = [[0.5], [-1.0]];
     forces.iter().for_each(|u| assert_eq!(commands.advance(Some(*u)), Control::held([0.0])));
-    let ahead = observer.ahead(&commands).unwrap().unwrap();
+    let ahead = observer.ahead(&system, &commands).unwrap().unwrap();
     for u in &forces {
-        observer.predict(&Control::held(*u)).unwrap();
+        observer.predict(&system, &Control::held(*u)).unwrap();
     }
-    assert_eq!(Some(ahead), observer.estimate().unwrap());
+    assert_eq!(Some(ahead), observer.estimate(&system).unwrap());
 }
 
 /// Runs a pendulum on which a known force swings to and fro, read by an encoder that is off by `zero`: returns the learned zero, and the
@@ -129,17 +129,17 @@ fn a_prediction_ahead_is_that_many_steps() {
 fn learned_zero(zero: f32, config: &ObserverConfig) -> (f32, f32) {
     let system = pendulum();
     let mut plant = Plant::new(&system, ContinuousState { q: [2.0], v: [0.0] }, 8);
-    let mut observer = config.observer(&system, H, [true]);
+    let mut observer = config.observer(H, [true]);
     let mut worst = 0.0_f32;
     for tick in 0..2000 {
         let noise = if tick % 2 == 0 { 5e-4 } else { -5e-4 };
-        observer.correct(&[Some(wrap(plant.state().q[0] + zero + noise))]).unwrap();
+        observer.correct(&system, &[Some(wrap(plant.state().q[0] + zero + noise))]).unwrap();
         if tick > 1000 {
-            worst = worst.max((observer.estimate().unwrap().unwrap().v[0] - plant.state().v[0]).abs());
+            worst = worst.max((observer.estimate(&system).unwrap().unwrap().v[0] - plant.state().v[0]).abs());
         }
         let u = [1.5 * (0.02 * tick as f32).sin()];
         plant.advance(H, |_| u).unwrap();
-        observer.predict(&Control::held(u)).unwrap();
+        observer.predict(&system, &Control::held(u)).unwrap();
     }
     (observer.zeros()[0], worst)
 }
@@ -158,16 +158,15 @@ fn the_zero_of_an_encoder_is_learned_where_gravity_shows_it() {
 
 #[test]
 fn a_zero_that_nothing_depends_on_stays_unlearned() {
-    let system = System::conservative(CARTPOLE);
+    let system = System::<_, Viscous<f32, 2>>::conservative(CARTPOLE);
     let zeros = Some(LearnZeros { deviation: 0.05, innovation: 1e-3 });
-    let mut observer =
-        ObserverConfig { zeros, ..ObserverConfig::default() }.observer(&system, H, [false, true]);
+    let mut observer = ObserverConfig { zeros, ..ObserverConfig::default() }.observer(H, [false, true]);
     let mut plant = Plant::new(&system, ContinuousState { q: [0.0, 2.0], v: [0.3, 0.0] }, 8);
     for _ in 0..1000 {
         let [x, theta] = plant.state().q;
-        observer.correct(&[Some(x + 0.03), Some(wrap(theta + 0.03))]).unwrap();
+        observer.correct(&system, &[Some(x + 0.03), Some(wrap(theta + 0.03))]).unwrap();
         plant.advance(H, |_| [0.0; 2]).unwrap();
-        observer.predict(&Control::held([0.0; 2])).unwrap();
+        observer.predict(&system, &Control::held([0.0; 2])).unwrap();
     }
     let ([x, theta], [x_deviation, theta_deviation]) = (observer.zeros(), observer.zeros_deviation());
     assert!(x.abs() < 2e-3 && x_deviation > 0.04, "{x} {x_deviation}");
@@ -178,23 +177,23 @@ fn a_zero_that_nothing_depends_on_stays_unlearned() {
 fn an_error_leaves_the_estimate_as_it_was() {
     let system = pendulum();
     let zeros = Some(LearnZeros { deviation: 0.05, innovation: 1e-3 });
-    let mut observer = ObserverConfig { zeros, ..ObserverConfig::default() }.observer(&system, H, [true]);
-    (0..5).for_each(|_| observer.correct(&[Some(1.0)]).unwrap());
-    let before = (observer.estimate().unwrap(), observer.zeros());
-    observer.correct(&[Some(f32::NAN)]).unwrap_err();
-    observer.predict(&Control::held([f32::INFINITY])).unwrap_err();
-    assert_eq!((observer.estimate().unwrap(), observer.zeros()), before);
+    let mut observer = ObserverConfig { zeros, ..ObserverConfig::default() }.observer(H, [true]);
+    (0..5).for_each(|_| observer.correct(&system, &[Some(1.0)]).unwrap());
+    let before = (observer.estimate(&system).unwrap(), observer.zeros());
+    observer.correct(&system, &[Some(f32::NAN)]).unwrap_err();
+    observer.predict(&system, &Control::held([f32::INFINITY])).unwrap_err();
+    assert_eq!((observer.estimate(&system).unwrap(), observer.zeros()), before);
 }
 
 #[test]
 fn a_delay_of_part_of_a_tick_is_looked_ahead_over() {
     let system = pendulum();
     let observe = |actuator: Actuator<f32, 1>| {
-        let mut observer = ObserverConfig::default().observer(&system, H, [true]);
-        observer.correct(&[Some(1.0)]).unwrap();
+        let mut observer = ObserverConfig::default().observer(H, [true]);
+        observer.correct(&system, &[Some(1.0)]).unwrap();
         let mut commands = Commands::new(0, actuator);
         commands.advance(Some([20.0]));
-        observer.ahead(&commands).unwrap().unwrap().v[0]
+        observer.ahead(&system, &commands).unwrap().unwrap().v[0]
     };
     let (none, most) = (observe(Actuator::ideal()), observe(Actuator { delay: 0.75, ..Actuator::ideal() }));
     // θ̈ = 1.5 g sin θ + 3u over 7.5 ms.

@@ -7,7 +7,7 @@ use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::{
     Logged, SwingUpConfig, TrackConfig, replay, swing_up_cartpole, track,
 };
-use leastaction_firmware_sim::{Program, SetupError};
+use leastaction_firmware_sim::{InPlace, Program, SetupError};
 
 /// The log of a swing-up, and its estimates.
 fn log(config: &SwingUpConfig<2>) -> Vec<(Logged<2>, [f32; 2])> {
@@ -30,7 +30,7 @@ fn the_log_of_a_loop_is_estimated_as_in_the_loop() {
     let program = Program::listening(config.setup.tick, [false, true], Drive::ideal(), config.setup.observer);
     let mut estimates = Vec::new();
     let rows = log.iter().map(|(logged, _)| *logged);
-    let firmware = program.listen(&system).unwrap();
+    let firmware = InPlace { model: &system, firmware: program.listen(&system).unwrap() };
     let summary = replay(firmware, &program, rows, |tick, _| estimates.push(tick.q_estimate)).unwrap();
     assert!(summary.success && summary.ticks == 1000 && summary.incidents.dropped > 50, "{summary:?}");
     assert!(estimates.iter().eq(log.iter().map(|(_, estimate)| estimate)), "the same bits");
@@ -54,8 +54,8 @@ fn a_new_recording_begins_anew_and_keeps_the_zeros() {
     let again = Logged { elapsed: Logged::<2>::FIRST, ..rows[0] };
     let both: Vec<_> = rows.iter().chain([&again]).chain(&rows[1..]).copied().collect();
     let mut outcomes = Vec::new();
-    let summary =
-        replay(program.listen(&system).unwrap(), &program, both, |_, outcome| outcomes.push(*outcome));
+    let firmware = InPlace { model: &system, firmware: program.listen(&system).unwrap() };
+    let summary = replay(firmware, &program, both, |_, outcome| outcomes.push(*outcome));
     assert!(summary.unwrap().success);
     let (last, first) = (outcomes[rows.len() - 1], outcomes[rows.len()]);
     assert!((last.zeros[0] - 0.03).abs() < 3e-3 && last.zeros[1].abs() < 3e-3, "{:?}", last.zeros);

@@ -6,14 +6,14 @@ use leastaction_core::forces::{ControlKind, Forces, System, Viscous};
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::TrainedStep;
-use leastaction_firmware_sim::control::{CartPump, Mpc, Regulator, TaskController, Tolerance};
+use leastaction_firmware_sim::control::{CartPump, Listen, Mpc, Regulator, TaskController, Tolerance};
 use leastaction_firmware_sim::link::{Answer, Broken, Frame, Receiver, Refusal, Request};
-use leastaction_firmware_sim::observer::{ObserverConfig, ObserverOf, OtherStep};
+use leastaction_firmware_sim::observer::{Observer, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{
     Predict, RunError, SwingUpConfig, TrackConfig, predict, swing_up_cartpole, swing_up_pendulum, track,
 };
 use leastaction_firmware_sim::{
-    Firmware, Mode, Outcome, Program, SetupError, Summary, Tick, Trained, require_quadratic,
+    Firmware, InPlace, Mode, Outcome, Program, SetupError, Summary, Tick, Trained, require_quadratic,
 };
 
 /// A pendulum whose kinetic energy grows faster than v²: T = v²/6 + cv⁴/4, as a network might learn it.
@@ -165,13 +165,14 @@ fn the_constant_configuration_has_newtons_default_residuals() {
     assert_eq!(SWING_UP.setup.observer, CONFIG);
 }
 
-/// Values of these types can be handed from one task to another, even if they borrow the model.
+/// Values of these types can be handed from one task to another, even if they borrow plans or the model.
 #[test]
 fn what_moves_between_tasks_can_be_sent() {
     fn send<T: Send>() {}
     type Model = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
-    send::<Firmware<'static, Model, TaskController<'static, CartPump, Mpc<'static, 2, 4>, 2>, 2>>();
-    send::<ObserverOf<'static, Model, 2>>();
+    type Begun = Firmware<TaskController<'static, CartPump, Mpc<'static, 2, 4>, 2>, 2>;
+    send::<(Model, Begun, InPlace<'static, Model, Listen, 2>)>();
+    send::<Observer<f32, 2>>();
     send::<(Program<2>, Outcome<2>, Tick<2>, Summary<2>, SwingUpConfig<2>)>();
     send::<(Request<2>, Answer<'static, 2>, Frame, Receiver)>();
     send::<(SetupError, RunError<Broken>, Refusal)>();

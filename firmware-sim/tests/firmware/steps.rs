@@ -4,13 +4,14 @@ use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::System;
 use leastaction_firmware_sim::control::{NODES, blank_nodes};
 use leastaction_firmware_sim::scenario::{MpcConfig, Push, Run, mpc};
-use leastaction_firmware_sim::{Mode, Summary};
+use leastaction_firmware_sim::{InPlace, Mode, Summary};
 
 /// Runs all ticks of a configuration one by one; `push` gives the force from elsewhere in the tick at a time.
 fn by_ticks(config: &MpcConfig<2>, push: impl Fn(f32) -> [f32; 2]) -> Summary<2> {
     let (system, mut nodes) = (System::conservative(CARTPOLE), blank_nodes::<2, 4>());
     let firmware = config.program().mpc(&system, &[], &mut nodes).unwrap();
-    let mut run = Run::new(&system, firmware, &config.setup, config.settings.goal).unwrap();
+    let mut run =
+        Run::new(&system, InPlace { model: &system, firmware }, &config.setup, config.settings.goal).unwrap();
     for index in 0..config.setup.ticks() {
         run.push(push(index as f32 * config.setup.tick));
         run.tick().unwrap();
@@ -51,13 +52,14 @@ fn a_push_from_elsewhere_acts_as_that_of_the_setup() {
 fn a_run_goes_on_and_shows_its_motion() {
     let (config, system, mut nodes) = (short(), System::conservative(CARTPOLE), blank_nodes::<2, 4>());
     let firmware = config.program().mpc(&system, &[], &mut nodes).unwrap();
-    let mut run = Run::new(&system, firmware, &config.setup, config.settings.goal).unwrap();
-    assert!(run.processor().controller().motion().is_empty());
+    let mut run =
+        Run::new(&system, InPlace { model: &system, firmware }, &config.setup, config.settings.goal).unwrap();
+    assert!(run.processor().firmware.controller().motion().is_empty());
     let ticks = config.setup.ticks() + 10;
     for index in 0..ticks {
         let tick = run.tick().unwrap();
         assert_eq!(tick.index, index);
-        let motion = run.processor().controller().motion();
+        let motion = run.processor().firmware.controller().motion();
         assert_eq!(motion.len(), if tick.mode == Mode::Mpc { NODES } else { 0 });
         // The motion begins where the command takes effect, a tick after the estimate.
         if let Some(first) = motion.first() {
@@ -74,5 +76,5 @@ fn a_setup_out_of_range_is_refused() {
     let firmware = config.program().mpc(&system, &[], &mut nodes).unwrap();
     let mut setup = config.setup;
     setup.substeps = 0;
-    assert!(Run::new(&system, firmware, &setup, config.settings.goal).is_err());
+    assert!(Run::new(&system, InPlace { model: &system, firmware }, &setup, config.settings.goal).is_err());
 }

@@ -43,30 +43,36 @@ pub(crate) fn watch<'c, const N: usize>(
     tuning: Tuning<f32>,
 ) -> Result<Box<dyn Watch + 'c>, ReplicaError> {
     let integrator = Integrator::new(step.order, step.h, newton);
-    Ok(Box::new(Observer::new(system, integrator, copied("angle", angle)?, tuning)))
+    Ok(Box::new(Watching { system, observer: Observer::new(integrator, copied("angle", angle)?, tuning) }))
 }
 
-impl<const N: usize> Watch for Observer<'_, f32, crate::AnyLagrangian<'_, N>, crate::ForcesOf<'_, N>, N> {
+/// An observer beside its system.
+struct Watching<'c, const N: usize> {
+    system: &'c SystemOf<'c, N>,
+    observer: Observer<f32, N>,
+}
+
+impl<const N: usize> Watch for Watching<'_, N> {
     fn predict(&mut self, control: Control) -> Result<Option<Report<f32>>, ReplicaError> {
-        Ok(Self::predict(self, &control.sized()?)?)
+        Ok(self.observer.predict(self.system, &control.sized()?)?)
     }
 
     fn correct(&mut self, measured: &[Option<f32>]) -> Result<(), ReplicaError> {
-        Ok(Self::correct(self, &copied("the reading", measured)?)?)
+        Ok(self.observer.correct(self.system, &copied("the reading", measured)?)?)
     }
 
     fn estimate(&self, q: &mut [f32], v: &mut [f32]) -> Result<bool, ReplicaError> {
-        let Some(state) = Self::estimate(self)? else { return Ok(false) };
+        let Some(state) = self.observer.estimate(self.system)? else { return Ok(false) };
         write("q", &state.q, q)?;
         write("v", &state.v, v)?;
         Ok(true)
     }
 
     fn zeros(&self, to: &mut [f32]) -> Result<(), ReplicaError> {
-        write("the zeros", &Self::zeros(self), to)
+        write("the zeros", &self.observer.zeros(), to)
     }
 
     fn trusted(&self) -> bool {
-        Self::trusted(self)
+        self.observer.trusted()
     }
 }

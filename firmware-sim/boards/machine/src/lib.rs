@@ -20,7 +20,7 @@ use leastaction_core::forces::{Coulomb, Viscous};
 use leastaction_core::model::{BodiesModel, ModelError};
 use leastaction_firmware_sim::control::Target;
 use leastaction_firmware_sim::scenario::SwingUpConfig;
-use leastaction_firmware_sim::{Mechanism, Mode, Outcome, Processor, Program, SetupError, Trained};
+use leastaction_firmware_sim::{InPlace, Mechanism, Mode, Outcome, Processor, Program, SetupError, Trained};
 
 /// Coordinates: the cart, m, and the pole, rad, which is upright at 0.
 pub const N: usize = 2;
@@ -106,7 +106,7 @@ pub fn control(
     model: &impl Mechanism<N>,
 ) -> Result<Control<impl Processor<N, Error = Infallible>>, SetupError> {
     let program = program();
-    Ok(Control { processor: program.start(model)?, period: program.tick })
+    Ok(Control { processor: InPlace { model, firmware: program.start(model)? }, period: program.tick })
 }
 
 impl<P: Processor<N, Error = Infallible>> Control<P> {

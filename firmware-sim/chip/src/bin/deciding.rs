@@ -26,7 +26,8 @@ fn run() -> Result<(), &'static [u8]> {
     let (mut counts, mut decided, mut deepest) = (Counts::default(), 0, 0);
     for _ in 0..TICKS {
         let measured = black_box([Some(0.0), Some(core::f32::consts::PI)]);
-        let (depth, outcome) = stack::deepest(|| counts.of(|| firmware.run(1, &measured, &target)));
+        let (depth, outcome) =
+            stack::deepest(|| counts.of(|| firmware.run(&model.system, 1, &measured, &target)));
         decided += u32::from(outcome.command.mode == Mode::Mpc);
         deepest = depth.max(deepest);
     }

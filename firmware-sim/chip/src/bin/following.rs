@@ -59,7 +59,7 @@ fn ticks<M: Mechanism<2>>(
         for tick in 0..plan.ticks() {
             let at = plan.reference(tick);
             let (measured, target) = (black_box(at.q.map(Some)), Target::of(&at.q, 0.0, program.tick));
-            let outcome = counts.of(|| firmware.run(1, &measured, &target));
+            let outcome = counts.of(|| firmware.run(model, 1, &measured, &target));
             wrong += u32::from(outcome.command.mode != mode);
         }
         // Only the first ticks have no estimate.

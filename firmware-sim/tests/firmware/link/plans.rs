@@ -45,7 +45,7 @@ fn a_plan_is_followed_as_it_is_in_place() {
             Err(Silence)
         )
     };
-    check_followed(program, serve, |measured, target| firmware.run(1, measured, target));
+    check_followed(program, serve, |measured, target| firmware.run(&loaded.system, 1, measured, target));
     assert!(firmware.last().command.u[0] != 0.0);
 
     let program = following(arm_program());
@@ -59,7 +59,7 @@ fn a_plan_is_followed_as_it_is_in_place() {
     let serve = |script: &mut Script| {
         assert_eq!(serve_arm::<_, 7>(script, Flash(Files(&words)), "tester"), Err(Silence))
     };
-    check_followed(program, serve, |measured, target| firmware.run(1, measured, target));
+    check_followed(program, serve, |measured, target| firmware.run(&loaded.system, 1, measured, target));
     assert!(firmware.last().command.u.iter().all(|u| *u != 0.0));
 }
 
@@ -138,7 +138,7 @@ fn decisions_choose_from_several_plans_as_they_do_in_place() {
     let mut firmware = program.mpc(&loaded.system, &[far, near], &mut nodes).unwrap();
     for (i, frame) in (0..6).zip(&frames(&script.said)[1..]) {
         let Samples { elapsed, measured, target, .. } = samples(i);
-        let outcome = firmware.run(elapsed, &measured, &target);
+        let outcome = firmware.run(&loaded.system, elapsed, &measured, &target);
         let done = Answer::Done(Done { sequence: i, outcome, instructions: 0 });
         assert_eq!(parse_answer(frame.as_ref().unwrap()), Ok(done));
     }

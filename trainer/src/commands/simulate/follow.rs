@@ -204,7 +204,7 @@ pub(super) fn planned<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     let config = config(request, &plan)?;
     let (program, mut followed) = (config.program(), Followed::new(&plan, &config));
     let firmware = (&program, program.follow_with(model, || Ok::<_, SetupError>(plan)));
-    let mut report = closed_loop(request, plant, (&config.setup, plan), firmware, |tick| {
+    let mut report = closed_loop(request, (plant, model), (&config.setup, plan), firmware, |tick| {
         followed.update(tick);
         trace.push(tick);
     })?;

@@ -81,10 +81,11 @@ pub(super) fn floating<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     request.floats.adapt(&mut config)?;
     let (program, mut floating) = (config.program(), Floating::new(&config.setup));
     let firmware = (&program, program.follow(model));
-    let mut report = closed_loop(request, plant, (&config.setup, config.setup.start.q), firmware, |tick| {
-        floating.update(tick);
-        trace.push(tick);
-    })?;
+    let mut report =
+        closed_loop(request, (plant, model), (&config.setup, config.setup.start.q), firmware, |tick| {
+            floating.update(tick);
+            trace.push(tick);
+        })?;
     report.success &= floating.rests();
     let Floating { drift, peak, rest_after, .. } = floating;
     report.floating = Some(FloatingReport { drift: drift.to_vec(), peak: peak.to_vec(), rest_after });

@@ -77,7 +77,7 @@ where
     let mut nodes = blank_nodes();
     let firmware = (&program, program.mpc(model, &plans, &mut nodes));
     let goal = (&config.setup, config.settings.goal);
-    let mut report = closed_loop(request, plant, goal, firmware, |tick| {
+    let mut report = closed_loop(request, (plant, model), goal, firmware, |tick| {
         decided.update(tick);
         trace.push(tick);
     })?;

@@ -9,7 +9,7 @@ use leastaction::models::{chip_file, meant};
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{Logged, replay};
-use leastaction_firmware_sim::{Mode, Outcome, Program, SetupError, Summary, Tick, wrap};
+use leastaction_firmware_sim::{InPlace, Mode, Outcome, Program, SetupError, Summary, Tick, wrap};
 use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{Dataset, Rows};
 use leastaction_models::Model;
@@ -143,7 +143,7 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
         let rows = log.iter().copied();
         let ran = match this.on {
             None => {
-                let firmware = program.listen(model).map_err(misused)?;
+                let firmware = InPlace { model, firmware: program.listen(model).map_err(misused)? };
                 let summary = replay(firmware, &program, rows, &mut sink).map_err(SetupError::from);
                 Ran { summary: summary.map_err(misused)?, instructions: Vec::new() }
             }

@@ -14,17 +14,16 @@ use leastaction::models::{chip_file, meant};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::plan::PlanFile;
-use leastaction_firmware_sim::control::Trajectory;
+use leastaction_firmware_sim::control::{Controller, Trajectory};
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{
     GravityConfig, MpcConfig, Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on,
 };
-use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary, Tick};
+use leastaction_firmware_sim::{self as firmware_sim, Firmware, InPlace, Program, SetupError, Summary, Tick};
 use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, Replica, SystemOf};
 use serde::Serialize;
-use std::convert::Infallible;
 use std::fmt;
 use std::path::Path;
 
@@ -189,9 +188,13 @@ fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
             let program = config.program();
-            closed_loop(request, &plant, (&config.setup, [0.0]), (&program, program.start(model)), |tick| {
-                trace.push(tick)
-            })
+            closed_loop(
+                request,
+                (&plant, model),
+                (&config.setup, [0.0]),
+                (&program, program.start(model)),
+                |tick| trace.push(tick),
+            )
         }
     }
 }
@@ -227,7 +230,7 @@ fn two_coordinates(
             let program = config.program();
             closed_loop(
                 request,
-                &plant,
+                (&plant, model),
                 (&config.setup, [0.0; 2]),
                 (&program, program.start(model)),
                 |tick| trace.push(tick),
@@ -260,26 +263,29 @@ where
     config.validate().map_err(misused)?;
     let program = config.program();
     let firmware = (&program, program.follow(model));
-    closed_loop(request, plant, (&config.setup, &config.reference), firmware, |tick| trace.push(tick))
+    closed_loop(request, (plant, model), (&config.setup, &config.reference), firmware, |tick| {
+        trace.push(tick)
+    })
 }
 
 /// Runs a program on this machine, for which `firmware` is given, or on the requested processor.
-pub(super) fn closed_loop<
-    P: firmware_sim::Mechanism<N>,
-    R: Processor<N, Error = Infallible>,
-    const N: usize,
->(
+pub(super) fn closed_loop<P, M, C, const N: usize>(
     request: &Request,
-    plant: &P,
+    (plant, model): (&P, &M),
     (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
-    (program, firmware): (&Program<N>, Result<R, SetupError>),
+    (program, firmware): (&Program<N>, Result<Firmware<C, N>, SetupError>),
     sink: impl FnMut(&Tick<N>),
-) -> Result<Report, Failure> {
+) -> Result<Report, Failure>
+where
+    P: firmware_sim::Mechanism<N>,
+    M: firmware_sim::Mechanism<N>,
+    C: Controller<M, N>,
+{
     setup.validate().map_err(misused)?;
     let firmware = firmware.map_err(misused)?;
     match request.on {
         None => {
-            let summary = run_on(plant, firmware, setup, trajectory, sink);
+            let summary = run_on(plant, InPlace { model, firmware }, setup, trajectory, sink);
             reported(request, summary.map_err(SetupError::from))
         }
         Some(target) => target.run(request, plant, (setup, trajectory), program, sink),

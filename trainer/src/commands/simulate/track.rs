@@ -143,7 +143,7 @@ fn by_encoders<const N: usize>(
     config.validate().map_err(misused)?;
     let firmware = config.by_encoders(model, request.motion.cut_off.unwrap_or(CUT_OFF));
     let program = config.program();
-    closed_loop(request, plant, (&config.setup, &config.reference), (&program, firmware), |tick| {
+    closed_loop(request, (plant, model), (&config.setup, &config.reference), (&program, firmware), |tick| {
         trace.push(tick)
     })
 }
