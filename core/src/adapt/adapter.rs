@@ -1,6 +1,9 @@
 use super::balance::{Balance, Terms, Window};
 use super::filter::{Filter, Measurement};
+use super::limits::{Limits, MOVES};
 use super::number::{Moment, Number, columns};
+use super::unfit::{Unfit, check};
+use super::verdict::Changes;
 use crate::forces::{Coefficient, Forces, System};
 use crate::lagrangian::Lagrangian;
 use crate::linear::add_scaled;
@@ -21,6 +24,10 @@ pub struct Tuning<R, const N: usize, const P: usize> {
     /// Share of the knowledge along a row that is forgotten before the row is taken, from 0 to below 1: about h half over the time that is
     /// to be remembered.
     pub forgotten: R,
+    /// Threshold of [`Changes`]: at 50, independent errors are taken for a change about once in 10⁸ windows.
+    pub change: R,
+    /// Limits of the numbers in use.
+    pub limits: Limits<R, P>,
     /// Dry friction of every coordinate, if the laws have any: at rest it may be anything up to this level, N or N m, and the rows count for
     /// less.
     pub dry: Option<(Coefficient, [R; N])>,
@@ -33,6 +40,26 @@ pub struct Adapter<R, const N: usize, const P: usize, const T: usize> {
     tuning: Tuning<R, N, P>,
     balance: Balance<R, N, P>,
     filter: Filter<R, P, T>,
+    changes: Changes<R>,
+    /// Work that is left for the next tick.
+    due: Due,
+    /// Estimate on its way to the limits.
+    moving: [R; P],
+    /// Limited estimate, which the distances in use approach.
+    target: [R; P],
+    applied: [R; P],
+    /// Balance of the model itself over the last window, N or N m.
+    residuals: [R; N],
+}
+
+/// Work after a window that would make the tick at its end too long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Due {
+    Nothing,
+    /// The limited estimate becomes the target, after at most this number of moves, one a tick.
+    Limits(u8),
+    /// All is known as little as at first: something has changed at once.
+    Loosening,
 }
 
 /// How well a window agreed with the numbers.
@@ -42,13 +69,46 @@ pub struct Agreement<R> {
     pub rows: u8,
     /// Sum over these rows of the squared innovation over its variance: near `rows` if all is as assumed, less if errors last.
     pub squares: R,
+    /// Whether something has changed at once.
+    pub changed: bool,
+}
+
+impl<R: Real, const N: usize, const P: usize> Tuning<R, N, P> {
+    /// Windows that are remembered: 1/(share that is forgotten), at most 65,535.
+    fn memory(&self) -> u16 {
+        let (mut count, mut rest) = (1, self.forgotten);
+        while rest < R::one() && count < u16::MAX / 2 {
+            (count, rest) = (2 * count, rest + rest);
+        }
+        count
+    }
+
+    /// Part of their way that numbers in use go in a tick.
+    fn pace(&self) -> R {
+        R::one() / R::constant(f64::from(self.half.max(1)))
+    }
 }
 
 impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T> {
     /// Creates an adapter that has seen nothing.
-    pub fn new(numbers: [Number; P], tuning: Tuning<R, N, P>) -> Self {
-        let (balance, filter) = (Balance::new(tuning.half, tuning.h), Filter::new(tuning.prior));
-        Self { numbers, tuning, balance, filter }
+    ///
+    /// # Errors
+    /// See [`Unfit`].
+    pub fn new(numbers: [Number; P], tuning: Tuning<R, N, P>) -> Result<Self, Unfit> {
+        check(&numbers, N)?;
+        let memory = tuning.memory();
+        Ok(Self {
+            numbers,
+            tuning,
+            balance: Balance::new(tuning.half, tuning.h),
+            filter: Filter::new(tuning.prior),
+            changes: Changes::new(tuning.change, memory, R::zero()),
+            due: Due::Nothing,
+            moving: [R::zero(); P],
+            target: [R::zero(); P],
+            applied: [R::zero(); P],
+            residuals: [R::zero(); N],
+        })
     }
 
     /// Numbers in the order of the estimate.
@@ -56,17 +116,41 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         &self.numbers
     }
 
-    /// Estimate of δ with its covariance.
+    /// Estimate of δ with its covariance, without regard to limits.
     pub fn filter(&self) -> &Filter<R, P, T> {
         &self.filter
     }
 
-    /// Takes a tick along the model as it was before any adaptation, and returns the agreement of the window that ends with it, if one does.
+    /// Distances δ that the model in use has from the model of the file: within the limits, and never in a jump. They approach the estimate with
+    /// a time constant of half a window.
+    pub fn applied(&self) -> &[R; P] {
+        &self.applied
+    }
+
+    /// Balance of the model without any adaptation over the last window, N or N m: 0 for a model that explains the machine.
+    pub fn residuals(&self) -> &[R; N] {
+        &self.residuals
+    }
+
+    /// Begins with known distances, such as those of a saved patch; what is known of them is what the prior says.
+    pub fn begin_at(&mut self, distances: [R; P]) {
+        self.filter = Filter::at(distances, self.tuning.prior);
+        let limited = self.tuning.limits.within(&self.numbers, &self.filter);
+        (self.target, self.applied) = (limited, limited);
+    }
+
+    /// Whether the machine is not the one that was learned: changes follow each other, and no choice of the numbers explains them.
+    pub fn unlike(&self) -> bool {
+        self.changes.unlike()
+    }
+
+    /// Takes a tick along the model as it is without any adaptation, and returns what was learned if a window ends with it.
     pub fn take<L, F>(&mut self, system: &System<L, F>, moment: &Moment<R, N>) -> Option<Agreement<R>>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
+        self.catch_up();
         let columns = columns(system, &self.numbers, moment);
         let Moment { q, v, force: tau, .. } = moment;
         let gradient = system.lagrangian.gradient(q, v);
@@ -75,12 +159,47 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         let uncertain = self.at_rest(system, v);
         let terms = Terms { columns: &columns, momentum: gradient.l_v, force, uncertain };
         let window = self.balance.take(&terms)?;
-        Some(self.learn(&window))
+        self.residuals = window.values;
+        let mut agreement = self.learn(&window);
+        agreement.changed = self.changes.take(&agreement);
+        self.due = if agreement.changed { Due::Loosening } else { Due::Limits(MOVES) };
+        Some(agreement)
     }
 
-    /// Drops what was seen of the open windows: a reading was missing, or a drive did not do what it was told.
+    /// Passes a tick of which nothing can be learned, and drops what was seen of the open windows: a reading was missing, a drive did not do
+    /// what it was told, or the numbers are frozen.
     pub fn skip(&mut self) {
+        self.catch_up();
         self.balance.drop_open();
+        self.balance.pass();
+    }
+
+    /// Moves the estimate towards the limits, and makes it the target when it is within.
+    fn limit(&mut self, left: u8) {
+        let limits = &self.tuning.limits;
+        if left == MOVES {
+            self.moving = *self.filter.estimate();
+        }
+        if left > 0 && limits.approach(&self.numbers, &self.filter, &mut self.moving) {
+            self.due = Due::Limits(left - 1);
+        } else {
+            self.target = limits.forced(&self.numbers, self.moving);
+        }
+    }
+
+    /// Does what the last window left to do, and moves the numbers in use on.
+    fn catch_up(&mut self) {
+        match core::mem::replace(&mut self.due, Due::Nothing) {
+            Due::Nothing => {}
+            Due::Limits(left) => self.limit(left),
+            Due::Loosening => {
+                let prior = self.tuning.prior.iter().enumerate();
+                prior.for_each(|(j, prior)| self.filter.loosen(j, *prior * *prior));
+            }
+        }
+        for (applied, target) in self.applied.iter_mut().zip(self.target) {
+            *applied += (target - *applied) * self.tuning.pace();
+        }
     }
 
     /// Friction that rest leaves open, N or N m.
@@ -97,7 +216,7 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
 
     /// Takes the rows of a window.
     fn learn(&mut self, window: &Window<R, N, P>) -> Agreement<R> {
-        let mut agreement = Agreement { rows: 0, squares: R::zero() };
+        let mut agreement = Agreement { rows: 0, squares: R::zero(), changed: false };
         let Tuning { deviation, forgotten, .. } = self.tuning;
         let rows = window.rows.iter().zip(window.values).zip(window.uncertain).zip(deviation);
         for (((row, value), uncertain), deviation) in rows {

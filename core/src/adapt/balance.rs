@@ -110,6 +110,11 @@ impl<R: Real, const N: usize, const P: usize> Balance<R, N, P> {
         self.advance()
     }
 
+    /// Passes a tick that no window takes.
+    pub fn pass(&mut self) {
+        self.advance();
+    }
+
     /// Moves to the next tick.
     fn advance(&mut self) -> Option<Window<R, N, P>> {
         self.tick += 1;

@@ -66,19 +66,18 @@ impl<R: Real, const P: usize> Spread<R, P> {
 impl<R: Real, const P: usize, const T: usize> Filter<R, P, T> {
     /// Creates the estimate 0 with independent standard deviations, 0 or more.
     pub fn new(deviations: [R; P]) -> Self {
+        Self::at([R::zero(); P], deviations)
+    }
+
+    /// Creates an estimate with independent standard deviations, 0 or more.
+    pub fn at(estimate: [R; P], deviations: [R; P]) -> Self {
         const { assert!(2 * T == P * P.saturating_sub(1), "T is P(P − 1)/2") };
-        let (zero, diagonal) = (R::zero(), deviations.map(|s| s * s));
-        Self { estimate: [zero; P], upper: [zero; T], diagonal }
+        Self { estimate, upper: [R::zero(); T], diagonal: deviations.map(|s| s * s) }
     }
 
     /// The numbers x.
     pub fn estimate(&self) -> &[R; P] {
         &self.estimate
-    }
-
-    /// Replaces the numbers; what is known of them stays.
-    pub fn set_estimate(&mut self, estimate: [R; P]) {
-        self.estimate = estimate;
     }
 
     /// Variance of number i; 0 for one that the filter does not have.
@@ -108,6 +107,14 @@ impl<R: Real, const P: usize, const T: usize> Filter<R, P, T> {
         let gain = self.narrow(&spread, variance);
         self.estimate = add_scaled(&self.estimate, innovation / total, &gain);
         Some(Innovation { value: innovation, variance: total })
+    }
+
+    /// Moves numbers x so that a·x changes by `by`, at the least cost in the metric C⁻¹: well-known numbers move little. They stay where they
+    /// are if C says that a·x cannot change.
+    pub fn moved(&self, x: &[R; P], row: &[R; P], by: R) -> [R; P] {
+        let spread = self.spread(row);
+        let seen = spread.variance();
+        if seen > R::zero() { add_scaled(x, by / seen, &self.times_upper(&spread.weighted)) } else { *x }
     }
 
     /// Adds `variance` ≥ 0 to number i: it is known that much less.

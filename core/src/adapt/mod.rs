@@ -11,9 +11,16 @@
 mod adapter;
 mod balance;
 mod filter;
+mod limits;
 mod number;
+mod possible;
+mod unfit;
+mod verdict;
 
 pub use adapter::{Adapter, Agreement, Tuning};
 pub use balance::{Balance, Terms, Window};
 pub use filter::{Filter, Innovation, Measurement};
+pub use limits::Limits;
 pub use number::{Moment, Number};
+pub use unfit::Unfit;
+pub use verdict::{Announcement, Changes, Difference};

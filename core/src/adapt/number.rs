@@ -91,3 +91,16 @@ fn own<R: Real, const N: usize>(to: &mut [R; N], coordinate: u8, from: &[R; N]) 
         *to = *from;
     }
 }
+
+/// Bodies among the numbers: position of the first number and how many there are.
+pub(super) fn bodies<const P: usize>(numbers: &[Number; P]) -> impl Iterator<Item = (usize, usize)> {
+    let of = |number: &Number| match number {
+        Number::Inertia { body, .. } => Some(*body),
+        _ => None,
+    };
+    numbers.iter().enumerate().filter_map(move |(first, number)| {
+        let Number::Inertia { body, index: 0 } = number else { return None };
+        let count = numbers.iter().skip(first).take_while(|number| of(number) == Some(*body)).count();
+        Some((first, count))
+    })
+}

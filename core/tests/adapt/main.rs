@@ -4,4 +4,6 @@
 mod common;
 
 mod filter;
+mod limits;
 mod motion;
+mod verdict;

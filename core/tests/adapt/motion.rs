@@ -1,7 +1,7 @@
 //! Numbers that are known exactly, found from the motion of a simulated arm.
 
 use crate::common::arms::{self, Arm};
-use leastaction_core::adapt::{Adapter, Moment, Number, Tuning};
+use leastaction_core::adapt::{Adapter, Limits, Moment, Number, Tuning};
 use leastaction_core::continuous::{ContinuousState, rk4_step};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, INERTIAL_PARAMETERS};
 use leastaction_core::forces::{Coefficient, Coulomb, DryFriction, Forces, System, Viscous};
@@ -52,7 +52,9 @@ fn run<M, F, L, G, const P: usize, const T: usize>(
 }
 
 fn tuning<const P: usize>(prior: [f64; P]) -> Tuning<f64, N, P> {
-    Tuning { half: 100, h: H, deviation: [1e-2; N], prior, forgotten: 0.0, dry: None }
+    let limits = Limits { model: [1.0; P], lower: [-1e3; P], upper: [1e3; P], kept: 0.1 };
+    let (half, deviation) = (100, [1e-2; N]);
+    Tuning { half, h: H, deviation, prior, forgotten: 0.0, change: 50.0, limits, dry: None }
 }
 
 fn first_number(body: usize) -> usize {
@@ -85,7 +87,7 @@ fn a_load_and_friction_are_found() {
         10..13 => [0.1, 0.0, -0.1][j - 10],
         _ => [0.2, -0.2, 0.2][j - 13],
     });
-    let mut adapter = Adapter::<_, N, 16, 120>::new(numbers, tuning([10.0; 16]));
+    let mut adapter = Adapter::<_, N, 16, 120>::new(numbers, tuning([10.0; 16])).unwrap();
     run((&machine, &model), &mut adapter, 10_000, |u| u);
     for (j, (found, expected)) in adapter.filter().estimate().iter().zip(expected).enumerate() {
         assert!((found - expected).abs() < 2e-3, "number {j}: {found} instead of {expected}");
@@ -101,7 +103,7 @@ fn rotors_offsets_and_gains_are_found() {
     let machine = System { lagrangian: heavy.in_f64(), forces };
     let model = System { lagrangian: arm.in_f64(), forces };
     let numbers = [Number::Rotor(1), Number::Offset(0), Number::Gain(2), Number::Gain(0), Number::None];
-    let mut adapter = Adapter::<_, N, 5, 10>::new(numbers, tuning([1.0, 1.0, 1.0, 1.0, 0.0]));
+    let mut adapter = Adapter::<_, N, 5, 10>::new(numbers, tuning([1.0, 1.0, 1.0, 1.0, 0.0])).unwrap();
     run((&machine, &model), &mut adapter, 10_000, |[a, b, c]| [1.05 * a + 0.2, b, 0.9 * c]);
     for (j, expected) in [0.07, 0.2, -0.1, 0.05, 0.0].into_iter().enumerate() {
         let found = adapter.filter().estimate()[j];

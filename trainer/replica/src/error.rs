@@ -1,4 +1,5 @@
 use crate::COORDINATES;
+use leastaction_core::adapt::Unfit;
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::StepError;
 use leastaction_core::linear::SolveError;
@@ -44,6 +45,15 @@ pub enum ReplicaError {
         /// Name of the missing feature.
         what: &'static str,
     },
+    /// More numbers were to follow a machine than this program has places for.
+    #[error("{found} numbers were to follow the machine; there are places for {}", crate::PLACES)]
+    Numbers {
+        /// Number of numbers.
+        found: usize,
+    },
+    /// Numbers cannot follow a machine together.
+    #[error("{0}")]
+    Unfit(Unfit),
     /// An acceleration does not exist, or a step cannot be solved.
     #[error("{0}")]
     Step(StepError<f32>),

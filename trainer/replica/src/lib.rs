@@ -8,6 +8,7 @@
 //! bytes ─► ModelFile ─► Replica ─► Evaluator: T, V, v̇, inverse dynamics
 //!                            ├► Motion: steps of the discrete Euler–Lagrange equation, RATTLE for graphs
 //!                            ├► Watch: the state from encoders' readings
+//!                            ├► Adaptation: numbers that follow the machine
 //!                            ├► Actuators: commands to forces
 //!                            └► Visitor: the system itself, its size being a type again
 //! ```
@@ -16,6 +17,7 @@
 //! called at run time. That changes no bit: neither the order of operations nor their rounding depends on how a function is called.
 
 mod actuators;
+mod adaptation;
 mod any;
 mod control;
 mod coordinates;
@@ -30,6 +32,7 @@ mod sizes;
 mod watch;
 
 pub use actuators::Actuators;
+pub use adaptation::{Adaptation, AdapterSettings, Following, Instant, PLACES};
 pub use any::{AnyLagrangian, INERTIA_NETWORK_UNITS, LAYERS, SystemOf, UNITS};
 pub use control::{Control, Step};
 pub use error::ReplicaError;

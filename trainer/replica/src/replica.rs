@@ -1,10 +1,11 @@
+use crate::adaptation::Adapt;
 use crate::coordinates::{Beginning, motion};
 use crate::particles::{ParticleEvaluator, ParticleMotion};
 use crate::sizes::AnySystem;
 use crate::watch::watch;
 use crate::{
-    Actuators, Control, Evaluator, Motion, ParticleSystem, ReplicaError, StateVisitor, Step, SystemOf,
-    Visitor, Watch,
+    Actuators, Adaptation, AdapterSettings, Control, Evaluator, Motion, ParticleSystem, ReplicaError,
+    StateVisitor, Step, SystemOf, Visitor, Watch,
 };
 use leastaction_core::discrete::Newton;
 use leastaction_core::model::{
@@ -103,6 +104,14 @@ impl<'f> Replica<'f> {
         tuning: Tuning<f32>,
     ) -> Result<Box<dyn Watch + '_>, ReplicaError> {
         self.visit(Observe { step, newton, angle, tuning })
+    }
+
+    /// Creates the adapter of the firmware.
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`], [`ReplicaError::Numbers`], [`ReplicaError::Unfit`]; [`ReplicaError::OfGraph`].
+    pub fn adaptation(&self, settings: &AdapterSettings) -> Result<Box<dyn Adaptation + '_>, ReplicaError> {
+        self.visit(Adapt(settings))
     }
 
     /// Creates the file's converter of commands to forces, for steps of h seconds.

@@ -1,5 +1,6 @@
 //! The command line: one file and one variant of [`Command`] per command.
 
+mod adapt;
 mod convert;
 mod demo;
 mod doctor;
@@ -53,6 +54,7 @@ enum Command {
     Simulate(Box<simulate::Simulate>),
     Demo(demo::Demo),
     Evaluate(evaluate::Evaluate),
+    Adapt(adapt::Adapt),
     Excite(excite::Excite),
     Plan(plan::Plan),
     Import(import::Import),
@@ -78,6 +80,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(command) => command.run(output),
         Command::Demo(command) => command.run(output),
         Command::Evaluate(command) => command.run(output),
+        Command::Adapt(command) => command.run(output),
         Command::Excite(command) => command.run(output),
         Command::Plan(command) => command.run(output),
         Command::Import(command) => command.run(output),

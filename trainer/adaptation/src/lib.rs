@@ -1,0 +1,37 @@
+//! Numbers of a model that follow a machine along its logs, in the chip's own arithmetic.
+//!
+//! ```text
+//! model ─► Choice: which numbers, how far they may go ─┐
+//! log of the training ─► deviations: how well the model explains it ─┴─► Plan ─► along another log: Course, what is attached, how sure
+//! ```
+
+mod along;
+mod choice;
+mod deviations;
+mod error;
+mod names;
+mod ticks;
+
+pub use along::{Course, Entry, along};
+pub use choice::{Choice, Request};
+pub use deviations::deviations;
+pub use error::AdaptationError;
+pub use leastaction_core::adapt::Difference;
+pub use leastaction_replica::Following;
+pub use names::name;
+
+use leastaction_models::Model;
+use leastaction_replica::{ModelFile, Replica};
+
+/// Calls a function with the model in the chip's arithmetic.
+///
+/// # Errors
+/// [`AdaptationError`] of a model that the chip's arithmetic does not know, and those of the function.
+pub fn on_chip<T>(
+    model: &Model,
+    of: impl FnOnce(&Replica) -> Result<T, AdaptationError>,
+) -> Result<T, AdaptationError> {
+    let bytes = model.to_bytes().map_err(|error| AdaptationError::Encoding(error.to_string()))?;
+    let file = ModelFile::new(&bytes)?;
+    of(&file.replica(model.architecture.part().map(|(_, name)| name))?)
+}
