@@ -5,7 +5,7 @@
 //!
 //! Data flows one way through the modules of this crate:
 //! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] →
-//! [`continuous`] and [`discrete`] → [`control`], [`observer`] and [`model`] → [`stepper`], [`plan`] and [`guard`].
+//! [`continuous`] and [`discrete`] → [`control`], [`observer`] and [`adapt`] → [`model`] → [`stepper`], [`plan`] and [`guard`].
 //!
 //! # Notation
 //!
@@ -27,6 +27,7 @@
 //! | w = (q₁ − q₀)/h | `w` | increment, the unknown of a DEL step | m/s or rad/s |
 //! | A, B | `transition` | derivatives of a step's or node's end in its start and in the control | |
 //! | K | `gain` | feedback u = ū − K(x − x̄), x = (q, v) | |
+//! | π, δ | `Number`, `estimate`, `applied` | number of a model that follows the machine, and its distance from the file | |
 //! | s | `bubble` | mid-path deviation of the order-4 path over h | m/s or rad/s |
 //!
 //! The papers: **SyMo** (Santos, Ekal, Ventura, L4DC 2022), **ModLaNet** (Lu, Lin, Shi, Chen, ICML 2022),

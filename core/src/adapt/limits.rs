@@ -22,8 +22,8 @@ pub struct Limits<R, const P: usize> {
 pub(super) const MOVES: u8 = 16;
 /// Maximum number of times that a body's distances are taken a quarter back, if it is still impossible after all moves.
 const RETREATS: u8 = 8;
-/// Moves go further than to the edge, by half of the way and a tenth of the size of the terms, so that few of them are enough.
-const FURTHER: (f64, f64) = (1.5, 0.1);
+/// Moves of bodies go further than to the edge, by half of the way, so that few of them are enough.
+const FURTHER: f64 = 1.5;
 
 impl<R: Real, const P: usize> Limits<R, P> {
     /// The numbers within the limits that are near the estimate: near in the metric of its covariance, so that it is the unknown numbers that
@@ -68,14 +68,10 @@ impl<R: Real, const P: usize> Limits<R, P> {
         bodies(numbers).find_map(|(first, count)| {
             let (body, mut row) = (self.body(x, (first, count)), [R::zero(); P]);
             let slopes = cut(body.get(..count)?)?.slopes;
-            let (mut short, mut size) = (R::zero(), R::zero());
-            for (slope, number) in slopes.iter().zip(&body) {
-                let term = *slope * *number;
-                (short, size) = (short - term, size + term.abs());
-            }
+            let short =
+                slopes.iter().zip(&body).fold(R::zero(), |sum, (slope, number)| sum - *slope * *number);
             row.iter_mut().skip(first).zip(slopes).take(count).for_each(|(row, slope)| *row = slope);
-            let (over, part) = FURTHER;
-            Some((row, R::constant(over) * short + R::constant(part) * size))
+            Some((row, R::constant(FURTHER) * short))
         })
     }
 

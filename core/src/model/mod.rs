@@ -44,6 +44,7 @@ mod parse;
 mod range;
 mod section;
 mod step;
+mod tuned;
 mod write;
 
 pub use crate::energy::MAX_HIDDEN;
@@ -69,6 +70,7 @@ pub use parse::{Parsed, ParsedAs, ShapeHeader, fingerprint, parse, parse_as, sto
 pub use range::{CoordinateRange, Interval, Outside, TrainingRange};
 pub use section::{Section, Sections};
 pub use step::TrainedStep;
+pub use tuned::Tuned;
 pub(crate) use write::File;
 pub use write::{WriteError, write};
 

@@ -6,4 +6,5 @@ mod common;
 mod filter;
 mod limits;
 mod motion;
+mod tuned;
 mod verdict;
