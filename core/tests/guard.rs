@@ -42,17 +42,17 @@ proptest! {
     #[test]
     fn one_copy_is_outvoted(
         xs in prop::collection::vec(-10.0_f32..10.0, 6),
-        (call, of_constant, bit) in (0_usize..3, any::<bool>(), 0_u32..32),
+        (call, place, bit) in (0_usize..3, 0_usize..3, 0_u32..32),
     ) {
         let (mut expected, mut voted) = ([0.0_f32, 1.0], Voted::new(0.75_f32, [0.0, 1.0]));
         for (tick, x) in xs.into_iter().enumerate() {
             let wanted = filter(&0.75, &mut expected, x);
             let mut calls = 0;
-            let agreed = voted.run(|gain, state| {
-                let (mut gain, damaged) = (*gain, tick == 3 && calls == call);
+            let agreed = voted.run(&[x; 3], |gain, state, x| {
+                let (mut gain, mut x, damaged) = (*gain, *x, tick == 3 && calls == call);
                 calls += 1;
                 if damaged {
-                    flip(if of_constant { &mut gain } else { &mut state[1] }, bit);
+                    flip([&mut gain, &mut state[1], &mut x][place], bit);
                 }
                 filter(&gain, state, x)
             });
@@ -84,7 +84,7 @@ fn faults_are_told() {
     let (mut voted, mut calls) = (Voted::new((), 0), 0);
     for damaged in [0, 1, 2] {
         let before = calls;
-        let agreed = voted.run(|(), state| {
+        let agreed = voted.run(&[(); 3], |(), state, ()| {
             calls += 1;
             *state += 1 + i32::from(calls - before == damaged);
             *state
@@ -93,7 +93,7 @@ fn faults_are_told() {
         assert_eq!(calls - before, if damaged > 0 { 3 } else { 2 });
     }
     assert_eq!(voted.state(), &3);
-    let lost = voted.run(|(), _| {
+    let lost = voted.run(&[(); 3], |(), _, ()| {
         calls += 1;
         calls
     });
@@ -109,7 +109,7 @@ fn constants_are_repaired() {
     let (mut outvoted, mut calls) = ([false; 4], 0);
     for (tick, outvoted) in outvoted.iter_mut().enumerate() {
         // The first copy, at the second tick.
-        let agreed = voted.run(|gain, sum| {
+        let agreed = voted.run(&[(); 3], |gain, sum, ()| {
             calls += 1;
             if tick == 1 && calls == 3 {
                 gain.set(-1.0);

@@ -2,7 +2,7 @@
 
 use leastaction_core::continuous::{ContinuousState, rk4_step};
 use leastaction_core::discrete::{Control, Newton, Order};
-use leastaction_core::energy::trigonometric::{ACROBOT, Trigonometric};
+use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
 use leastaction_core::forces::{Actuator, Coulomb, DryFriction, System, Viscous};
 use leastaction_core::observer::{Commands, Integrator, Observer, Tuning, ZerosPrior};
 
@@ -148,4 +148,31 @@ fn the_system_may_change_between_calls() {
     });
     // The outer joint turns backwards: more friction takes more of its momentum.
     assert!(rubs_more > rubs, "{rubs} {rubs_more}");
+}
+
+/// Settling time of an observer of a cart that rests, then jumps, then moves on by `moves` m a step; the pole, which hangs at rest, does not
+/// disturb it.
+fn settling(tuning: Tuning<f64>, [jump, moves]: [f64; 2]) -> usize {
+    let system = System::conservative(CARTPOLE);
+    let mut observer =
+        Observer::new(Integrator::new(Order::Two, H, Newton::default()), [false, true], tuning);
+    let mut take = |x: f64, moves: f64| {
+        observer.predict(&system, &Control::none()).unwrap();
+        observer.correct(&system, &[Some(x), Some(core::f64::consts::PI)]).unwrap();
+        let estimate = observer.estimate(&system).unwrap().unwrap();
+        (estimate.q[0] - x).abs().max((H * estimate.v[0] - moves).abs())
+    };
+    (0..100).for_each(|_| _ = take(0.0, 0.0));
+    let errors: Vec<_> = (0..200).map(|k| take(jump + moves * f64::from(k + 1), moves)).collect();
+    errors.iter().rposition(|error| *error > 0.01).map_or(1, |last| last + 2)
+}
+
+/// An error of 1 m, or of 1 m in a step, falls to 1% in the settling time, and not before.
+#[test]
+fn errors_settle_in_the_settling_time() {
+    for memory in [1, 2, 5, 20] {
+        let tuning = Tuning { memory, patience: 25, zeros: None };
+        let slower = settling(tuning, [1.0, 0.0]).max(settling(tuning, [0.0, 1.0]));
+        assert_eq!(slower, tuning.settling() as usize, "memory {memory}");
+    }
 }

@@ -59,7 +59,7 @@ const MOST_ELAPSED: u32 = 256;
 /// step of the model fails, it holds the last good state, commands no force in that tick, and counts the error.
 ///
 /// The model is no part of it: every tick takes the model, whose numbers may have changed since the one before.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Firmware<C, const N: usize> {
     controller: C,
     observer: Observer<f32, N>,

@@ -134,10 +134,18 @@ impl ObserverConfig {
 
     /// Creates the observer for ticks of h seconds; `angle` marks the encoders that forget whole turns.
     pub fn observer<const N: usize>(&self, h: f32, angle: [bool; N]) -> Observer<f32, N> {
+        Observer::new(self.integrator(h), angle, self.tuning())
+    }
+
+    fn tuning(&self) -> Tuning<f32> {
         let zeros =
             self.zeros.map(|LearnZeros { deviation, innovation }| ZerosPrior { deviation, innovation });
-        let tuning = Tuning { memory: self.memory, patience: self.patience, zeros };
-        Observer::new(self.integrator(h), angle, tuning)
+        Tuning { memory: self.memory, patience: self.patience, zeros }
+    }
+
+    /// Settling time of the estimate, in ticks: [`Tuning::settling`].
+    pub fn settling(&self) -> u32 {
+        self.tuning().settling()
     }
 
     /// Creates the line of delayed commands from the drive and the delay that the firmware knows.

@@ -3,6 +3,7 @@
 pub mod arm;
 #[path = "../../firmware-sim/examples/cartpole.rs"]
 pub mod cartpole;
+pub mod faults;
 pub mod panda;
 pub mod sticking;
 

@@ -174,8 +174,8 @@ where
 pub fn guards(file: &[u8]) {
     let (mut sweep, mut voted) = (black_box(Sweep::new()), black_box(Voted::new(0.1, [0.0; 3])));
     let _ = black_box(sweep.advance(file, black_box(Sweep::slice(file.len(), 6))));
-    let _ = black_box(voted.run(|gain, x| {
-        *x = x.map(|x: f32| x + gain);
+    let _ = black_box(voted.run(&black_box([0.3; 3]), |gain, x, input| {
+        *x = x.map(|x: f32| x + gain * input);
         x[0]
     }));
     black_box(voted.state());

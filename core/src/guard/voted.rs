@@ -7,8 +7,8 @@ use core::fmt;
 /// and state of the others.
 ///
 /// A tick so takes twice its time, three times after a fault, and three times its memory. Outcomes and states are compared by [`PartialEq`];
-/// constants are not, so a damaged constant is found by its first effect. What all three ticks share is not guarded: the arguments of
-/// the tick, and the weights in flash, for which there is [`Sweep`](super::Sweep).
+/// constants are not, so a damaged constant is found by its first effect. Each copy has an input of its own, too: a reading that is
+/// damaged once is in no other. What all share is not guarded, such as weights in flash, for which there is [`Sweep`](super::Sweep).
 ///
 /// Source: R. E. Lyons and W. Vanderkulk, "The use of triple-modular redundancy to improve computer reliability", IBM Journal of Research and
 /// Development 6(2), 1962.
@@ -19,7 +19,7 @@ use core::fmt;
 /// // A sum of 0.5 x, with 0.5 as a constant.
 /// let mut sum = Voted::new(0.5, 0.0);
 /// for x in [1.0, 2.0] {
-///     sum.run(|gain, sum| *sum += gain * x)?;
+///     sum.run(&[x; 3], |gain, sum, x| *sum += gain * x)?;
 /// }
 /// assert_eq!(sum.state(), &1.5);
 /// # Ok::<(), leastaction_core::guard::Disagreed>(())
@@ -70,21 +70,25 @@ impl<C: Clone, S: Clone + PartialEq> Voted<C, S> {
         state
     }
 
-    /// Computes a tick. `work` is called two or three times, and may change nothing but its state.
+    /// Computes a tick on inputs, which should be read three times, or copied from the devices as early as can be. `work` is called two or three
+    /// times, and may change nothing but its state.
     ///
     /// # Errors
     /// [`Disagreed`] if no two copies agree.
-    pub fn run<O: PartialEq>(
+    pub fn run<I, O: PartialEq>(
         &mut self,
-        mut work: impl FnMut(&C, &mut S) -> O,
+        inputs: &[I; 3],
+        mut work: impl FnMut(&C, &mut S, &I) -> O,
     ) -> Result<Agreed<O>, Disagreed> {
         let [first, second, third] = &mut self.copies;
-        let (one, two) = (once(&mut work, first), once(&mut work, second));
+        // Equal inputs are not one input to the compiler.
+        let [i, j, k] = core::hint::black_box(inputs);
+        let (one, two) = (once(&mut work, first, i), once(&mut work, second, j));
         if one == two && first.state == second.state {
             third.state.clone_from(&first.state);
             return Ok(Agreed { outcome: one, outvoted: false });
         }
-        let three = once(&mut work, third);
+        let three = once(&mut work, third, k);
         if three == one && third.state == first.state {
             second.clone_from(first);
             Ok(Agreed { outcome: one, outvoted: true })
@@ -99,6 +103,6 @@ impl<C: Clone, S: Clone + PartialEq> Voted<C, S> {
 
 /// Computes a tick from one copy. A program has its code once, whatever the number of copies.
 #[inline(never)]
-fn once<C, S, O>(work: &mut impl FnMut(&C, &mut S) -> O, copy: &mut Replica<C, S>) -> O {
-    work(&copy.constants, &mut copy.state)
+fn once<C, S, I, O>(work: &mut impl FnMut(&C, &mut S, &I) -> O, copy: &mut Replica<C, S>, input: &I) -> O {
+    work(&copy.constants, &mut copy.state, input)
 }

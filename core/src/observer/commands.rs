@@ -1,47 +1,46 @@
+use crate::expected::{first, first_mut};
 use crate::forces::{Actuator, Control, Lag};
 use crate::scalar::Real;
-use heapless::Deque;
 
 /// Longest delay of a command, in steps.
 pub const MAX_DELAY: u8 = 8;
 
 /// Delay line of commands: what goes in comes out a whole number of steps later.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DelayLine<R, const N: usize> {
-    pending: Deque<[R; N], { MAX_DELAY as usize + 1 }>,
+    /// Commands that are decided, soonest first: one per step of delay, then zeros.
+    pending: [[R; N]; MAX_DELAY as usize],
+    delay: u8,
     last: [R; N],
 }
 
 impl<R: Real, const N: usize> DelayLine<R, N> {
     /// Creates a line at rest with the given delay in steps (at most [`MAX_DELAY`]).
     pub fn new(delay: u8) -> Self {
-        let rest = [R::zero(); N];
-        let mut pending = Deque::new();
         debug_assert!(delay <= MAX_DELAY, "configurations of a longer delay are refused");
-        for _ in 0..delay.min(MAX_DELAY) {
-            let kept = pending.push_back(rest);
-            debug_assert!(kept.is_ok(), "the queue holds MAX_DELAY + 1");
-        }
-        Self { pending, last: rest }
+        let rest = [R::zero(); N];
+        Self { pending: [rest; MAX_DELAY as usize], delay: delay.min(MAX_DELAY), last: rest }
     }
 
     /// Takes this step's command, or the last one again if there is none, and returns the command that acts in this step.
     pub fn advance(&mut self, command: Option<[R; N]>) -> [R; N] {
         self.last = command.unwrap_or(self.last);
-        let kept = self.pending.push_back(self.last);
-        debug_assert!(kept.is_ok(), "the one free place is filled here and freed on the next line");
-        self.pending.pop_front().unwrap_or(self.last)
+        let mut passed = self.last;
+        for pending in first_mut(&mut self.pending, self.delay.into()).iter_mut().rev() {
+            core::mem::swap(pending, &mut passed);
+        }
+        passed
     }
 
     /// Assumes that all earlier commands were equal to this one.
     pub fn take_past(&mut self, command: [R; N]) {
         self.last = command;
-        self.pending.iter_mut().for_each(|pending| *pending = command);
+        first_mut(&mut self.pending, self.delay.into()).fill(command);
     }
 
     /// The commands of the coming steps that are already decided, soonest first: one per step of delay.
     pub fn decided(&self) -> impl Iterator<Item = &[R; N]> {
-        self.pending.iter()
+        first(&self.pending, self.delay.into()).iter()
     }
 }
 
@@ -50,7 +49,7 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
 ///
 /// A delay of d steps is ⌊d⌋ steps in a [`DelayLine`] and the remaining fraction in an [`Actuator`], whose force over a step has the
 /// impulse of the two commands that act in it. A lag, T ẏ = u(t − d) − y, is that of [`Lag`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Commands<R, const N: usize> {
     line: DelayLine<R, N>,
     actuator: Actuator<R, N>,
@@ -62,7 +61,7 @@ pub struct Commands<R, const N: usize> {
 }
 
 /// A lag of the drives.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Slow<R> {
     /// Over a whole step.
     step: Lag<R>,

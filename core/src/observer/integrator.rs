@@ -4,7 +4,7 @@ use crate::lagrangian::Lagrangian;
 use crate::scalar::Real;
 
 /// A variational integrator whose order is chosen at run time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator<R> {
     order: Order,
     h: R,

@@ -55,6 +55,27 @@ pub struct Tuning<R> {
     pub zeros: Option<ZerosPrior<R>>,
 }
 
+/// Part of an error below which the estimate counts as settled.
+const SETTLED: f64 = 0.01;
+
+impl<R: Real> Tuning<R> {
+    /// Settling time: number of steps, each with a sample of every encoder, after which 1% or less is left of any error of the estimate, in
+    /// position or, times the step, in velocity. The memory is full; gravity and the like, which change the error meanwhile, are left out.
+    pub fn settling(&self) -> u32 {
+        let (alpha, beta) = gains::<R>(self.memory.max(1));
+        // Errors oscillate as they fall, by a factor of about 1 - 2/n in a step.
+        let steps = 16 * (u32::from(self.memory) + 1);
+        let (mut errors, mut settled) = ([[R::one(), R::zero()], [R::zero(), R::one()]], 0);
+        for step in 1..=steps {
+            errors = errors.map(|[q, v]| [(R::one() - alpha) * (q + v), v - beta * (q + v)]);
+            if errors.as_flattened().iter().any(|error| error.abs() > R::constant(SETTLED)) {
+                settled = step;
+            }
+        }
+        settled + 1
+    }
+}
+
 /// Number of samples that make a velocity known: two for a difference, and one to average its noise.
 const VELOCITY_SAMPLES: u8 = 3;
 
@@ -70,7 +91,7 @@ fn gains<R: Real>(n: u8) -> (R, R) {
 /// The estimate of a mechanism's state. It holds no model: every call that needs the system takes it, so its numbers may change between calls.
 ///
 /// T is taken as ½vᵀM(q)v; for any other kinetic energy, v is not M⁻¹p. Every call takes a bounded time; nothing is allocated.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Observer<R, const N: usize> {
     integrator: Integrator<R>,
     angle: [bool; N],

@@ -18,7 +18,7 @@ pub struct ZerosPrior<R> {
 const OUTLIER: f64 = 3.0;
 
 /// The zeros with their covariance, and the derivatives of the estimate in the zeros.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Zeros<R, const N: usize> {
     /// Zeros ẑ.
     estimate: [R; N],

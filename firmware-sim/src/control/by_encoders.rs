@@ -13,7 +13,7 @@ use leastaction_core::linear::add_scaled;
 ///
 /// u = V_q(q) − D(ω²e + 2ζωė), with D the diagonal of M where the motion begins. Readings are extrapolated over the delay, at constant
 /// velocity, to the time when the command acts. Source: Siciliano et al., "Robotics", 2009, section 8.5.1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByEncoders<const N: usize> {
     gains: Gains,
     inertia: [f32; N],

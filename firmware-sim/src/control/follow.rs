@@ -14,7 +14,7 @@ use leastaction_core::plan::Plan;
 /// estimate after that, in which nothing is commanded. A command is that of the estimate where it takes effect, so a delay moves the motion
 /// as a whole. From the plan's end on its last record is held. A mechanism that is not at the plan's start is not refused: the law is a
 /// feedback, and brings it to the plan from as far as its gains and limits reach.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Follow<'p, const N: usize> {
     plan: Plan<'p, N, N>,
     drive: Drive<N>,
@@ -23,7 +23,7 @@ pub struct Follow<'p, const N: usize> {
 }
 
 /// Count of ticks since the first command, and whole turns (rad) by which the estimate was then off the plan.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Begun<const N: usize> {
     tick: u32,
     turns: [f32; N],

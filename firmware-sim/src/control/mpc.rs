@@ -260,7 +260,7 @@ impl<M: Mechanism<N>, const N: usize, const D: usize> Controller<M, N> for Mpc<'
 }
 
 /// No decisions; it has no values.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoMpc {}
 
 impl<M, const N: usize> Controller<M, N> for NoMpc {

@@ -54,7 +54,7 @@ pub trait Pump<M, const N: usize> {
 }
 
 /// Pump for mechanisms that are never brought upright; it has no values.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoPump {}
 
 impl<M, const N: usize> Pump<M, N> for NoPump {

@@ -31,7 +31,7 @@ impl Catch {
 }
 
 /// Pumps energy until the mechanism is near upright, then holds it there.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SwingUp<P, const N: usize> {
     /// Pump that brings the mechanism up.
     pub pump: P,

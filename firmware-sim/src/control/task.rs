@@ -5,7 +5,7 @@ use leastaction_core::discrete::StepError;
 
 /// A controller whose task is chosen at run time; P is the pump of a swing-up, or [`NoPump`](super::NoPump), and R is [`Mpc`](super::Mpc) or
 /// [`NoMpc`](super::NoMpc).
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum TaskController<'p, P, R, const N: usize> {
     /// Follows a motion.
     Track(Track<N>),
@@ -55,7 +55,7 @@ where
 }
 
 /// No controller: commands come from elsewhere.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Listen;
 
 impl<M, const N: usize> Controller<M, N> for Listen {

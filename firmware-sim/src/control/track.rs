@@ -40,7 +40,7 @@ pub enum Law {
 ///
 /// u = ID(q_r, v_r, a_r) − M(q)(ω²e + 2ζωė), e = q − q_r; or, by [`Law::PdGravity`], u = V_q(q) − D(ω²e + 2ζωė) with D the diagonal of M
 /// where the motion begins. Source: Siciliano et al., "Robotics", 2009, sections 8.5 and 8.5.1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track<const N: usize> {
     /// Feedback gains.
     pub gains: Gains,

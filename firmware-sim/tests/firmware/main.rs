@@ -8,6 +8,7 @@ mod devices;
 mod faults;
 mod follow;
 mod gravity;
+mod guarded;
 mod link;
 mod mpc;
 mod observer;

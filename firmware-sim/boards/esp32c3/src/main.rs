@@ -14,7 +14,7 @@ use esp_hal::ledc::{LSGlobalClkSource, Ledc, LowSpeed};
 use esp_hal::time::{Duration, Instant, Rate};
 use esp_hal::timer::PeriodicTimer;
 use esp_hal::timer::timg::{MwdtStage, TimerGroup};
-use leastaction_machine::{Counter, control, mechanism, model, ticks};
+use leastaction_machine::{Counter, control, model, ticks};
 
 esp_bootloader_esp_idf::esp_app_desc!();
 
@@ -49,8 +49,7 @@ fn main() -> ! {
 
     // A model or a program that is refused never moves the machine: the light stays off.
     let (Ok(()), Ok(()), Ok(model)) = (clocked, driven, model()) else { rest() };
-    let mechanism = mechanism(&model);
-    let Ok(mut control) = control(&mechanism) else { rest() };
+    let Ok(mut control) = control(&model) else { rest() };
 
     let period = Duration::from_micros(control.period().into());
     let group = TimerGroup::new(chip.TIMG0);

@@ -20,7 +20,7 @@ use leastaction_core::forces::{Coulomb, Viscous};
 use leastaction_core::model::{BodiesModel, ModelError};
 use leastaction_firmware_sim::control::Target;
 use leastaction_firmware_sim::scenario::SwingUpConfig;
-use leastaction_firmware_sim::{InPlace, Mechanism, Mode, Outcome, Processor, Program, SetupError, Trained};
+use leastaction_firmware_sim::{Mode, Outcome, Processor, Program, SetupError, Swept, Trained, Voting};
 
 /// Coordinates: the cart, m, and the pole, rad, which is upright at 0.
 pub const N: usize = 2;
@@ -93,20 +93,18 @@ pub struct Control<P> {
     period: f32,
 }
 
-/// The mechanism of a loaded model, with the step that it was trained for.
-pub fn mechanism(model: &Model) -> impl Mechanism<N> {
-    Trained { system: &model.system, step: model.trained_step }
-}
-
-/// Starts the control loop of the program over a mechanism.
+/// Starts the control loop of the program over a model, with guards of its memory: three copies of the controller vote, and the model's file is
+/// compared with its checksum, a slice a tick. A tick so takes twice its time. Where there is none to spare, or for decisions at every tick,
+/// `InPlace { model, firmware }` takes the place of `Voting`.
 ///
 /// # Errors
 /// See [`Program::start`].
-pub fn control(
-    model: &impl Mechanism<N>,
-) -> Result<Control<impl Processor<N, Error = Infallible>>, SetupError> {
+pub fn control(model: &Model) -> Result<Control<impl Processor<N, Error = Infallible>>, SetupError> {
     let program = program();
-    Ok(Control { processor: InPlace { model, firmware: program.start(model)? }, period: program.tick })
+    let firmware = program.start(&Trained { system: &model.system, step: model.trained_step })?;
+    let voting = Voting::new(model.system, firmware);
+    let processor = Swept::new(voting, &FILE.0, program.observer.settling());
+    Ok(Control { processor, period: program.tick })
 }
 
 impl<P: Processor<N, Error = Infallible>> Control<P> {

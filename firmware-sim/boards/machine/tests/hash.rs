@@ -3,13 +3,12 @@
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::System;
 use leastaction_firmware_sim::scenario::{SwingUpConfig, run_on};
-use leastaction_machine::{Counted, Counter, ENCODERS, Encoder, control, mechanism, model, ticks};
+use leastaction_machine::{Counted, Counter, ENCODERS, Encoder, control, model, ticks};
 
 #[test]
 fn the_machine_comes_upright_and_its_trace_is_the_expected_one() {
     let model = model().unwrap();
-    let mechanism = mechanism(&model);
-    let processor = Counted::new(control(&mechanism).unwrap());
+    let processor = Counted::new(control(&model).unwrap());
     let setup = SwingUpConfig::cartpole().setup;
     let summary = run_on(&System::conservative(CARTPOLE), processor, &setup, [0.0; 2], |_| ()).unwrap();
     assert!(summary.success, "{summary:?}");

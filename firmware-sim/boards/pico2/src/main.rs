@@ -13,7 +13,7 @@ use embassy_rp::pwm::{Config as Wave, Pwm, SetDutyCycle};
 use embassy_rp::watchdog::Watchdog;
 use embassy_rp::{bind_interrupts, i2c, peripherals};
 use embassy_time::{Duration, Instant, Ticker, with_timeout};
-use leastaction_machine::{Counter, control, mechanism, model, ticks};
+use leastaction_machine::{Counter, control, model, ticks};
 
 bind_interrupts!(struct Interrupts {
     I2C0_IRQ => i2c::InterruptHandler<peripherals::I2C0>;
@@ -41,8 +41,7 @@ async fn main(_spawner: Spawner) {
 
     // A model or a program that is refused never moves the machine: the light stays off.
     let Ok(model) = model() else { return };
-    let mechanism = mechanism(&model);
-    let Ok(mut control) = control(&mechanism) else { return };
+    let Ok(mut control) = control(&model) else { return };
 
     let period = Duration::from_micros(control.period().into());
     let mut watchdog = Watchdog::new(chip.WATCHDOG);

@@ -13,7 +13,7 @@ use embassy_stm32::timer::qei::Qei;
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Instant, Ticker};
-use leastaction_machine::{Counter, control, mechanism, model, ticks};
+use leastaction_machine::{Counter, control, model, ticks};
 
 /// The watchdog resets the chip, which stops the drive, after this many periods without a tick.
 const PATIENCE: u32 = 5;
@@ -33,8 +33,7 @@ async fn main(_spawner: Spawner) {
 
     // A model or a program that is refused never moves the machine: the light stays off.
     let Ok(model) = model() else { return };
-    let mechanism = mechanism(&model);
-    let Ok(mut control) = control(&mechanism) else { return };
+    let Ok(mut control) = control(&model) else { return };
 
     let period = Duration::from_micros(control.period().into());
     let mut watchdog = IndependentWatchdog::new(chip.IWDG, PATIENCE * control.period());
