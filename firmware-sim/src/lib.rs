@@ -46,6 +46,7 @@ mod program;
 pub mod scenario;
 mod summary;
 mod tick;
+mod timeline;
 pub mod trajectory;
 mod wire;
 
@@ -58,3 +59,4 @@ pub use processor::{InPlace, Processor};
 pub use program::{Program, Task};
 pub use summary::{Goal, Incidents, Summary};
 pub use tick::{Mode, Tick, TraceHash};
+pub use timeline::Timeline;

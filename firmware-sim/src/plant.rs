@@ -1,15 +1,17 @@
 //! The true mechanism.
 
-use crate::Mechanism;
+use crate::{Mechanism, Timeline};
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::{Control, Del, Galerkin, State, StepError};
 use leastaction_core::forces::Forces;
 use leastaction_core::scalar::all_finite;
 
 /// A mechanism in motion, integrated by steps much finer than a tick: Runge–Kutta steps or, with friction that sticks or end stops,
-/// variational steps of order 4, which solve these laws.
+/// variational steps of order 4, which solve these laws. Position and velocity are continuous where the mechanism changes.
 #[derive(Clone, Debug)]
 pub struct Plant<'a, M, const N: usize> {
+    timeline: Timeline<'a, M>,
+    /// Mechanism that acts now.
     mechanism: &'a M,
     state: ContinuousState<f32, N>,
     /// The state with its momentum, once variational steps have been taken.
@@ -19,9 +21,20 @@ pub struct Plant<'a, M, const N: usize> {
 
 impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
     /// Creates a plant at (q, v), with the given number of integration steps (at least 1) in each call of [`Plant::advance`].
-    pub fn new(mechanism: &'a M, state: ContinuousState<f32, N>, substeps: u16) -> Self {
+    pub fn new(timeline: impl Into<Timeline<'a, M>>, state: ContinuousState<f32, N>, substeps: u16) -> Self {
         debug_assert!(substeps >= 1, "setups without integration steps are refused");
-        Self { mechanism, state, variational: None, substeps: substeps.max(1) }
+        let timeline = timeline.into();
+        let mechanism = timeline.at(0.0);
+        Self { timeline, mechanism, state, variational: None, substeps: substeps.max(1) }
+    }
+
+    /// Lets the mechanism of time t, s, act from now on. The momentum jumps with the inertia, as in a load that is taken up in motion and
+    /// already moves with the hand.
+    pub fn change(&mut self, t: f32) {
+        let mechanism = self.timeline.at(t);
+        if !core::ptr::eq(mechanism, self.mechanism) {
+            (self.mechanism, self.variational) = (mechanism, None);
+        }
     }
 
     /// Position and velocity.

@@ -6,6 +6,8 @@ mod actuators;
 mod arms;
 #[path = "cli_commands/bags.rs"]
 mod bags;
+#[path = "cli_commands/changes.rs"]
+mod changes;
 #[path = "cli_commands/control.rs"]
 mod control;
 #[path = "cli_commands/corrections.rs"]

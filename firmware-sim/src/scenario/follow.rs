@@ -4,7 +4,7 @@ use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
 use crate::summary::{Goal, Summary};
 use crate::tick::{Mode, Tick};
-use crate::{Mechanism, Program, Task};
+use crate::{Mechanism, Program, Task, Timeline};
 use leastaction_core::linear::add_scaled;
 use leastaction_core::plan::{Plan, PlanHeader};
 use leastaction_core::scalar::{Scalar, max_abs};
@@ -174,8 +174,8 @@ fn share(u: f32, [least, most]: &[f32; 2]) -> f32 {
 ///
 /// # Errors
 /// See [`Program::start_with`]; also a setup out of range.
-pub fn follow<'p, P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
-    plant: &P,
+pub fn follow<'a, 'p, P: Mechanism<N> + 'a, M: Mechanism<N>, const N: usize>(
+    plant: impl Into<Timeline<'a, P>>,
     model: &M,
     plan: &Plan<'p, N, N>,
     config: &FollowConfig<N>,

@@ -6,7 +6,7 @@ use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
-use crate::{Mechanism, Program, Task};
+use crate::{Mechanism, Program, Task, Timeline};
 use leastaction_core::scalar::{Scalar, max_abs};
 
 /// Beginning and end of the push, s.
@@ -125,8 +125,8 @@ impl<const N: usize> Floating<N> {
 ///
 /// # Errors
 /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
-pub fn gravity<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
-    plant: &P,
+pub fn gravity<'a, P: Mechanism<N> + 'a, M: Mechanism<N>, const N: usize>(
+    plant: impl Into<Timeline<'a, P>>,
     model: &M,
     config: &GravityConfig<N>,
     mut sink: impl FnMut(&Tick<N>),

@@ -7,7 +7,7 @@ use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
 use crate::summary::{Goal, Summary};
 use crate::tick::{Mode, Tick};
-use crate::{Mechanism, Program, Task};
+use crate::{Mechanism, Program, Task, Timeline};
 use core::f32::consts::PI;
 use leastaction_core::model::TrainedStep;
 use leastaction_core::plan::Plan;
@@ -166,8 +166,8 @@ impl Decided {
 ///
 /// # Errors
 /// See [`Program::mpc`]; also a setup out of range.
-pub fn mpc<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D: usize>(
-    plant: &P,
+pub fn mpc<'a, P: Mechanism<N> + 'a, M: Mechanism<N>, const N: usize, const D: usize>(
+    plant: impl Into<Timeline<'a, P>>,
     model: &M,
     plans: &[Plan<N, N>],
     config: &MpcConfig<N>,

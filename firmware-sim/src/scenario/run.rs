@@ -7,7 +7,7 @@ use crate::firmware::{Firmware, Outcome};
 use crate::plant::Plant;
 use crate::summary::{Recorder, Summary};
 use crate::tick::{Mode, Tick};
-use crate::{InPlace, Mechanism, Processor};
+use crate::{InPlace, Mechanism, Processor, Timeline};
 use core::convert::Infallible;
 use core::fmt;
 use leastaction_core::linear::add_scaled;
@@ -29,10 +29,10 @@ struct World<'a, P, const N: usize> {
 }
 
 impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
-    fn new(mechanism: &'a P, setup: &Setup<N>) -> Self {
+    fn new(plant: Timeline<'a, P>, setup: &Setup<N>) -> Self {
         let actuator = Actuator::new(setup.devices.actuator);
         Self {
-            plant: Plant::new(mechanism, setup.start.draw(setup.seed), setup.substeps),
+            plant: Plant::new(plant, setup.start.draw(setup.seed), setup.substeps),
             encoders: Encoders::new(setup.devices.encoders, setup.seed),
             braked: setup.brakes.then(|| actuator.force()),
             actuator,
@@ -44,8 +44,9 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
         }
     }
 
-    /// Begins the tick at time t (s).
+    /// Begins the tick at time t (s). The plant changes at the beginning of the tick that is nearest to the time of its change.
     fn begin(&mut self, t: f32) {
+        self.plant.change(t + 0.5 * self.h);
         let [of_run, _, from_elsewhere] = self.pushes;
         self.pushes[1] =
             if self.push.acts(t) { add_scaled(&of_run, 1.0, &from_elsewhere) } else { from_elsewhere };
@@ -95,15 +96,20 @@ pub struct Run<'a, P, R, T, const N: usize> {
 }
 
 impl<'a, P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Run<'a, P, R, T, N> {
-    /// Creates a run of a world along a trajectory before its first tick, with `processor` for the firmware's part of its ticks.
+    /// Creates a run of a world, whose plant may change with time, along a trajectory before its first tick, with `processor` for the firmware's part of its ticks.
     ///
     /// # Errors
     /// A setup out of range.
-    pub fn new(plant: &'a P, processor: R, setup: &Setup<N>, trajectory: T) -> Result<Self, SetupError> {
+    pub fn new(
+        plant: impl Into<Timeline<'a, P>>,
+        processor: R,
+        setup: &Setup<N>,
+        trajectory: T,
+    ) -> Result<Self, SetupError> {
         setup.validate()?;
         let angle = setup.devices.angles();
         Ok(Self {
-            world: World::new(plant, setup),
+            world: World::new(plant.into(), setup),
             processor,
             trajectory,
             delay: setup.observer.lateness() * setup.tick,
@@ -241,12 +247,12 @@ impl From<RunError<Infallible>> for SetupError {
     }
 }
 
-/// Runs a world along a trajectory, with `processor` for the firmware's part of its ticks.
+/// Runs a world, whose plant may change with time, along a trajectory, with `processor` for the firmware's part of its ticks.
 ///
 /// # Errors
 /// A setup out of range, and the first tick that the processor does not run.
-pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
-    plant: &P,
+pub fn run_on<'a, P: Mechanism<N> + 'a, R: Processor<N>, const N: usize>(
+    plant: impl Into<Timeline<'a, P>>,
     processor: R,
     setup: &Setup<N>,
     trajectory: impl Trajectory<N>,
@@ -261,15 +267,15 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
 }
 
 /// Runs a world with a firmware over a model, which always runs.
-pub(super) fn run_in_place<P, M, C, const N: usize>(
-    plant: &P,
+pub(super) fn run_in_place<'a, P, M, C, const N: usize>(
+    plant: impl Into<Timeline<'a, P>>,
     (model, firmware): (&M, Firmware<C, N>),
     setup: &Setup<N>,
     trajectory: impl Trajectory<N>,
     sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, SetupError>
 where
-    P: Mechanism<N>,
+    P: Mechanism<N> + 'a,
     M: Mechanism<N>,
     C: Controller<M, N>,
 {

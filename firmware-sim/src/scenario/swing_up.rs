@@ -6,7 +6,7 @@ use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
-use crate::{Mechanism, Program, Task};
+use crate::{Mechanism, Program, Task, Timeline};
 use core::f32::consts::PI;
 
 /// A swing-up: a pendulum by a joint too weak to lift it, or a pole by the cart that carries it. Upright is θ = 0.
@@ -70,8 +70,8 @@ impl<const N: usize> SwingUpConfig<N> {
 ///
 /// # Errors
 /// See [`Program::start`]; also a setup out of range.
-pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
-    plant: &P,
+pub fn swing_up_pendulum<'a, P: Mechanism<1> + 'a, M: Mechanism<1>>(
+    plant: impl Into<Timeline<'a, P>>,
     model: &M,
     config: &SwingUpConfig<1>,
     sink: impl FnMut(&Tick<1>),
@@ -85,8 +85,8 @@ pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
 ///
 /// # Errors
 /// See [`Program::start`]; also a setup out of range.
-pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
-    plant: &P,
+pub fn swing_up_cartpole<'a, P: Mechanism<2> + 'a, M: Mechanism<2>>(
+    plant: impl Into<Timeline<'a, P>>,
     model: &M,
     config: &SwingUpConfig<2>,
     sink: impl FnMut(&Tick<2>),

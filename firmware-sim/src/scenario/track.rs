@@ -8,7 +8,7 @@ use crate::firmware::Firmware;
 use crate::program::diagonal;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
-use crate::{Mechanism, Program, Task};
+use crate::{Mechanism, Program, Task, Timeline};
 use core::f32::consts::PI;
 
 /// Time at which the motions begin, s.
@@ -104,8 +104,8 @@ impl TrackConfig<2> {
 ///
 /// # Errors
 /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
-pub fn track<P: Mechanism<N>, M: Mechanism<N>, T: Trajectory<N>, const N: usize>(
-    plant: &P,
+pub fn track<'a, P: Mechanism<N> + 'a, M: Mechanism<N>, T: Trajectory<N>, const N: usize>(
+    plant: impl Into<Timeline<'a, P>>,
     model: &M,
     config: &TrackConfig<N, T>,
     sink: impl FnMut(&Tick<N>),

@@ -7,6 +7,7 @@ mod generate;
 mod integrate;
 mod lgnn;
 mod lgnn_shapes;
+mod load;
 mod logged;
 mod modlanet;
 mod motion;
@@ -19,6 +20,7 @@ pub use generate::{Drive, Settings, generate, noisy, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
 pub use lgnn::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
 pub use lgnn_shapes::{lgnn_graph, lgnn_shape};
+pub use load::Waves;
 pub use logged::{GenerationError, Horizon, Start, follow, follow_flow, logged};
 pub use modlanet::{
     ManyBody, ModlanetSettings, circular_speed, generate_many, modlanet_set, modlanet_set_of, starts,

@@ -145,6 +145,15 @@ impl Architecture {
         self.law_entries().any(|entry| entry.kind == kind)
     }
 
+    /// Positions in the weight block of all numbers to which the friction of the laws with numbers for groups of coordinates is in proportion,
+    /// the family's own damping included.
+    pub fn friction_positions(&self) -> Vec<usize> {
+        let own = self.family.laws().contains(Law::Viscous).then(|| self.family.groups());
+        let start = self.laws_start();
+        let beside = self.law_entries().filter(|entry| entry.kind.is_of_friction());
+        (start.saturating_sub(own.unwrap_or(0))..start).chain(beside.map(|entry| entry.position)).collect()
+    }
+
     fn laws_place(&self) -> (usize, usize) {
         (self.laws_start(), self.corrections.count())
     }

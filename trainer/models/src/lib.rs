@@ -38,6 +38,7 @@ pub mod accelerations;
 pub mod architecture;
 pub mod bodies;
 pub mod bounds;
+pub mod change;
 pub mod config;
 pub mod describe;
 pub mod family;
@@ -68,6 +69,7 @@ mod words;
 
 pub use architecture::Architecture;
 pub use bodies::{ArmArchitecture, ArmBody, BodiesArchitecture, BodyNumbers, letters_of_joints};
+pub use change::{ChangeError, PointMass};
 pub use family::{Family, OpenGauge, Parts};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, NamedGraph};
 pub use inertia_network::{HostSystem, InertiaNetworkArchitecture, largest_factor};

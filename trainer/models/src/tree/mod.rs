@@ -148,6 +148,14 @@ impl Body {
     }
 }
 
+/// End of a body with this mass (kg) and first moment about its joint (kg m): twice as far from the joint as the centre of mass, as that of an
+/// even rod, or the centre itself of a body that slides; m.
+#[must_use]
+pub fn reach((mass, moment): (f64, Vector3<f64>), turns: bool) -> Vector3<f64> {
+    let factor = if turns { 2.0 } else { 1.0 };
+    if mass > 0.0 { moment * (factor / mass) } else { Vector3::zeros() }
+}
+
 /// A tree of rigid bodies with rotors, on a resting base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {

@@ -1,6 +1,6 @@
 //! Points of a mechanism, and what is drawn between them.
 
-use leastaction_models::tree::{Body, Joint, Tree};
+use leastaction_models::tree::{Body, Joint, Tree, reach};
 use nalgebra::Vector3;
 
 /// A point of the mechanism, at rest in the frame of a body or, without one, of the base.
@@ -97,11 +97,10 @@ impl Skeleton {
         ]);
     }
 
-    /// End of a last link: twice as far as its centre of mass, as that of an even rod, or the centre itself of one that slides.
+    /// Adds the [end](reach) of a last link.
     fn add_tip(&mut self, i: usize, body: &Body) {
-        let (mass, moment) = (body.inertia.mass(), body.inertia.moment());
-        let reach = if matches!(body.joint, Joint::Revolute(_)) { 2.0 } else { 1.0 };
-        let at = if mass > 0.0 { moment * (reach / mass) } else { Vector3::zeros() };
+        let turns = matches!(body.joint, Joint::Revolute(_));
+        let at = reach((body.inertia.mass(), body.inertia.moment()), turns);
         let tip = self.add(Some(i), at);
         self.parts.push(Part::Link(i + 1, tip));
         self.tips.push(tip);

@@ -1,6 +1,6 @@
 //! The scenario `follow`: the firmware follows a plan.
 
-use super::plant::{OnPlant, encoders};
+use super::plant::{OnPlant, Systems, encoders};
 use super::scenario::{closed_loop, misused};
 use super::track::{MEMORY, samples};
 use super::world::{known_actuator, replace};
@@ -13,8 +13,7 @@ use leastaction_core::plan::{Plan, PlanFile};
 use leastaction_firmware_sim::control::MAX_PLANS;
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::scenario::{FollowConfig, Followed, Setup};
-use leastaction_firmware_sim::{Mechanism, SetupError};
-use leastaction_replica::SystemOf;
+use leastaction_firmware_sim::{Mechanism, SetupError, Timeline};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -196,7 +195,7 @@ impl PlanReport {
 /// Runs the loop, here or on a board.
 pub(super) fn planned<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     request: &Request,
-    (plant, model): (&P, &M),
+    (plant, model): (Timeline<P>, &M),
     trace: &mut Trace,
 ) -> Result<Report, Failure> {
     let plans = sized(request.plans)?;
@@ -243,7 +242,7 @@ impl OnPlant for Planned {
     fn run<const N: usize>(
         self,
         request: &Request,
-        systems: (&SystemOf<N>, &SystemOf<N>),
+        systems: Systems<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
         planned(request, systems, trace)

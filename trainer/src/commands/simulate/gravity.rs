@@ -1,6 +1,6 @@
 //! The scenario `gravity`: floating, held by the model's gravity alone, and a push.
 
-use super::plant::{OnPlant, encoders};
+use super::plant::{OnPlant, Systems, encoders};
 use super::reference::strongest;
 use super::scenario::closed_loop;
 use super::track::{MEMORY, samples};
@@ -9,9 +9,8 @@ use super::{Report, Request, Scenario, Trace};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative};
-use leastaction_firmware_sim::Mechanism;
 use leastaction_firmware_sim::scenario::{Floating, GravityConfig, Setup};
-use leastaction_replica::SystemOf;
+use leastaction_firmware_sim::{Mechanism, Timeline};
 use serde::Serialize;
 
 /// Options for floating and the push.
@@ -73,7 +72,7 @@ pub struct FloatingReport {
 /// Runs the loop, here or on a board.
 pub(super) fn floating<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     request: &Request,
-    (plant, model): (&P, &M),
+    (plant, model): (Timeline<P>, &M),
     mut config: GravityConfig<N>,
     trace: &mut Trace,
 ) -> Result<Report, Failure> {
@@ -99,7 +98,7 @@ impl OnPlant for OnAnother {
     fn run<const N: usize>(
         self,
         request: &Request,
-        systems: (&SystemOf<N>, &SystemOf<N>),
+        systems: Systems<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
         floating(request, systems, config(request)?, trace)

@@ -1,9 +1,11 @@
 //! `leastaction simulate`.
 
+mod changes;
 mod course;
 mod follow;
 mod gravity;
 mod mpc;
+mod over_time;
 mod picture;
 mod plant;
 mod reference;
@@ -78,6 +80,10 @@ use std::time::Duration;
 /// Example: leastaction simulate model.postcard --scenario mpc --seed 3
 ///
 /// Example: leastaction simulate arm.postcard --scenario mpc --plant robot.postcard --goal 0.5,-1 --limit 20,10
+///
+/// With --payload and --friction-drift the mechanism takes up a load and its friction grows while it runs, and the firmware does not know.
+///
+/// Example: leastaction simulate arm.postcard --scenario gravity --plant robot.postcard --payload 2.5@3s --friction-drift 1.5@60s
 ///
 /// With --replay, the observer runs along a log, and the report says how far the readings were from the model's prediction one tick before;
 /// the exit code is 1 if the model cannot be stepped.

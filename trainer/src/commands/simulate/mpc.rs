@@ -1,6 +1,7 @@
 //! The scenario `mpc`: to a goal by a decision at every tick.
 
 use super::follow::{drive, sized};
+use super::over_time::OverTime;
 use super::plant::{encoders, no_graphs, of_plant};
 use super::scenario::closed_loop;
 use super::world::{for_all, replace};
@@ -8,9 +9,9 @@ use super::{Report, Request, Scenario, Trace};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::finite;
-use leastaction_firmware_sim::Mechanism;
 use leastaction_firmware_sim::control::{Coordinates, States, blank_nodes};
 use leastaction_firmware_sim::scenario::{Decided, MpcConfig};
+use leastaction_firmware_sim::{Mechanism, Timeline};
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, Replica, StateVisitor, SystemOf};
 use serde::Serialize;
@@ -49,7 +50,7 @@ pub struct DecidedReport {
 /// by it alone.
 pub(super) fn deciding<P: Mechanism<N>, M: Mechanism<N>, const N: usize, const D: usize>(
     request: &Request,
-    (plant, model): (&P, &M),
+    (plant, model): (Timeline<P>, &M),
     mut config: MpcConfig<N>,
     trace: &mut Trace,
 ) -> Result<Report, Failure>
@@ -93,13 +94,13 @@ pub(super) fn deciding_on(
     plant: &Model,
     trace: &mut Trace,
 ) -> Result<Report, Failure> {
-    of_plant(request, plant, |plant| model.visit_states(OnPlant { request, plant, trace }))
+    of_plant(request, plant, |plants| model.visit_states(OnPlant { request, plants, trace }))
 }
 
 /// Decisions whose sizes become types.
 struct OnPlant<'r, 'c> {
     request: &'r Request<'r>,
-    plant: &'r Replica<'c>,
+    plants: &'r OverTime<Replica<'c>>,
     trace: &'r mut Trace,
 }
 
@@ -111,8 +112,8 @@ impl<'c> StateVisitor<'c> for OnPlant<'_, '_> {
         for<'f> Replica<'f>: OfSize<N>,
         Coordinates<N>: States<D>,
     {
-        let Self { request, plant, trace } = self;
-        let plant = OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?;
+        let Self { request, plants, trace } = self;
+        let plants = plants.map(|plant| OfSize::<N>::of_size(plant).ok_or_else(no_graphs))?;
         let limit = request.world.limit()?;
         let Some(limit) = limit.or_else(|| (!request.plans.is_empty()).then_some([0.0; N])) else {
             let reason = "mpc needs the drives' limits: name them with --limit, 0 for a coordinate without a drive, or \
@@ -125,7 +126,12 @@ impl<'c> StateVisitor<'c> for OnPlant<'_, '_> {
         }
         let start = sized(request.plans)?.first().map_or([0.0; N], |plan| plan.reference(0).q);
         let goal = for_all("--goal", &request.decides.goal, 0.0)?;
-        deciding(request, (plant, model), MpcConfig::new(start, goal, encoders(request), limit), trace)
+        deciding(
+            request,
+            (plants.timeline(), model),
+            MpcConfig::new(start, goal, encoders(request), limit),
+            trace,
+        )
     }
 
     fn graph(self) -> Self::Output {

@@ -1,15 +1,16 @@
 //! The plant of the loop: an exact mechanism, or the mechanism that another model file describes.
 
+use super::over_time::OverTime;
 use super::scenario::{misused, reported};
 use super::{Report, Request, Trace};
 use leastaction::cli::Failure;
 use leastaction::models::{chip_file, meant};
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::{CoordinateRange, Interval};
-use leastaction_firmware_sim::Goal;
 use leastaction_firmware_sim::devices::{Devices, Drive, EncoderConfig};
 use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_firmware_sim::scenario::{Excitation, Predict, Push, Setup, Start, predict};
+use leastaction_firmware_sim::{Goal, Timeline};
 use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
@@ -62,6 +63,9 @@ impl Plant<'_> {
     }
 }
 
+/// A plant as a function of time, and a model.
+pub type Systems<'s, const N: usize> = (Timeline<'s, SystemOf<'s, N>>, &'s SystemOf<'s, N>);
+
 /// A task on a model and the plant of another file, generic in the number of coordinates.
 pub trait OnPlant {
     /// Runs the task.
@@ -71,7 +75,7 @@ pub trait OnPlant {
     fn run<const N: usize>(
         self,
         request: &Request,
-        systems: (&SystemOf<N>, &SystemOf<N>),
+        systems: Systems<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure>;
 }
@@ -83,28 +87,29 @@ pub fn on_plant(
     plant: &Model,
     (what, trace): (impl OnPlant, &mut Trace),
 ) -> Result<Report, Failure> {
-    of_plant(request, plant, |plant| model.visit(OfAnySize { request, plant, what, trace }))
+    of_plant(request, plant, |plants| model.visit(OfAnySize { request, plants, what, trace }))
 }
 
-/// Passes the chip's form of a plant to `run`, if it has the coordinates of the model.
+/// Passes the chip's form of a plant as a function of time to `run`, if it has the coordinates of the model.
 pub(super) fn of_plant<T>(
     request: &Request,
     plant: &Model,
-    run: impl FnOnce(&Replica) -> Result<T, Failure>,
+    run: impl FnOnce(&OverTime<Replica>) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let [own, others] = [request.model, plant].map(|model| model.architecture.coordinates());
     if own != others {
         let message = format!("--plant has coordinates {others:?}, the model {own:?}: they must be the same");
         return Err(Failure::Input(message));
     }
-    let file = chip_file(plant).map_err(Failure::Input)?;
-    run(&meant(&file, plant).map_err(Failure::Input)?)
+    let models = request.world.changes.models(plant)?;
+    let files = models.map(|model| chip_file(model).map_err(Failure::Input))?;
+    run(&files.map(|file| meant(file, plant).map_err(Failure::Input))?)
 }
 
 /// Dispatches a task by the number of coordinates.
 struct OfAnySize<'r, 'c, W> {
     request: &'r Request<'r>,
-    plant: &'r Replica<'c>,
+    plants: &'r OverTime<Replica<'c>>,
     what: W,
     trace: &'r mut Trace,
 }
@@ -116,8 +121,9 @@ impl<'c, W: OnPlant> Visitor<'c> for OfAnySize<'_, '_, W> {
     where
         for<'f> Replica<'f>: OfSize<N>,
     {
-        let Self { request, plant, what, trace } = self;
-        what.run(request, (OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?, model), trace)
+        let Self { request, plants, what, trace } = self;
+        let plants = plants.map(|plant| OfSize::<N>::of_size(plant).ok_or_else(no_graphs))?;
+        what.run(request, (plants.timeline(), model), trace)
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
@@ -137,11 +143,11 @@ impl OnPlant for Predicting {
     fn run<const N: usize>(
         self,
         request: &Request,
-        (plant, model): (&SystemOf<N>, &SystemOf<N>),
+        (plant, model): Systems<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
         let config = prediction(request)?;
-        reported(request, predict(plant, model, &config, |tick| trace.push(tick)))
+        reported(request, predict(plant.at(0.0), model, &config, |tick| trace.push(tick)))
     }
 }
 

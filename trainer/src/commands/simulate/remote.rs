@@ -8,7 +8,7 @@ use leastaction::cli::Failure;
 use leastaction::processor::{Board, BoardError, Emulator, LinkError, Remote};
 use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::scenario::{RunError, Setup, run_on};
-use leastaction_firmware_sim::{Mechanism, Program, Summary, Tick};
+use leastaction_firmware_sim::{Mechanism, Program, Summary, Tick, Timeline};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -60,7 +60,7 @@ impl Target {
     pub fn run<P: Mechanism<N>, const N: usize>(
         &self,
         request: &Request,
-        plant: &P,
+        plant: Timeline<P>,
         (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
         program: &Program<N>,
         sink: impl FnMut(&Tick<N>),

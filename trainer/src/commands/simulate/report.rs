@@ -1,5 +1,6 @@
 //! Results of a run in the loop.
 
+use super::changes::{Carried, FrictionDrift};
 use super::follow::PlanReport;
 use super::gravity::FloatingReport;
 use super::mpc::DecidedReport;
@@ -25,6 +26,12 @@ pub struct Report {
     units: [String; 2],
     /// Seed of all noise.
     pub seed: u64,
+    /// Loads that the mechanism carried.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    carried: Vec<Carried>,
+    /// Growth of the mechanism's friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction_drift: Option<FrictionDrift>,
     /// Processor that ran the controller.
     pub processor: String,
     /// Median and largest number of instructions in a tick, if they are counted.
@@ -89,6 +96,8 @@ impl Report {
             system: request.plant.name(),
             units: [POSITION, FORCE].map(|units| units_of(&request.plant, units)),
             seed: request.seed,
+            carried: request.world.changes.carried(&request.plant),
+            friction_drift: request.world.changes.drift(),
             processor: "host".to_owned(),
             tick_instructions: None,
             success: summary.success,
@@ -182,6 +191,12 @@ impl fmt::Display for Report {
         writeln!(f, "{} of the {}, seed {}: {goal}, {settled}", self.scenario, self.system, self.seed)?;
         let [q, u] = &self.units;
         let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<32} {value}");
+        for carried in &self.carried {
+            line(f, "mechanism carried", &carried.told())?;
+        }
+        if let Some(drift) = &self.friction_drift {
+            line(f, "mechanism's friction", &drift.told())?;
+        }
         if let Some(FloatingReport { drift, peak, rest_after }) = &self.floating {
             line(f, &format!("drift before the push ({q}, per s)"), &list(drift))?;
             line(f, &format!("largest way from there ({q})"), &list(peak))?;

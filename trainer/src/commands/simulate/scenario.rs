@@ -12,14 +12,15 @@ use clap::ValueEnum;
 use leastaction::cli::{Failure, Output};
 use leastaction::models::{chip_file, meant};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
-use leastaction_core::forces::System;
 use leastaction_core::plan::PlanFile;
 use leastaction_firmware_sim::control::{Controller, Trajectory};
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{
     GravityConfig, MpcConfig, Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on,
 };
-use leastaction_firmware_sim::{self as firmware_sim, Firmware, InPlace, Program, SetupError, Summary, Tick};
+use leastaction_firmware_sim::{
+    self as firmware_sim, Firmware, InPlace, Program, SetupError, Summary, Tick, Timeline,
+};
 use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, Replica, SystemOf};
@@ -169,28 +170,31 @@ fn beside_exact(
 }
 
 fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result<Report, Failure> {
-    let plant = System { lagrangian: PENDULUM, forces: request.world.friction()? };
+    let waves = request.world.changes.waves(Mechanism::Pendulum, &PENDULUM)?;
+    let systems = request.world.systems(&waves)?;
+    let systems = systems.each();
+    let plant = systems.timeline();
     match request.scenario {
         Scenario::Predict => {
             let mut config = Predict::<1>::pendulum();
             request.adapt(&mut config.setup)?;
-            reported(request, predict(&plant, model, &config, |tick| trace.push(tick)))
+            reported(request, predict(plant.at(0.0), model, &config, |tick| trace.push(tick)))
         }
         Scenario::Track => {
             let mut config = TrackConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
-            following(request, (&plant, model), &config, trace)
+            following(request, (plant, model), &config, trace)
         }
-        Scenario::Gravity => floating(request, (&plant, model), GravityConfig::<1>::pendulum(), trace),
-        Scenario::Follow => planned(request, (&plant, model), trace),
-        Scenario::Mpc => deciding::<_, _, 1, 2>(request, (&plant, model), MpcConfig::<1>::pendulum(), trace),
+        Scenario::Gravity => floating(request, (plant, model), GravityConfig::<1>::pendulum(), trace),
+        Scenario::Follow => planned(request, (plant, model), trace),
+        Scenario::Mpc => deciding::<_, _, 1, 2>(request, (plant, model), MpcConfig::<1>::pendulum(), trace),
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
             let program = config.program();
             closed_loop(
                 request,
-                (&plant, model),
+                (plant, model),
                 (&config.setup, [0.0]),
                 (&program, program.start(model)),
                 |tick| trace.push(tick),
@@ -207,40 +211,43 @@ fn two_coordinates(
 ) -> Result<Report, Failure> {
     let acrobot = mechanism == Mechanism::Acrobot;
     let lagrangian = if acrobot { ACROBOT } else { CARTPOLE };
-    let plant = System { lagrangian, forces: request.world.friction()? };
+    let waves = request.world.changes.waves(mechanism, &lagrangian)?;
+    let systems = request.world.systems(&waves)?;
+    let systems = systems.each();
+    let plant = systems.timeline();
     match (request.scenario, acrobot) {
         (Scenario::Predict, _) => {
             let mut config = if acrobot { Predict::<2>::acrobot() } else { Predict::<2>::cartpole() };
             request.adapt(&mut config.setup)?;
-            reported(request, predict(&plant, model, &config, |tick| trace.push(tick)))
+            reported(request, predict(plant.at(0.0), model, &config, |tick| trace.push(tick)))
         }
         (Scenario::Track, _) => {
             let mut config = if acrobot { TrackConfig::<2>::acrobot() } else { TrackConfig::<2>::cartpole() };
             request.adapt(&mut config.setup)?;
-            following(request, (&plant, model), &config, trace)
+            following(request, (plant, model), &config, trace)
         }
         (Scenario::Gravity, _) => {
             let config = if acrobot { GravityConfig::<2>::acrobot() } else { GravityConfig::<2>::cartpole() };
-            floating(request, (&plant, model), config, trace)
+            floating(request, (plant, model), config, trace)
         }
-        (Scenario::Follow, _) => planned(request, (&plant, model), trace),
+        (Scenario::Follow, _) => planned(request, (plant, model), trace),
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
             request.adapt(&mut config.setup)?;
             let program = config.program();
             closed_loop(
                 request,
-                (&plant, model),
+                (plant, model),
                 (&config.setup, [0.0; 2]),
                 (&program, program.start(model)),
                 |tick| trace.push(tick),
             )
         }
         (Scenario::Mpc, false) => {
-            deciding::<_, _, 2, 4>(request, (&plant, model), MpcConfig::<2>::cartpole(), trace)
+            deciding::<_, _, 2, 4>(request, (plant, model), MpcConfig::<2>::cartpole(), trace)
         }
         (Scenario::Mpc, true) => {
-            deciding::<_, _, 2, 4>(request, (&plant, model), MpcConfig::<2>::acrobot(), trace)
+            deciding::<_, _, 2, 4>(request, (plant, model), MpcConfig::<2>::acrobot(), trace)
         }
         (Scenario::SwingUp, true) => {
             Err(Failure::Input("no pump swings up the acrobot; take mpc, or follow a plan".to_owned()))
@@ -251,7 +258,7 @@ fn two_coordinates(
 /// Runs the loop along a trajectory.
 pub(super) fn following<P, M, T, const N: usize>(
     request: &Request,
-    (plant, model): (&P, &M),
+    (plant, model): (Timeline<P>, &M),
     config: &TrackConfig<N, T>,
     trace: &mut Trace,
 ) -> Result<Report, Failure>
@@ -271,7 +278,7 @@ where
 /// Runs a program on this machine, for which `firmware` is given, or on the requested processor.
 pub(super) fn closed_loop<P, M, C, const N: usize>(
     request: &Request,
-    (plant, model): (&P, &M),
+    (plant, model): (Timeline<P>, &M),
     (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
     (program, firmware): (&Program<N>, Result<Firmware<C, N>, SetupError>),
     sink: impl FnMut(&Tick<N>),

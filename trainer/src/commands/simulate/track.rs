@@ -1,6 +1,6 @@
 //! The scenario `track`: following a motion from a file, with the model of one file on the plant of another.
 
-use super::plant::{OnPlant, encoders};
+use super::plant::{OnPlant, Systems, encoders};
 use super::reference::{Followed, is_series};
 use super::scenario::{closed_loop, following, misused};
 use super::{Report, Request, Trace};
@@ -9,7 +9,6 @@ use leastaction::cli::Failure;
 use leastaction::cli::arguments::positive_f32;
 use leastaction_firmware_sim::control::{Gains, Law, Trajectory};
 use leastaction_firmware_sim::scenario::TrackConfig;
-use leastaction_replica::SystemOf;
 use std::path::{Path, PathBuf};
 
 /// Options for following a motion.
@@ -116,7 +115,7 @@ impl OnPlant for Following {
     fn run<const N: usize>(
         self,
         request: &Request,
-        systems: (&SystemOf<N>, &SystemOf<N>),
+        systems: Systems<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
         let path = request.motion.trajectory.as_deref().unwrap_or(Path::new(""));
@@ -132,7 +131,7 @@ impl OnPlant for Following {
 /// Follows the motion without an observer, by the encoder readings.
 fn by_encoders<const N: usize>(
     request: &Request,
-    (plant, model): (&SystemOf<N>, &SystemOf<N>),
+    (plant, model): Systems<N>,
     config: &TrackConfig<N, &Followed<N>>,
     trace: &mut Trace,
 ) -> Result<Report, Failure> {

@@ -1,16 +1,20 @@
 //! Friction and devices of the mechanism that a scenario acts on.
 
+use super::changes::{Changes, undrifted};
+use super::over_time::OverTime;
 use super::scenario::Request;
 use super::{Plant, Scenario};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative, positive};
-use leastaction_core::forces::{Coulomb, DryFriction, Sticking, StickingFriction, Viscous};
+use leastaction_core::energy::trigonometric::Trigonometric;
+use leastaction_core::forces::{Coulomb, DryFriction, Sticking, StickingFriction, System, Viscous};
 use leastaction_core::model::ActuatorBytes;
 use leastaction_firmware_sim::devices::{Drive, LearnedActuator};
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::Setup;
-use leastaction_models::Model;
+use leastaction_ground_truth::Waves;
+use leastaction_models::{ChangeError, Model};
 
 /// Deviations of the mechanism from what the firmware would like. Lists have one value per coordinate, or one for all.
 #[derive(Args, Default)]
@@ -64,6 +68,8 @@ pub struct World {
     /// Learn the encoders' zero offsets in the firmware, with this prior standard deviation, rad or m.
     #[arg(long, value_name = "SD", allow_negative_numbers = true, value_parser = positive)]
     learn_zeros: Option<f64>,
+    #[command(flatten)]
+    pub(super) changes: Changes,
 }
 
 /// Friction of an exact mechanism, of which either the smooth or the sticking dry friction is 0.
@@ -99,7 +105,7 @@ impl World {
                 "a mechanism from a file has the friction of its file; leave out --viscous and --coulomb";
             return Err(Failure::Input(reason.to_owned()));
         }
-        Ok(())
+        self.changes.check(request)
     }
 
     /// The standard deviation of zero offsets to be learned along a log. Refuses all other options, since a log already
@@ -112,6 +118,10 @@ impl World {
                           knows --learn-zeros alone";
             return Err(Failure::Input(reason.to_owned()));
         }
+        if !self.changes.are_none() {
+            let reason = "--replay takes loads and friction as they are in the log; leave out --payload and --friction-drift";
+            return Err(Failure::Input(reason.to_owned()));
+        }
         Ok(self.learn_zeros.map(|deviation| deviation as f32))
     }
 
@@ -119,10 +129,24 @@ impl World {
         [self.delay, self.known_delay, self.lag, self.known_lag, self.jitter]
     }
 
-    /// The friction of an exact mechanism.
-    pub fn friction<const N: usize>(&self) -> Result<Friction<N>, Failure> {
-        let viscous = for_all("--viscous", &self.viscous, 0.0)?;
+    /// The systems of an exact mechanism with its friction.
+    pub(super) fn systems<'w, const N: usize>(
+        &self,
+        waves: &'w OverTime<(Waves<N>, f64)>,
+    ) -> Result<OverTime<System<Trigonometric<'w, N>, Friction<N>>>, Failure> {
+        if self.changes.drift().is_some() && !self.viscous.iter().chain(&self.coulomb).any(|x| *x > 0.0) {
+            return Err(undrifted(ChangeError::NoFriction));
+        }
+        waves.map(|(waves, factor)| {
+            Ok(System { lagrangian: waves.lagrangian(), forces: self.friction(*factor as f32)? })
+        })
+    }
+
+    /// The friction of an exact mechanism, grown by a factor.
+    fn friction<const N: usize>(&self, factor: f32) -> Result<Friction<N>, Failure> {
+        let viscous: [f32; N] = for_all("--viscous", &self.viscous, 0.0)?;
         let constants: [f32; N] = for_all("--coulomb", &self.coulomb, 0.0)?;
+        let [viscous, constants] = [viscous, constants].map(|each| each.map(|number| factor * number));
         let widths: [f32; N] = for_all("--width", &self.width, WIDTH)?;
         let smooth =
             |i: usize| DryFriction { constant: constants[i], width: widths[i], ..DryFriction::none() };

@@ -120,6 +120,11 @@ impl NumberKind {
         matches!(self, Self::Damping | Self::Friction | Self::Load | Self::Stiffness)
     }
 
+    /// Whether the law's friction is in proportion to such numbers.
+    pub const fn is_of_friction(self) -> bool {
+        matches!(self, Self::Damping | Self::Friction | Self::Load)
+    }
+
     /// Whether a law has numbers of friction for every group of coordinates.
     pub(crate) fn are_of_friction(law: Law) -> bool {
         Self::of(law).iter().any(|kind| matches!(kind, Self::Damping | Self::Friction))
