@@ -1,24 +1,15 @@
-# Sourced by all scripts that build for a chip. `compiler TARGET` sets `cargo` to a command and `rustc` to its compiler: rustup's target if
-# it is installed or can be, else Debian's compiler with the standard library's source, which it installs if missing; where neither can be
-# had, the script is skipped.
+# Sourced by all scripts that build for a chip. `compiler TARGET` sets `cargo` to a command: rustup's target if it is installed or can be,
+# else the same compiler with the standard library's source, a component of rustup; where neither can be had, the script is skipped.
 source "$(dirname "${BASH_SOURCE[0]}")/../../.ci/needs.sh"
 
-# LEASTACTION_CHIP_PACKAGED tells later scripts that rustup lacks the target, because asking may take a minute.
+added() { command -v rustup >/dev/null && timeout 120 rustup "$@" >/dev/null 2>&1; }
+
 compiler() {
     local target=$1
-    if [ -z "${LEASTACTION_CHIP_PACKAGED:-}" ]; then
-        if [ -d "$(rustc --print target-libdir --target "$target")" ] ||
-            { command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; }; then
-            cargo=(cargo) rustc=rustc
-            return
-        fi
-        export LEASTACTION_CHIP_PACKAGED=1
+    cargo=(cargo)
+    if [ -d "$(rustc --print target-libdir --target "$target")" ] || added target add "$target"; then return; fi
+    if ! [ -d "$(rustc --print sysroot)/lib/rustlib/src/rust/library/core" ] && ! added component add rust-src; then
+        skip "no Rust for $target: rustup target add $target, or rustup component add rust-src"
     fi
-    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ] || ! [ -x /usr/bin/ld.lld ]; then
-        install rustc-web rust-web-src lld
-    fi
-    # Debian's compiler comes without the linker that it asks for.
-    local linker=CARGO_TARGET_$(tr a-z- A-Z_ <<<"$target")_LINKER=/usr/bin/ld.lld
-    rustc=/usr/bin/rustc
-    cargo=(env RUSTC=$rustc RUSTC_BOOTSTRAP=1 "$linker" cargo -Zbuild-std=core)
+    cargo=(env RUSTC_BOOTSTRAP=1 cargo -Zbuild-std=core)
 }

@@ -187,7 +187,7 @@ run() {
 }
 
 compiler thumbv7em-none-eabihf
-version=$("$rustc" --version)
+version=$(rustc --version)
 case $budgets in
     "") run ;;
     write) { echo "$version"; run; } | tee budgets.jsonl ;;
