@@ -50,6 +50,8 @@ pub struct Adapter<R, const N: usize, const P: usize, const T: usize> {
     applied: [R; P],
     /// Balance of the model itself over the last window, N or N m.
     residuals: [R; N],
+    /// Variance of the balance of every coordinate as it is found, at least that of the tuning.
+    noise: [R; N],
 }
 
 /// Work after a window that would make the tick at its end too long.
@@ -108,6 +110,7 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
             target: [R::zero(); P],
             applied: [R::zero(); P],
             residuals: [R::zero(); N],
+            noise: tuning.deviation.map(|deviation| deviation * deviation),
         })
     }
 
@@ -218,18 +221,35 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
     fn learn(&mut self, window: &Window<R, N, P>) -> Agreement<R> {
         let mut agreement = Agreement { rows: 0, squares: R::zero(), changed: false };
         let Tuning { deviation, forgotten, .. } = self.tuning;
-        let rows = window.rows.iter().zip(window.values).zip(window.uncertain).zip(deviation);
-        for (((row, value), uncertain), deviation) in rows {
-            let (own, open) = (deviation * deviation, uncertain + uncertain);
-            let variance = own + open * open;
+        let rows =
+            window.rows.iter().zip(window.values).zip(window.uncertain).zip(deviation).zip(&mut self.noise);
+        for ((((row, value), uncertain), deviation), noise) in rows {
+            let open = uncertain + uncertain;
+            let variance = *noise + open * open;
             // A coordinate at rest forgets as little as it teaches.
-            let forgotten = forgotten * (own / variance);
-            let measurement = Measurement { row, value, variance, forgotten };
+            let share = *noise / variance;
+            let measurement = Measurement { row, value, variance, forgotten: forgotten * share };
             if let Some(innovation) = self.filter.take(&measurement) {
+                let square = innovation.normalised_square();
                 agreement.rows += 1;
-                agreement.squares += innovation.normalised_square();
+                agreement.squares += square;
+                *noise = adjusted((*noise, deviation), square, share);
             }
         }
         agreement
     }
+}
+
+/// Number of windows over which the variance of the balance is found.
+const NOTICED: u8 = 16;
+/// Largest square, over its variance, that counts for the variance: what is larger has another cause.
+const LARGEST: u8 = 9;
+
+/// The variance of the balance after an innovation of this square over its own variance. It grows where the numbers are far from the model's,
+/// because the noise of velocities counts as many times as the inertia is greater, and is never below the square of the deviation.
+fn adjusted<R: Real>((noise, deviation): (R, R), square: R, share: R) -> R {
+    let [largest, windows] = [LARGEST, NOTICED].map(|count| R::constant(f64::from(count)));
+    let square = if square < largest { square } else { largest };
+    let adjusted = noise + noise * share * (square - R::one()) / windows;
+    adjusted.max(deviation * deviation)
 }

@@ -45,6 +45,8 @@ pub struct Choice {
 const KEPT: f64 = 0.1;
 /// Largest attached mass, in standard deviations of the prior.
 const LARGEST: f64 = 4.0;
+/// Largest distance of an attached mass from the joint, in reaches of the mechanism.
+const FARTHEST: f64 = 2.0;
 /// Deviation of friction, as a share of the friction itself; it may at most be doubled twice, or vanish.
 const FRICTION: f64 = 0.3;
 /// Smallest mass worth announcing, in standard deviations of the prior.
@@ -173,7 +175,7 @@ impl Bodies {
     }
 
     /// Lets the inertia of the asked body follow, and returns the test of what is attached to it. An attached mass m lies about the reach r from
-    /// the joint: its moments are of the size of mr/2, its inertia of mr²/4.
+    /// the joint, so that its moments are of the size of mr, its inertia of mr².
     fn attached(
         &self,
         (layout, weights): (&Layout, &[f32]),
@@ -190,14 +192,15 @@ impl Bodies {
         for index in 0..self.numbers {
             let number = Number::Inertia { body: body as u8, index: index as u8 };
             let model = layout.value(weights, number).unwrap_or(0.0);
-            let prior = match index {
-                0 => mass,
-                _ if index <= moments => 0.5 * mass * self.reach,
-                _ => 0.25 * mass * self.reach * self.reach,
-            } as f32;
+            let power = match index {
+                0 => 0,
+                _ if index <= moments => 1,
+                _ => 2,
+            };
+            let prior = (mass * self.reach.powi(power)) as f32;
             // The share that a body keeps limits its losses, too.
-            let limits = [-LARGEST as f32 * prior, LARGEST as f32 * prior];
-            to.push(Following { number, model, prior, limits });
+            let largest = (LARGEST * FARTHEST.powi(power)) as f32 * prior;
+            to.push(Following { number, model, prior, limits: [-largest, largest] });
         }
         // A rate of f an hour is a probability of f times the hours that are remembered.
         let probability = request.false_alarms * request.memory / 3600.0;

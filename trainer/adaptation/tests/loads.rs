@@ -129,9 +129,24 @@ fn a_load_is_found_and_announced() {
     let course = follow(&choice, &Machine { mass: 1.0, ..AS_LEARNED }.log(20.0, 2));
     let mass = course.entries.last().expect("windows").estimates[0];
     assert!((mass.estimate - 1.0).abs() < 0.03, "{mass:?}");
-    assert!(mass.error < 0.1 && (mass.estimate - 1.0).abs() < 4.0 * mass.error, "{mass:?}");
+    assert!(mass.error < 0.01 && (mass.estimate - 1.0).abs() < 4.0 * mass.error, "{mass:?}");
     let (_, announced) = course.announced.expect("an announcement");
     assert!(course.moving < 3.0, "after {} s: {announced:?}", course.moving);
+    assert!(course.entries.iter().all(|entry| !entry.unlike));
+}
+
+#[test]
+fn the_adapted_model_carries_the_load() {
+    let (choice, model, loaded) = (choice(&Request::default()), model(), Machine { mass: 1.0, ..AS_LEARNED });
+    let course = follow(&choice, &loaded.log(20.0, 2));
+    let applied = &course.entries.last().expect("windows").applied;
+    let adapted = choice.adapted(&model, applied).expect("a model");
+    let log = loaded.log(10.0, 7);
+    let unexplained =
+        |model: &Model| on_chip(model, |chip| deviations((model, chip), &choice, &log)).expect("deviations");
+    for (before, after) in unexplained(&model).into_iter().zip(unexplained(&adapted)) {
+        assert!(after < 0.01 * before, "{after} N m of {before} N m");
+    }
 }
 
 #[test]
