@@ -102,7 +102,7 @@ impl<C, const N: usize> Firmware<C, N> {
         target: &Target<N>,
     ) -> Outcome<N>
     where
-        C: Controller<M, N>,
+        C: Controller<N>,
     {
         let mut outcome = Outcome { errors: 0, ..self.last };
         let estimated = self.estimate(model, elapsed, measured, &mut outcome);
@@ -187,7 +187,7 @@ impl<C, const N: usize> Firmware<C, N> {
         target: &Target<N>,
     ) -> Result<Command<N>, StepError<f32>>
     where
-        C: Controller<M, N>,
+        C: Controller<N>,
     {
         let state = match self.observer.ahead(model.system(), &self.line)? {
             Some(state) if self.observer.trusted() => state,

@@ -31,7 +31,7 @@ pub struct Voting<M, C, const N: usize> {
 impl<M, C, const N: usize> Voting<M, C, N>
 where
     M: Mechanism<N> + Clone,
-    C: Controller<M, N> + Clone + PartialEq,
+    C: Controller<N> + Clone + PartialEq,
 {
     /// Creates three copies of a model and of the firmware that was begun over it.
     pub fn new(model: M, firmware: Firmware<C, N>) -> Self {
@@ -84,7 +84,7 @@ fn stopped<const N: usize>(last: &Outcome<N>) -> Outcome<N> {
 impl<M, C, const N: usize> Processor<N> for Voting<M, C, N>
 where
     M: Mechanism<N> + Clone,
-    C: Controller<M, N> + Clone + PartialEq,
+    C: Controller<N> + Clone + PartialEq,
 {
     type Error = Infallible;
 

@@ -41,7 +41,7 @@ pub struct InPlace<'m, M, C, const N: usize> {
     pub firmware: Firmware<C, N>,
 }
 
-impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for InPlace<'_, M, C, N> {
+impl<M: Mechanism<N>, C: Controller<N>, const N: usize> Processor<N> for InPlace<'_, M, C, N> {
     type Error = Infallible;
 
     fn run(

@@ -98,7 +98,7 @@ impl<const N: usize> Task<N> {
 /// Firmware that is begun by a program, with the pump P and the decisions R.
 type Begun<'p, P, R, const N: usize> = Firmware<TaskController<'p, P, R, N>, N>;
 /// Pump for a model of N coordinates.
-type PumpOf<M, const N: usize> = <Coordinates<N> as SwungUp<M, N>>::Pump;
+type PumpOf<const N: usize> = <Coordinates<N> as SwungUp<N>>::Pump;
 
 impl<const N: usize> Program<N> {
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
@@ -172,9 +172,9 @@ impl<const N: usize> Program<N> {
     pub fn start<M: Mechanism<N>, const D: usize>(
         &self,
         model: &M,
-    ) -> Result<Begun<'static, PumpOf<M, N>, NoMpc, N>, SetupError>
+    ) -> Result<Begun<'static, PumpOf<N>, NoMpc, N>, SetupError>
     where
-        Coordinates<N>: SwungUp<M, N> + States<D>,
+        Coordinates<N>: SwungUp<N> + States<D>,
     {
         let swing_up = |pump, tolerance, catch| self.swing_up(model, pump, &tolerance, catch);
         let no_plan = || Err(SetupError::NoPlan);
@@ -192,9 +192,9 @@ impl<const N: usize> Program<N> {
         model: &M,
         plans: impl FnOnce() -> Result<Plans<'p, N>, E>,
         nodes: &'p mut Nodes<N, D>,
-    ) -> Result<Begun<'p, PumpOf<M, N>, Mpc<'p, N, D>, N>, E>
+    ) -> Result<Begun<'p, PumpOf<N>, Mpc<'p, N, D>, N>, E>
     where
-        Coordinates<N>: SwungUp<M, N> + States<D>,
+        Coordinates<N>: SwungUp<N> + States<D>,
     {
         let swing_up = |pump, tolerance, catch| self.swing_up(model, pump, &tolerance, catch);
         let controller = self.controller(model, plans, swing_up, |settings, plans| {
@@ -267,9 +267,9 @@ impl<const N: usize> Program<N> {
         pump: PumpConfig,
         tolerance: &Tolerance<N>,
         catch: Catch,
-    ) -> Result<SwingUp<PumpOf<M, N>, N>, SetupError>
+    ) -> Result<SwingUp<PumpOf<N>, N>, SetupError>
     where
-        Coordinates<N>: SwungUp<M, N> + States<D>,
+        Coordinates<N>: SwungUp<N> + States<D>,
     {
         const { assert!(N > 0, "the first coordinate is actuated, the last swings") };
         let pump = Coordinates::<N>::pump(model, pump)?;

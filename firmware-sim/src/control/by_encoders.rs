@@ -63,7 +63,7 @@ impl<const N: usize> ByEncoders<N> {
     }
 }
 
-impl<M: Mechanism<N>, const N: usize> Controller<M, N> for ByEncoders<N> {
+impl<const N: usize> Controller<N> for ByEncoders<N> {
     fn read(&mut self, elapsed: u32, measured: &[Option<f32>; N]) {
         for (i, reading) in measured.iter().enumerate() {
             match (reading, &mut self.last[i]) {
@@ -74,7 +74,7 @@ impl<M: Mechanism<N>, const N: usize> Controller<M, N> for ByEncoders<N> {
         }
     }
 
-    fn command(
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         target: &Target<N>,

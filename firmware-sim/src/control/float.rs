@@ -20,8 +20,8 @@ impl Float {
     }
 }
 
-impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Float {
-    fn command(
+impl<const N: usize> Controller<N> for Float {
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         _: &Target<N>,

@@ -1,4 +1,5 @@
 use super::{Command, Controller, Setpoint, Target, Trajectory};
+use crate::Mechanism;
 use crate::Program;
 use crate::devices::Drive;
 use crate::error::SetupError;
@@ -66,14 +67,14 @@ pub(super) fn check_plan<const N: usize, const M: usize>(
     }
 }
 
-impl<M, const N: usize> Controller<M, N> for Follow<'_, N> {
+impl<const N: usize> Controller<N> for Follow<'_, N> {
     fn read(&mut self, elapsed: u32, _: &[Option<f32>; N]) {
         if let Some(Begun { tick, .. }) = &mut self.begun {
             *tick = tick.saturating_add(elapsed);
         }
     }
 
-    fn command(
+    fn command<M: Mechanism<N>>(
         &mut self,
         _: &M,
         _: &Target<N>,

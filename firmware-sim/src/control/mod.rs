@@ -29,6 +29,7 @@ pub use swing_up::{Catch, SwingUp};
 pub use task::{Listen, TaskController};
 pub use track::{Gains, Law, Track};
 
+use crate::Mechanism;
 use crate::tick::Mode;
 use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
@@ -47,12 +48,12 @@ pub struct Command<const N: usize> {
 }
 
 /// A feedback law over a model.
-pub trait Controller<M, const N: usize> {
+pub trait Controller<const N: usize> {
     /// Takes the encoders' readings, `elapsed` ticks after the last readings, before any command of the tick. Most controllers use only the
     /// estimate.
     fn read(&mut self, _elapsed: u32, _measured: &[Option<f32>; N]) {}
     /// Computes the force towards a target from the estimated state at which the force will act. An error if the model cannot compute it.
-    fn command(
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         target: &Target<N>,

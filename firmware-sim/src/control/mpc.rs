@@ -236,12 +236,12 @@ fn starts<const N: usize>(plan: &Plan<N, N>) -> impl Iterator<Item = u32> + use<
     (0..=nodes).map(move |node| node.saturating_mul(ticks_per_node))
 }
 
-impl<M: Mechanism<N>, const N: usize, const D: usize> Controller<M, N> for Mpc<'_, N, D> {
+impl<const N: usize, const D: usize> Controller<N> for Mpc<'_, N, D> {
     fn read(&mut self, elapsed: u32, _: &[Option<f32>; N]) {
         self.elapsed = self.elapsed.saturating_add(elapsed);
     }
 
-    fn command(
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         target: &Target<N>,
@@ -263,8 +263,8 @@ impl<M: Mechanism<N>, const N: usize, const D: usize> Controller<M, N> for Mpc<'
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoMpc {}
 
-impl<M, const N: usize> Controller<M, N> for NoMpc {
-    fn command(
+impl<const N: usize> Controller<N> for NoMpc {
+    fn command<M: Mechanism<N>>(
         &mut self,
         _: &M,
         _: &Target<N>,

@@ -48,17 +48,21 @@ fn unit(x: f32) -> f32 {
 }
 
 /// An energy-based swing-up law, from the model's own energies.
-pub trait Pump<M, const N: usize> {
+pub trait Pump<const N: usize> {
     /// Force at an estimated state. An error if the model's inverse dynamics is singular.
-    fn force(&self, model: &M, state: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>>;
+    fn force<M: Mechanism<N>>(
+        &self,
+        model: &M,
+        state: &ContinuousState<f32, N>,
+    ) -> Result<[f32; N], StepError<f32>>;
 }
 
 /// Pump for mechanisms that are never brought upright; it has no values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoPump {}
 
-impl<M, const N: usize> Pump<M, N> for NoPump {
-    fn force(&self, _: &M, _: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>> {
+impl<const N: usize> Pump<N> for NoPump {
+    fn force<M: Mechanism<N>>(&self, _: &M, _: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>> {
         match *self {}
     }
 }
@@ -83,8 +87,12 @@ impl JointPump {
     }
 }
 
-impl<M: Mechanism<1>> Pump<M, 1> for JointPump {
-    fn force(&self, model: &M, state: &ContinuousState<f32, 1>) -> Result<[f32; 1], StepError<f32>> {
+impl Pump<1> for JointPump {
+    fn force<M: Mechanism<1>>(
+        &self,
+        model: &M,
+        state: &ContinuousState<f32, 1>,
+    ) -> Result<[f32; 1], StepError<f32>> {
         let energies = model.energies(&state.q, &state.v);
         let missing = (self.upright - energies.kinetic - energies.potential) / self.height;
         Ok([self.config.effort * self.config.drive(missing, state.v[0])])
@@ -132,8 +140,12 @@ impl CartPump {
     }
 }
 
-impl<M: Mechanism<2>> Pump<M, 2> for CartPump {
-    fn force(&self, model: &M, state: &ContinuousState<f32, 2>) -> Result<[f32; 2], StepError<f32>> {
+impl Pump<2> for CartPump {
+    fn force<M: Mechanism<2>>(
+        &self,
+        model: &M,
+        state: &ContinuousState<f32, 2>,
+    ) -> Result<[f32; 2], StepError<f32>> {
         let x_ddot = self.acceleration(model, state);
         let [_, on_pole] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, 0.0])?;
         let [_, pole] = model.inertial_force(&state.q, &[0.0, 1.0]);

@@ -1,4 +1,5 @@
 use super::{Command, Controller, Pump, Regulator, Target};
+use crate::Mechanism;
 use crate::angle::difference;
 use crate::error::{SetupError, require};
 use crate::tick::Mode;
@@ -64,8 +65,8 @@ impl<P, const N: usize> SwingUp<P, N> {
     }
 }
 
-impl<M, P: Pump<M, N>, const N: usize> Controller<M, N> for SwingUp<P, N> {
-    fn command(
+impl<P: Pump<N>, const N: usize> Controller<N> for SwingUp<P, N> {
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         _: &Target<N>,

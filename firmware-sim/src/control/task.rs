@@ -1,4 +1,5 @@
 use super::{Command, Controller, Float, Follow, Pump, SwingUp, Target, Track};
+use crate::Mechanism;
 use crate::tick::Mode;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
@@ -21,23 +22,17 @@ pub enum TaskController<'p, P, R, const N: usize> {
     Mpc(R),
 }
 
-impl<M, P, R, const N: usize> Controller<M, N> for TaskController<'_, P, R, N>
-where
-    Track<N>: Controller<M, N>,
-    Float: Controller<M, N>,
-    P: Pump<M, N>,
-    R: Controller<M, N>,
-{
+impl<P: Pump<N>, R: Controller<N>, const N: usize> Controller<N> for TaskController<'_, P, R, N> {
     fn read(&mut self, elapsed: u32, measured: &[Option<f32>; N]) {
         match self {
-            Self::Follow(follow) => Controller::<M, N>::read(follow, elapsed, measured),
+            Self::Follow(follow) => Controller::<N>::read(follow, elapsed, measured),
             Self::Mpc(mpc) => mpc.read(elapsed, measured),
             // The other tasks use only the estimate.
             _ => {}
         }
     }
 
-    fn command(
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         target: &Target<N>,
@@ -58,8 +53,8 @@ where
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Listen;
 
-impl<M, const N: usize> Controller<M, N> for Listen {
-    fn command(
+impl<const N: usize> Controller<N> for Listen {
+    fn command<M: Mechanism<N>>(
         &mut self,
         _: &M,
         _: &Target<N>,

@@ -52,8 +52,8 @@ pub struct Track<const N: usize> {
     pub angle: [bool; N],
 }
 
-impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
-    fn command(
+impl<const N: usize> Controller<N> for Track<N> {
+    fn command<M: Mechanism<N>>(
         &mut self,
         model: &M,
         target: &Target<N>,

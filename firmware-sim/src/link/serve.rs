@@ -182,7 +182,7 @@ impl<P: Port> Link<'_, P> {
     }
 
     /// Starts a program, and runs its ticks up to the first frame that is no tick.
-    fn program<M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
+    fn program<M: Mechanism<N>, C: Controller<N>, const N: usize>(
         &mut self,
         model: Result<&M, &Refusal>,
         start: impl FnOnce(&M) -> Result<Firmware<C, N>, Refusal>,
@@ -194,7 +194,7 @@ impl<P: Port> Link<'_, P> {
         }
     }
 
-    fn ticks<M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
+    fn ticks<M: Mechanism<N>, C: Controller<N>, const N: usize>(
         &mut self,
         model: &M,
         mut firmware: Firmware<C, N>,

@@ -277,7 +277,7 @@ pub(super) fn run_in_place<'a, P, M, C, const N: usize>(
 where
     P: Mechanism<N> + 'a,
     M: Mechanism<N>,
-    C: Controller<M, N>,
+    C: Controller<N>,
 {
     Ok(run_on(plant, InPlace { model, firmware }, setup, trajectory, sink)?)
 }

@@ -6,7 +6,7 @@ use core::f32::consts::PI;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
-use leastaction_core::forces::{ControlKind, System, Viscous};
+use leastaction_core::forces::{ControlKind, System};
 use leastaction_core::model::TrainedStep;
 use leastaction_firmware_sim::control::{
     Command, Controller, Coordinates, Mpc, MpcSettings, Plans, States, Target, blank_nodes,
@@ -142,8 +142,6 @@ fn a_plan_is_taken() {
     assert!(with < plan.seconds() && without > with + 0.5, "{with} s with the plan, {without} s without");
 }
 
-type CartPole = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
-
 /// Without a motion: the last one, then gravity alone, then no command.
 #[test]
 fn where_no_motion_can_be_computed_the_last_one_is_followed_then_gravity() {
@@ -153,7 +151,7 @@ fn where_no_motion_can_be_computed_the_last_one_is_followed_then_gravity() {
         Mpc::<2, 4>::new(&model, config.settings, &config.program(), Plans::new(), &mut nodes).unwrap();
     let target = Target::of(&[0.0; 2], 0.0, 0.02);
     let mut command = |elapsed: u32, v: f32| {
-        Controller::<CartPole, 2>::read(&mut mpc, elapsed, &[None; 2]);
+        Controller::<2>::read(&mut mpc, elapsed, &[None; 2]);
         let state = ContinuousState { q: [0.1, 2.0], v: [0.0, v] };
         mpc.command(&model, &target, &state)
     };

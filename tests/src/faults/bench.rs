@@ -240,7 +240,7 @@ fn found(mode: u32, found: u32) -> Option<Guard> {
 impl<M, C> Processor<N> for &mut Remote<'_, M, C>
 where
     M: Mechanism<N>,
-    C: Controller<M, N> + Clone,
+    C: Controller<N> + Clone,
 {
     type Error = Stop;
 

@@ -286,7 +286,7 @@ pub(super) fn closed_loop<P, M, C, const N: usize>(
 where
     P: firmware_sim::Mechanism<N>,
     M: firmware_sim::Mechanism<N>,
-    C: Controller<M, N>,
+    C: Controller<N>,
 {
     setup.validate().map_err(misused)?;
     let firmware = firmware.map_err(misused)?;

@@ -88,7 +88,7 @@ trait Guarded {
     fn found(&self) -> u32;
 }
 
-impl<M: Mechanism<N>, C: Controller<M, N>> Guarded for InPlace<'_, M, C, N> {
+impl<M: Mechanism<N>, C: Controller<N>> Guarded for InPlace<'_, M, C, N> {
     fn tick(&mut self) -> Outcome<N> {
         let Input { elapsed, measured, target } = read();
         self.firmware.run(self.model, elapsed, &measured, &target)
@@ -102,7 +102,7 @@ impl<M: Mechanism<N>, C: Controller<M, N>> Guarded for InPlace<'_, M, C, N> {
 impl<M, C> Guarded for Voting<M, C, N>
 where
     M: Mechanism<N> + Clone,
-    C: Controller<M, N> + Clone + PartialEq,
+    C: Controller<N> + Clone + PartialEq,
 {
     fn tick(&mut self) -> Outcome<N> {
         self.run_on(&[read(), read(), read()])
@@ -184,7 +184,7 @@ fn run(controller: &mut impl Guarded) -> [u32; 4] {
 fn guarded<M, C>(model: M, firmware: Firmware<C, N>, order: &Order) -> Option<Infallible>
 where
     M: Mechanism<N> + Clone + 'static,
-    C: Controller<M, N> + Clone + PartialEq + 'static,
+    C: Controller<N> + Clone + PartialEq + 'static,
 {
     let mut used = 0;
     let file = black_box(&MODEL.0).as_slice();
