@@ -5,7 +5,7 @@
 //!   repaired: no single fault in the copies, or in what a tick computes from one of them, reaches a command.
 //!
 //! Neither guards against a processor that runs astray: that is left to the handler of its faults and to a watchdog. An example of a firmware
-//! with all of them is `firmware-sim/chip/src/bin/faults.rs`.
+//! with all of them is `firmware-sim/chip/src/bin/faults`.
 
 mod sweep;
 mod voted;
