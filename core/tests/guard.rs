@@ -100,6 +100,29 @@ fn faults_are_told() {
     assert_eq!(lost, Err(Disagreed));
 }
 
+/// A number that compares as no number should, once it is 13, as bits do that are no value of their type.
+#[derive(Clone, Copy, Debug)]
+struct Odd(i32);
+
+impl PartialEq for Odd {
+    fn eq(&self, other: &Self) -> bool {
+        other.0 == 13 || self.0 == other.0
+    }
+}
+
+/// A damaged copy to which the third seems equal is replaced all the same.
+#[test]
+fn the_third_copy_replaces_both() {
+    let (mut voted, mut calls) = (Voted::new((), Odd(0)), 0);
+    let agreed = voted.run(&[(); 3], |(), state, ()| {
+        state.0 = if calls == 0 { 13 } else { 5 };
+        calls += 1;
+        *state
+    });
+    assert_eq!(agreed.map(|agreed| (agreed.outcome.0, agreed.outvoted)), Ok((5, true)));
+    assert_eq!(voted.state().0, 5);
+}
+
 /// A constant that is damaged for good is found by its first effect, and replaced.
 #[test]
 fn constants_are_repaired() {

@@ -3,8 +3,8 @@ use core::fmt;
 /// Three copies of a state S, each with its own copy of the constants C that a tick reads, such as a model.
 ///
 /// A tick is computed from two copies, one after the other. If outcomes and states agree, the third copy takes over the state. If they differ,
-/// the tick is computed from the third copy, which has still the state before, and the one that it does not agree with takes over constants
-/// and state of the others.
+/// the tick is computed from the third copy, which has still the state before. If it agrees with one of them, both take over its constants and
+/// its state.
 ///
 /// A tick so takes twice its time, three times after a fault, and three times its memory. Outcomes and states are compared by [`PartialEq`];
 /// constants are not, so a damaged constant is found by its first effect. Each copy has an input of its own, too: a reading that is
@@ -89,15 +89,15 @@ impl<C: Clone, S: Clone + PartialEq> Voted<C, S> {
             return Ok(Agreed { outcome: one, outvoted: false });
         }
         let three = once(&mut work, third, k);
-        if three == one && third.state == first.state {
-            second.clone_from(first);
-            Ok(Agreed { outcome: one, outvoted: true })
-        } else if three == two && third.state == second.state {
-            first.clone_from(second);
-            Ok(Agreed { outcome: two, outvoted: true })
-        } else {
-            Err(Disagreed)
+        let agrees_with = |outcome: &O, state: &S| three == *outcome && third.state == *state;
+        if !agrees_with(&one, &first.state) && !agrees_with(&two, &second.state) {
+            return Err(Disagreed);
         }
+        // The fault is in one of the two. Of the third nothing was read before, so it is whole; a damaged one of the others may even seem to equal
+        // it, because values that no type allows compare as they like.
+        first.clone_from(third);
+        second.clone_from(third);
+        Ok(Agreed { outcome: three, outvoted: true })
     }
 }
 

@@ -12,6 +12,7 @@ const N: usize = 2;
 
 // Words that begin the chip's messages.
 const BEGUN: u32 = 0xb;
+const STARTED: u32 = 0xe;
 const READY: u32 = 0xa;
 const DONE: u32 = 0xd;
 const STOPPED: u32 = 0x5;
@@ -22,7 +23,7 @@ pub const TICKS_BEFORE: u32 = 12;
 const TICK: u32 = 1_000_000;
 /// Part of the limit by which a wrong command is off.
 const OFF: f32 = 0.01;
-/// Number of repeated messages in a tick after which the program counts as lost.
+/// Number of messages in a tick after which the program counts as lost.
 const MESSAGES: usize = 100;
 /// Instructions of a count of the chip's timer.
 const COUNT: u32 = 40;
@@ -139,8 +140,8 @@ impl<'a> Bench<'a> {
         }
         expect(heard, BEGUN)?;
         chip.say(&fault.order(guards, self.settling()))?;
-        let [_, memory, ready @ ..] = expect(chip.hear()?, READY)?;
-        if ready != [fault.tick, fault.byte, 0, 0] {
+        let [_, memory, repeated @ ..] = expect(chip.hear()?, STARTED)?;
+        if repeated != [fault.tick, fault.byte, 0, 0] {
             return Err(Silence);
         }
         let model = Trained { system: &self.model.system, step: self.model.trained_step };
@@ -151,6 +152,7 @@ impl<'a> Bench<'a> {
             limit: self.config.setup.devices.actuator.limit,
             records: Vec::new(),
             instructions: Vec::new(),
+            ready: false,
             u: [0.0; N],
         };
         let plant = System::conservative(CARTPOLE);
@@ -158,7 +160,7 @@ impl<'a> Bench<'a> {
         let mut run =
             scenario::Run::new(&plant, &mut remote, setup, &self.config.reference).map_err(|_| Silence)?;
         let ticks = fault.tick + self.ticks_after();
-        let stop = (0..ticks).find_map(|_| run.tick().err());
+        let stop = (0..ticks).find_map(|_| run.tick().err()).or_else(|| remote.wait().err());
         let Remote { records, instructions, .. } = remote;
         if stop.is_none() {
             chip.say(&[0; 14])?;
@@ -179,12 +181,14 @@ struct Remote<'a, M, C> {
     limit: [f32; N],
     records: Vec<Record>,
     instructions: Vec<u32>,
+    /// Whether the chip waits for its next tick.
+    ready: bool,
     /// Command that the drive holds.
     u: [f32; N],
 }
 
 impl<M, C> Remote<'_, M, C> {
-    /// Asks the chip for a tick's command; `None` for a message without sense, which a drive drops: it holds the command before.
+    /// Asks the chip for a tick's command; `None` if it waits for the next tick without one, over which the drive holds the command before.
     fn ask(
         &mut self,
         elapsed: u32,
@@ -197,19 +201,34 @@ impl<M, C> Remote<'_, M, C> {
         let number = self.instructions.len() as u32 + 1;
         let words: Vec<u32> =
             [number, elapsed].into_iter().chain(numbers.as_flattened().iter().map(|x| x.to_bits())).collect();
+        // A program that ran astray may say before what makes no sense, or one command twice: a drive takes whole messages of the present tick.
+        self.wait()?;
         self.chip.say(&words).map_err(|Silence| Stop::Silent)?;
+        let heard = self.hear_until(|heard| heard[0] == READY || heard[0] == DONE | number << 8)?;
+        self.ready = heard[0] == READY;
+        Ok((!self.ready).then_some(heard))
+    }
+
+    /// Waits until the chip waits for its next tick.
+    fn wait(&mut self) -> Result<(), Stop> {
+        if !self.ready {
+            self.hear_until(|heard| heard[0] == READY)?;
+            self.ready = true;
+        }
+        Ok(())
+    }
+
+    /// Hears messages until one is wanted.
+    fn hear_until(&mut self, wanted: impl Fn(&Message) -> bool) -> Result<Message, Stop> {
         for _ in 0..MESSAGES {
             match self.hear()? {
-                heard @ [word, ..] if word == DONE | number << 8 => return Ok(Some(heard)),
-                [STOPPED, 0, 0, cause, _, instructions] => {
-                    let by =
-                        [Guard::Handler, Guard::Watchdog, Guard::End].get((cause as usize).wrapping_sub(1));
-                    return by.map_or(Ok(None), |by| Err(Stop::Stopped(*by, instructions)));
+                [STOPPED, 0, 0, cause @ 1..=3, _, instructions] => {
+                    let guards = [Guard::Handler, Guard::Watchdog, Guard::End];
+                    return Err(Stop::Stopped(guards[cause as usize - 1], instructions));
                 }
                 [BEGUN, ..] => return Err(Stop::BegunAnew),
-                // The command of an earlier tick once more.
-                [word, ..] if word & 0xff == DONE && word >> 8 < number => {}
-                _ => return Ok(None),
+                heard if wanted(&heard) => return Ok(heard),
+                _ => {}
             }
         }
         Err(Stop::Babble)

@@ -54,7 +54,7 @@ pub enum Stop {
     Stopped(Guard, u32),
     /// The program began anew, without a reset.
     BegunAnew,
-    /// The command of an earlier tick again and again.
+    /// Messages without end.
     Babble,
     /// Nothing more was heard.
     Silent,

@@ -4,7 +4,9 @@ use core::arch::asm;
 
 /// Word that begins a message: the program has begun, or it begins anew.
 pub const BEGUN: u32 = 0xb;
-/// Word that begins a message: a program is ready for its ticks.
+/// Word that begins a message: a program has started over its model, and repeats its order.
+pub const STARTED: u32 = 0xe;
+/// Word that begins a message: the program waits for its next tick.
 pub const READY: u32 = 0xa;
 /// Word that begins a message: the outcome of a tick, whose number is in the upper bits.
 pub const DONE: u32 = 0xd;

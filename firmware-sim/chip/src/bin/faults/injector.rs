@@ -1,5 +1,6 @@
 //! A timer that interrupts a tick and flips a bit of memory.
 
+use super::memory;
 use core::arch::{asm, naked_asm};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -112,6 +113,6 @@ extern "C" fn flip(frame: usize, link: u32) {
     if let Some(offset) = (byte as usize).checked_rem(length) {
         let byte = (address + offset) as *mut u8;
         // SAFETY: memory of the program, which is damaged on purpose.
-        unsafe { byte.write_volatile(byte.read_volatile() ^ (1 << (bit & 7))) };
+        memory::unprotected(|| unsafe { byte.write_volatile(byte.read_volatile() ^ (1 << (bit & 7))) });
     }
 }

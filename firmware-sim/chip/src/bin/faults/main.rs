@@ -7,6 +7,7 @@
 
 mod host;
 mod injector;
+mod memory;
 mod stop;
 
 use core::convert::Infallible;
@@ -27,10 +28,6 @@ const N: usize = 2;
 
 static MODEL: Aligned<{ include_bytes!("../../../models/cartpole-16.postcard").len() }> =
     Aligned(*include_bytes!("../../../models/cartpole-16.postcard"));
-
-// Stages of the program.
-const START: u32 = 0;
-const TICKS: u32 = 1;
 
 // Guards of a controller.
 const STATE: u32 = 1;
@@ -145,9 +142,9 @@ fn serve<P: Guarded>(controller: Option<&'static mut P>, used: usize, order: &Or
     let file = black_box(&MODEL.0);
     let end = file.len().checked_sub(CHECKSUM)?;
     let weights = file.get(end.checked_sub(4 * PARAMETERS)?..end)?;
-    stop::begin(TICKS);
+    stop::begin_ticks();
     injector::know((&raw const SPACE as usize, used), weights);
-    host::say(&[host::READY, used as u32, order.tick, order.flip.byte, 0, 0]);
+    host::say(&[host::STARTED, used as u32, order.tick, order.flip.byte, 0, 0]);
     loop {
         one_tick(controller, order)?;
     }
@@ -157,6 +154,7 @@ fn serve<P: Guarded>(controller: Option<&'static mut P>, used: usize, order: &Or
 /// on the stack from tick to tick but its arguments: a damaged constant there, such as an address, would be damaged for good.
 #[inline(never)]
 fn one_tick<P: Guarded>(controller: &mut P, order: &Order) -> Option<()> {
+    host::say(&[host::READY, 0, 0, 0, 0, 0]);
     // SAFETY: as in `read`.
     host::hear_into(unsafe { &mut *(&raw mut DEVICES) });
     let tick = number().checked_sub(1)?;
@@ -232,10 +230,11 @@ fn controlled() -> Option<Infallible> {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    stop::begin(START);
+    stop::begin_program();
     clear_stack();
     host::open();
     start();
+    memory::protect();
     host::say(&[host::BEGUN, 0, 0, 0, 0, 0]);
     controlled();
     stop::end()

@@ -23,12 +23,24 @@ const FAULT: u32 = 1;
 const LATE: u32 = 2;
 const ENDED: u32 = 3;
 
-/// Number of stages of the program that have begun since the last reset.
+// Stages of the program.
+const STARTED: u32 = 0x5a17_0001;
+const TICKING: u32 = 0x5a17_0002;
+
+/// Stage of the program, which survives a jump to its beginning; a reset is told by 0, which [`stop`] leaves behind, or by any other number.
+#[unsafe(link_section = ".uninit.STAGE")]
 static STAGE: AtomicU32 = AtomicU32::new(0);
 
-/// Begins a stage of the program. A processor that runs astray may come to one a second time, or too early, which ends the program.
-pub fn begin(stage: u32) {
-    if STAGE.swap(stage + 1, Relaxed) != stage {
+/// Begins the program, after a reset. A processor that runs astray may come here too, which ends the program.
+pub fn begin_program() {
+    if [STARTED, TICKING].contains(&STAGE.swap(STARTED, Relaxed)) {
+        end()
+    }
+}
+
+/// Begins the ticks, once in a program.
+pub fn begin_ticks() {
+    if STAGE.swap(TICKING, Relaxed) != STARTED {
         end()
     }
 }
@@ -61,6 +73,7 @@ fn instructions(cause: u32) -> u32 {
 extern "C" fn stop(cause: u32) -> ! {
     let force = 0.0_f32.to_bits();
     host::say(&[host::STOPPED, force, force, cause, 0, instructions(cause)]);
+    STAGE.store(0, Relaxed);
     // The emulator takes its time for a reset, in which the watchdog would call again.
     // SAFETY: as above.
     unsafe { WATCHDOG.add(CONTROL).write_volatile(0) };
