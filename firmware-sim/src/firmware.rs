@@ -1,6 +1,7 @@
 use crate::Mechanism;
+use crate::angle::difference;
 use crate::control::{Command, Controller, Target};
-use crate::devices::ActuatorConfig;
+use crate::devices::{ActuatorConfig, Drive};
 use crate::observer::{Observer, ObserverConfig};
 use crate::tick::Mode;
 use crate::wire::{ReportWire, StateWire, array};
@@ -91,6 +92,28 @@ impl<C, const N: usize> Firmware<C, N> {
     /// The controller.
     pub fn controller(&self) -> &C {
         &self.controller
+    }
+
+    /// The force of the step that begins with the last tick.
+    pub const fn force(&self) -> &Control<f32, N> {
+        &self.force
+    }
+
+    /// Conversion between commands and forces.
+    pub const fn drive(&self) -> &Drive<N> {
+        &self.actuator.drive
+    }
+
+    /// Positions that encoders read in the last tick, without their zeros and whole turns as in the estimate; `None` if a reading is missing,
+    /// or the estimate is not trusted.
+    pub fn read(&self, measured: &[Option<f32>; N]) -> Option<[f32; N]> {
+        let Outcome { estimate, zeros, .. } = &self.last;
+        let mut q = *zeros;
+        for (q, measured) in q.iter_mut().zip(measured) {
+            *q = (*measured)? - *q;
+        }
+        let away = difference(&q, &estimate.q, self.observer.angle());
+        self.observer.trusted().then(|| linear::add_scaled(&estimate.q, 1.0, &away))
     }
 
     /// Runs over a model `elapsed` ticks after the last run, on the samples that arrived, towards a target.

@@ -30,6 +30,7 @@
 //! ```
 #![no_std]
 
+mod adapting;
 mod angle;
 pub mod control;
 pub mod damage;
@@ -50,6 +51,7 @@ mod timeline;
 pub mod trajectory;
 mod wire;
 
+pub use adapting::Adapting;
 pub use angle::{wrap, wrap_where};
 pub use error::{Range, SetupError};
 pub use firmware::{Firmware, Outcome};

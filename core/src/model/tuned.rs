@@ -1,8 +1,9 @@
 use super::loaded::forces_of_coordinates;
 use super::{Laws, Layout, LoadForces, ModelError, ParsedAs, ShapeHeader};
-use crate::adapt::Number;
+use crate::adapt::{Number, Tunable};
 use crate::energy::arm::{Bodies, BodyTree};
 use crate::forces::{Forces, System};
+use crate::lagrangian::Lagrangian;
 
 /// A model of bodies whose numbers may be changed while it runs: its file, which stays what it is, and a block of K numbers in memory.
 ///
@@ -44,25 +45,38 @@ where
         Ok(Self { file, weights, laws, layout, first_of_laws, block, forces })
     }
 
-    /// The model of the file.
-    pub fn of_file(&self) -> &System<Bodies<'f, f32, D, B, N>, F> {
+    /// Value of a number in the file; `None` if the file does not have it.
+    pub fn value(&self, number: Number) -> Option<f32> {
+        self.layout.value(self.weights, number)
+    }
+}
+
+impl<F, const D: usize, const B: usize, const N: usize, const K: usize> Tunable<N>
+    for Tuned<'_, F, D, B, N, K>
+where
+    F: Forces<f32, N> + Clone + for<'w> LoadForces<'w, f32, f32, N>,
+    for<'s> Bodies<'s, f32, D, B, N>: Lagrangian<f32, N>,
+{
+    type Lagrangian<'s>
+        = Bodies<'s, f32, D, B, N>
+    where
+        Self: 's;
+    type Forces<'s>
+        = F
+    where
+        Self: 's;
+
+    fn of_file(&self) -> &System<Bodies<'_, f32, D, B, N>, F> {
         &self.file
     }
 
-    /// The model with the numbers in use.
-    pub fn in_use(&self) -> System<Bodies<'_, f32, D, B, N>, F> {
+    fn in_use(&self) -> System<Bodies<'_, f32, D, B, N>, F> {
         let mut block = self.block.as_slice();
         let lagrangian = Bodies::take(&mut block, self.file.lagrangian.tree);
         System { lagrangian: lagrangian.unwrap_or(self.file.lagrangian), forces: self.forces.clone() }
     }
 
-    /// Value of a number in the file; `None` if the file does not have it.
-    pub fn value(&self, number: Number) -> Option<f32> {
-        self.layout.value(self.weights, number)
-    }
-
-    /// Sets numbers at distances from those of the file. Numbers that the file does not have are left out.
-    pub fn set(&mut self, numbers: &[Number], distances: &[f32]) {
+    fn set(&mut self, numbers: &[Number], distances: &[f32]) {
         self.layout.write(self.weights, (numbers, distances), &mut self.block);
         let laws = self.block.get(self.first_of_laws..).unwrap_or_default();
         if let Ok(forces) = forces_of_coordinates(self.laws, laws) {

@@ -139,6 +139,11 @@ impl<R: Real, const N: usize> Observer<R, N> {
         self.zeros.deviation()
     }
 
+    /// Flags of the encoders that forget whole turns.
+    pub const fn angle(&self) -> &[bool; N] {
+        &self.angle
+    }
+
     /// Whether the estimate is fit to act on: every encoder has given three samples (or as many as its memory holds, if fewer), and none
     /// has since been silent for longer than the configured patience.
     pub fn trusted(&self) -> bool {

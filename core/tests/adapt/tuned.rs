@@ -1,7 +1,7 @@
 //! A model in memory whose numbers are changed.
 
 use crate::common::manipulator;
-use leastaction_core::adapt::Number;
+use leastaction_core::adapt::{Number, Tunable};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS};
 use leastaction_core::forces::{Coefficient, Coulomb, Forces, Viscous};
 use leastaction_core::lagrangian::Lagrangian;

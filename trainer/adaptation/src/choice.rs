@@ -1,7 +1,7 @@
 //! Numbers that follow a machine, and what is known of them before.
 
 use crate::AdaptationError;
-use leastaction_core::adapt::{Announcement, Number};
+use leastaction_core::adapt::{Announcement, Blocks, Number};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, INERTIAL_PARAMETERS};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS, PLANAR_INERTIAL_PARAMETERS};
 use leastaction_core::forces::Coefficient;
@@ -39,6 +39,8 @@ pub struct Choice {
     pub settings: AdapterSettings,
     /// Test whether something is attached, if the model has bodies.
     pub announcement: Option<Announcement<f32>>,
+    /// Ticks of a loop in a tick of the adapter, [`Choice::blocks`].
+    pub block: u16,
 }
 
 /// Share of its own inertia that a body keeps.
@@ -51,6 +53,12 @@ const FARTHEST: f64 = 2.0;
 const FRICTION: f64 = 0.3;
 /// Smallest mass worth announcing, in standard deviations of the prior.
 const LEAST: f64 = 0.02;
+/// Length of a block, s.
+const BLOCK: f64 = 8e-3;
+/// Length of a window, s.
+const WINDOW: f64 = 0.2;
+/// Smallest number of blocks of a window.
+const LEAST_BLOCKS: f64 = 24.0;
 /// Threshold of a change.
 const CHANGE: f32 = 50.0;
 
@@ -84,8 +92,23 @@ impl Choice {
                 return Err(AdaptationError::Nothing);
             }
             let settings = settings(model.n(), h, request, (numbers, dry));
-            Ok(Self { settings, announcement })
+            Ok(Self { settings, announcement, block: 1 })
         })
+    }
+
+    /// Chooses the numbers of a model for a control loop with ticks of h seconds, whose encoders alone tell the motion.
+    ///
+    /// # Errors
+    /// See [`Choice::new`].
+    pub fn of_loop(model: &Model, h: f64, request: &Request) -> Result<Self, AdaptationError> {
+        let block = (BLOCK / h).round().clamp(1.0, f64::from(u16::MAX));
+        let window = request.window.or(Some((LEAST_BLOCKS * block * h).max(WINDOW)));
+        Ok(Self { block: block as u16, ..Self::new(model, block * h, &Request { window, ..*request })? })
+    }
+
+    /// The motion of the loop, as the adapter takes it.
+    pub fn blocks<const N: usize>(&self) -> Blocks<f32, N> {
+        Blocks::new(self.block, self.settings.h / f32::from(self.block))
     }
 
     /// The model with its numbers at these distances from those of the file.
@@ -114,7 +137,7 @@ fn settings(
     request: &Request,
     (numbers, dry): (Vec<Following>, Option<(Coefficient, Vec<f32>)>),
 ) -> AdapterSettings {
-    let half = request.window.map_or((0.1 / h).max(20.0), |window| 0.5 * window / h);
+    let half = request.window.map_or((0.5 * WINDOW / h).max(20.0), |window| 0.5 * window / h);
     let half = half.round().clamp(1.0, f64::from(u16::MAX)) as u16;
     AdapterSettings {
         half,

@@ -29,7 +29,12 @@ pub fn deviations(
         let longest = data.trajectories.iter().map(|trajectory| trajectory.samples()).max().unwrap_or(0);
         return Err(AdaptationError::TooShort { window: choice.window(), longest: longest as f64 * data.h });
     }
-    Ok((0..model.n()).map(|i| deviation(&residuals, i)).collect())
+    Ok(of_windows(&residuals, model.n()))
+}
+
+/// Standard deviations of the balance of n coordinates whose residuals are given, one list of windows for each run; see [`deviations`].
+pub fn of_windows(residuals: &[Vec<Vec<f64>>], n: usize) -> Vec<f64> {
+    (0..n).map(|i| deviation(residuals, i)).collect()
 }
 
 /// Residuals of the balance in every whole window of a trajectory.

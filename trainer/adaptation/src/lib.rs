@@ -14,7 +14,7 @@ mod ticks;
 
 pub use along::{Course, Entry, along};
 pub use choice::{Choice, Request};
-pub use deviations::deviations;
+pub use deviations::{deviations, of_windows};
 pub use error::AdaptationError;
 pub use leastaction_core::adapt::Difference;
 pub use leastaction_replica::Following;

@@ -9,6 +9,8 @@ use leastaction_core::forces::Coefficient;
 pub const PLACES: usize = 64;
 /// Pairs of different places.
 const PAIRS: usize = PLACES * (PLACES - 1) / 2;
+/// An adapter with a place for every number of a model.
+pub type AdapterOf<const N: usize> = Adapter<f32, N, PLACES, PAIRS>;
 
 /// Settings of an adapter, as [`Tuning`] and [`Limits`] with the sizes of a model: lists have one entry for each coordinate or number.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +89,7 @@ pub trait Adaptation: Send {
 /// A model with its adapter.
 struct Running<'c, const N: usize> {
     system: &'c SystemOf<'c, N>,
-    adapter: Box<Adapter<f32, N, PLACES, PAIRS>>,
+    adapter: Box<AdapterOf<N>>,
 }
 
 impl<const N: usize> Adaptation for Running<'_, N> {
@@ -133,9 +135,7 @@ impl<'c> Visitor<'c> for Adapt<'_> {
     type Output = Result<Box<dyn Adaptation + 'c>, ReplicaError>;
 
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
-        let (numbers, tuning) = self.0.sized()?;
-        let adapter = Box::new(Adapter::new(numbers, tuning).map_err(ReplicaError::Unfit)?);
-        Ok(Box::new(Running { system, adapter }))
+        Ok(Box::new(Running { system, adapter: Box::new(self.0.adapter()?) }))
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
@@ -144,6 +144,15 @@ impl<'c> Visitor<'c> for Adapt<'_> {
 }
 
 impl AdapterSettings {
+    /// Creates the adapter of a model of N coordinates.
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`], [`ReplicaError::Numbers`], [`ReplicaError::Unfit`].
+    pub fn adapter<const N: usize>(&self) -> Result<AdapterOf<N>, ReplicaError> {
+        let (numbers, tuning) = self.sized()?;
+        Adapter::new(numbers, tuning).map_err(ReplicaError::Unfit)
+    }
+
     fn sized<const N: usize>(&self) -> Result<([Number; PLACES], Tuning<f32, N, PLACES>), ReplicaError> {
         if self.numbers.len() > PLACES {
             return Err(ReplicaError::Numbers { found: self.numbers.len() });

@@ -58,6 +58,15 @@ impl ModelFile {
         parse(bytemuck::cast_slice(&self.words).get(..self.length).unwrap_or_default())
     }
 
+    /// Shape, laws and weights of a model of bodies, which determine its system.
+    pub(crate) fn changeable(&self) -> Result<(Family<'_>, Laws<'_>, &[f32]), ModelError> {
+        let Parsed { header, .. } = self.parsed()?;
+        match header.family {
+            Family::Bodies(_) | Family::Arm(_) => Ok((header.family, header.laws, &self.weights)),
+            other => Err(ModelError::OtherFamily { found: other.name() }),
+        }
+    }
+
     /// Returns the model; of several trees or graphs the one with the given name, or the first if no name is given.
     ///
     /// # Errors
@@ -148,10 +157,10 @@ fn named<'p, P: 'p>(
 macro_rules! loader {
     ($(#[$doc:meta])* $loader:ident, $header:ident, $energies:ty) => {
         $(#[$doc])*
-        struct $loader<'f> {
-            header: $header<'f>,
-            laws: Laws<'f>,
-            weights: &'f [f32],
+        pub(crate) struct $loader<'f> {
+            pub header: $header<'f>,
+            pub laws: Laws<'f>,
+            pub weights: &'f [f32],
         }
 
         impl<'f> Load<'f> for $loader<'f> {

@@ -29,10 +29,11 @@ mod motion;
 mod particles;
 mod replica;
 mod sizes;
+mod tuned;
 mod watch;
 
 pub use actuators::Actuators;
-pub use adaptation::{Adaptation, AdapterSettings, Following, Instant, PLACES};
+pub use adaptation::{Adaptation, AdapterOf, AdapterSettings, Following, Instant, PLACES};
 pub use any::{AnyLagrangian, INERTIA_NETWORK_UNITS, LAYERS, SystemOf, UNITS};
 pub use control::{Control, Step};
 pub use error::ReplicaError;
@@ -43,4 +44,5 @@ pub use motion::Motion;
 pub use particles::ParticleSystem;
 pub use replica::Replica;
 pub use sizes::{COORDINATES, OfSize, StateVisitor, Visitor};
+pub use tuned::TunedOf;
 pub use watch::Watch;

@@ -88,7 +88,7 @@ pub struct AdaptReport {
 }
 
 /// A number at the end of a log.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct NumberReport {
     /// Name of the number.
     pub name: String,
@@ -198,7 +198,8 @@ impl Adapt {
     }
 }
 
-fn numbers(choice: &Choice, course: &Course) -> Vec<NumberReport> {
+/// The numbers at the end of a course.
+pub fn numbers(choice: &Choice, course: &Course) -> Vec<NumberReport> {
     let Some(last) = course.entries.last() else { return Vec::new() };
     let all = choice.settings.numbers.iter().zip(&last.estimates).zip(&last.applied);
     let report = |((following, found), used): ((&Following, &Difference<f32>), &f32)| NumberReport {

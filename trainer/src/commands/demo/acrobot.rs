@@ -119,6 +119,7 @@ fn follow(model: &Model, home: &Path, seed: u64) -> Result<simulate::Report, Fai
         floats: &Floats::default(),
         follows: &follows,
         decides: &MpcArgs::default(),
+        adaptive: None,
         plans: &plans,
         config: None,
         on: None,

@@ -127,6 +127,7 @@ fn follow(
         floats: &Floats::default(),
         follows: &PlanArgs::default(),
         decides: &MpcArgs::default(),
+        adaptive: None,
         plans: &[],
         config: None,
         on: None,

@@ -120,6 +120,7 @@ impl Demo {
             floats: &Floats::default(),
             follows: &PlanArgs::default(),
             decides: &MpcArgs::default(),
+            adaptive: None,
             plans: &[],
             config: None,
             on: None,

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::str::FromStr;
 
 /// Changes of the mechanism while it runs, of which the firmware knows nothing.
-#[derive(Args, Default)]
+#[derive(Args, Clone, Default)]
 #[command(next_help_heading = "Changes of the mechanism while it runs (unknown to the firmware)")]
 pub struct Changes {
     /// A load that the mechanism carries, as a point mass: KG from the beginning, KG@S from a time on (as 2.5@3s), KG@S@X,Y,Z at a place

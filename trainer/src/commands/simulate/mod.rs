@@ -1,5 +1,6 @@
 //! `leastaction simulate`.
 
+mod adapting;
 mod changes;
 mod course;
 mod follow;
@@ -17,6 +18,7 @@ mod trace;
 mod track;
 mod world;
 
+pub use adapting::Adaptive;
 pub use follow::{PlanArgs, of_model};
 pub use gravity::Floats;
 pub use mpc::MpcArgs;
@@ -117,6 +119,10 @@ pub struct Simulate {
     /// Time between ticks, s [default: 0.01; with --plant the model's own step; the plan's].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     tick: Option<f32>,
+    /// Let numbers of the firmware's model follow the mechanism: what its last body carries, and its friction. A first run, in which the
+    /// mechanism stays as it is, measures how well the model explains it.
+    #[arg(long, conflicts_with_all = ["on", "replay"])]
+    adapt: bool,
     /// Run the controller on an emulated board.
     #[arg(long, value_enum, value_name = "BOARD")]
     on: Option<Emulated>,
@@ -185,6 +191,7 @@ impl Simulate {
         let Self { seed, seconds, tick, .. } = *self;
         let target = self.target()?;
         let on = target.as_ref();
+        let adaptive = self.adapt.then(|| Adaptive::new(&model)).transpose()?;
         let (world, motion, floats) = (&self.world, &self.motion, &self.floats);
         let config = self.config.as_deref();
         let request = Request {
@@ -202,6 +209,7 @@ impl Simulate {
             plans: &plans,
             config,
             on,
+            adaptive: adaptive.as_ref(),
         };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
@@ -227,6 +235,9 @@ pub fn simulate(
     request: &Request,
     [trace, picture]: [PathBuf; 2],
 ) -> Result<(Report, Trace), Failure> {
+    if let Some(adaptive) = request.adaptive {
+        adaptive.commission(request)?;
+    }
     let mut rows = Trace::default();
     let mut report = scenario::run(request, &mut rows).map_err(|failure| cut(failure, &rows, &trace))?;
     rows.write(&trace).map_err(|error| Failure::file(&trace, error))?;

@@ -1,5 +1,6 @@
 //! Results of a run in the loop.
 
+use super::adapting::AdaptiveReport;
 use super::changes::{Carried, FrictionDrift};
 use super::follow::PlanReport;
 use super::gravity::FloatingReport;
@@ -75,6 +76,9 @@ pub struct Report {
     /// Origin of the commands, in the scenario mpc.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decided: Option<DecidedReport>,
+    /// Findings of the firmware about its mechanism, with --adapt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapted: Option<AdaptiveReport>,
     /// Fingerprint of the trace.
     pub trace_hash: String,
     /// File of the trace.
@@ -118,6 +122,7 @@ impl Report {
             floating: None,
             planned: None,
             decided: None,
+            adapted: None,
             trace_hash: format!("{:016x}", summary.hash),
             trace: PathBuf::new(),
             picture: PathBuf::new(),
@@ -210,6 +215,9 @@ impl fmt::Display for Report {
         }
         for (name, value) in self.planned.iter().flat_map(|planned| planned.lines(q, list)) {
             line(f, &name, &value)?;
+        }
+        for (name, value) in self.adapted.iter().flat_map(AdaptiveReport::lines) {
+            line(f, name, &value)?;
         }
         line(f, "controller on", &self.controller())?;
         line(f, "ticks", &format!("{} (model errors: {})", self.ticks, self.model_errors))?;

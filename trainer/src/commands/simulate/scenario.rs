@@ -1,5 +1,6 @@
 //! The scenarios of the firmware loop.
 
+use super::adapting::Adaptive;
 use super::follow::{PlanArgs, Planned, planned};
 use super::gravity::{Floats, OnAnother, floating};
 use super::mpc::{MpcArgs, deciding, deciding_on};
@@ -90,6 +91,8 @@ pub struct Request<'a> {
     pub config: Option<&'a Path>,
     /// Processor that runs the controller; `None`: this machine.
     pub on: Option<&'a Target>,
+    /// Model whose numbers follow the mechanism; `None`: they stay those of the file.
+    pub adaptive: Option<&'a Adaptive<'a>>,
 }
 
 impl Request<'_> {
@@ -290,12 +293,18 @@ where
 {
     setup.validate().map_err(misused)?;
     let firmware = firmware.map_err(misused)?;
-    match request.on {
-        None => {
+    match (request.on, request.adaptive) {
+        (None, Some(adaptive)) => {
+            let summary = adaptive.run(plant, (setup, trajectory), firmware, sink)?;
+            let mut report = Report::new(request, &summary);
+            report.adapted = adaptive.report();
+            Ok(report)
+        }
+        (None, None) => {
             let summary = run_on(plant, InPlace { model, firmware }, setup, trajectory, sink);
             reported(request, summary.map_err(SetupError::from))
         }
-        Some(target) => target.run(request, plant, (setup, trajectory), program, sink),
+        (Some(target), _) => target.run(request, plant, (setup, trajectory), program, sink),
     }
 }
 

@@ -17,7 +17,7 @@ use leastaction_ground_truth::Waves;
 use leastaction_models::{ChangeError, Model};
 
 /// Deviations of the mechanism from what the firmware would like. Lists have one value per coordinate, or one for all.
-#[derive(Args, Default)]
+#[derive(Args, Clone, Default)]
 #[command(next_help_heading = "Friction and devices of the mechanism")]
 pub struct World {
     /// Viscous friction b, N m s/rad or N s/m.
@@ -84,6 +84,12 @@ impl World {
     /// A mechanism with dry friction (N m or N, changing its sign over `width`, rad/s or m/s) whose drives are late by `delay`, s.
     pub fn dry_and_late(coulomb: Vec<f64>, width: f64, delay: f64) -> Self {
         Self { coulomb, width: vec![width], delay: Some(1e3 * delay), ..Self::default() }
+    }
+
+    /// Deviations of a mechanism that stays as it is.
+    #[must_use]
+    pub(super) fn unchanged(&self) -> Self {
+        Self { changes: Changes::default(), ..self.clone() }
     }
 
     /// Refuses options that have no meaning for a scenario.

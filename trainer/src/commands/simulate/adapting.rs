@@ -1,0 +1,187 @@
+//! Runs in which numbers of the firmware's model follow the mechanism.
+
+use super::{Request, Trace, scenario};
+use crate::commands::adapt::{NumberReport, numbers};
+use leastaction::cli::Failure;
+use leastaction::models::chip_file;
+use leastaction_adaptation::{AdaptationError, Choice, Course, Entry, Request as Wishes, of_windows};
+use leastaction_core::adapt::{Agreement, Difference};
+use leastaction_firmware_sim::control::{Controller, Trajectory};
+use leastaction_firmware_sim::scenario::{Run, Setup};
+use leastaction_firmware_sim::{self as firmware_sim, Adapting, Firmware, Summary, Tick, Timeline};
+use leastaction_models::Model;
+use leastaction_replica::{AdapterOf, ModelFile, TunedOf};
+use serde::Serialize;
+use std::cell::RefCell;
+use std::convert::Infallible;
+
+/// A model whose numbers follow: chosen and measured in a first run, in which the mechanism is as it was learned, and let loose in a second.
+pub struct Adaptive<'a> {
+    model: &'a Model,
+    file: ModelFile,
+    choice: RefCell<Option<Choice>>,
+    course: RefCell<Course>,
+}
+
+/// Deviation in the first run: nothing that is seen counts beside it, N or N m.
+const NOTHING_COUNTS: f32 = 1e6;
+
+impl<'a> Adaptive<'a> {
+    /// Creates a model of which nothing is known.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a model that no chip can have.
+    pub fn new(model: &'a Model) -> Result<Self, Failure> {
+        let file = chip_file(model).map_err(Failure::Input)?;
+        let course = Course { entries: Vec::new(), announced: None, moving: 0.0 };
+        Ok(Self { model, file, choice: RefCell::new(None), course: RefCell::new(course) })
+    }
+
+    /// Runs the mechanism as it was learned, with other noise, and measures how well the model explains it.
+    pub(super) fn commission(&self, request: &Request) -> Result<(), Failure> {
+        let world = request.world.unchanged();
+        let seed = request.seed.wrapping_add(1);
+        let request = Request { world: &world, seed, adaptive: Some(self), ..*request };
+        scenario::run(&request, &mut Trace::default()).map(|_| ())
+    }
+
+    /// Runs a firmware: the first run measures, the second adapts.
+    pub(super) fn run<P, C, const N: usize>(
+        &self,
+        plant: Timeline<P>,
+        (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
+        firmware: Firmware<C, N>,
+        mut sink: impl FnMut(&Tick<N>),
+    ) -> Result<Summary<N>, Failure>
+    where
+        P: firmware_sim::Mechanism<N>,
+        C: Controller<N>,
+    {
+        let (is_first, choice) = self.chosen(setup.tick, N)?;
+        let tuned =
+            TunedOf::<N>::new(&self.file).map_err(|error| Failure::Input(format!("--adapt: {error}")))?;
+        let adapter = choice.settings.adapter::<N>().map_err(|error| Failure::Input(error.to_string()))?;
+        let processor = Adapting::new(tuned, firmware, choice.blocks(), adapter);
+        let mut run = Run::new(plant, processor, setup, trajectory).map_err(scenario::misused)?;
+        let mut residuals = Vec::new();
+        for _ in 0..setup.ticks() {
+            let Ok(tick) = run.tick() as Result<Tick<N>, Infallible>;
+            sink(&tick);
+            let processor = run.processor();
+            if let Some(agreement) = processor.agreement() {
+                let adapter = processor.adapter();
+                residuals.push(adapter.residuals().iter().map(|x| f64::from(*x)).collect());
+                self.record(&choice, tick.time.into(), (adapter, &agreement));
+            }
+        }
+        if is_first {
+            self.measure(choice, residuals, N)?;
+        }
+        Ok(run.summary())
+    }
+
+    /// The choice of the numbers, and whether it is made only now.
+    fn chosen(&self, tick: f32, n: usize) -> Result<(bool, Choice), Failure> {
+        if let Some(choice) = self.choice.borrow().as_ref() {
+            return Ok((false, choice.clone()));
+        }
+        let mut choice = Choice::of_loop(self.model, tick.into(), &Wishes::default()).map_err(refused)?;
+        choice.settings.deviation = vec![NOTHING_COUNTS; n];
+        Ok((true, choice))
+    }
+
+    fn measure(&self, mut choice: Choice, residuals: Vec<Vec<f64>>, n: usize) -> Result<(), Failure> {
+        if residuals.is_empty() {
+            let longest = 0.0;
+            return Err(refused(AdaptationError::TooShort { window: choice.window(), longest }));
+        }
+        let deviations = of_windows(&[residuals], n);
+        choice.settings.deviation = deviations.into_iter().map(|deviation| deviation as f32).collect();
+        *self.choice.borrow_mut() = Some(choice);
+        let mut course = self.course.borrow_mut();
+        (course.entries, course.announced) = (Vec::new(), None);
+        Ok(())
+    }
+
+    fn record<const N: usize>(
+        &self,
+        choice: &Choice,
+        t: f64,
+        (adapter, agreement): (&AdapterOf<N>, &Agreement<f32>),
+    ) {
+        let mut course = self.course.borrow_mut();
+        let filter = adapter.filter();
+        let announced = choice.announcement.as_ref().and_then(|test| test.of(filter));
+        if let (Some(difference), None) = (announced, course.announced) {
+            course.announced = Some((t, difference));
+        }
+        let count = choice.settings.numbers.len();
+        let estimates = filter.estimate().iter().take(count).enumerate();
+        let estimate = |(j, estimate): (usize, &f32)| Difference {
+            estimate: *estimate,
+            error: filter.variance(j).sqrt(),
+        };
+        course.entries.push(Entry {
+            t,
+            moving: t,
+            estimates: estimates.map(estimate).collect(),
+            applied: adapter.applied().iter().take(count).copied().collect(),
+            agreement: agreement.squares / f32::from(agreement.rows.max(1)),
+            changed: agreement.changed,
+            announced: announced.is_some(),
+            unlike: adapter.unlike(),
+        });
+    }
+
+    /// Findings of the second run.
+    pub(super) fn report(&self) -> Option<AdaptiveReport> {
+        let (choice, course) = (self.choice.borrow(), self.course.borrow());
+        let (choice, last) = (choice.as_ref()?, course.entries.last()?);
+        let mass = choice.announcement.and_then(|of| last.estimates.get(usize::from(of.number)).copied());
+        Some(AdaptiveReport {
+            mass: mass.map(|mass| mass.estimate),
+            standard_error: mass.map(|mass| mass.error),
+            announced_at: course.announced.map(|(t, _)| t),
+            numbers: numbers(choice, &course),
+            changes: course.entries.iter().filter(|entry| entry.changed).map(|entry| entry.t).collect(),
+            unlike: last.unlike,
+        })
+    }
+}
+
+/// Findings of a firmware about its mechanism at the end of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct AdaptiveReport {
+    /// Attached mass, kg.
+    pub mass: Option<f32>,
+    /// Standard error of it, kg.
+    pub standard_error: Option<f32>,
+    /// Time of the first announcement, s.
+    pub announced_at: Option<f64>,
+    /// Numbers that follow.
+    pub numbers: Vec<NumberReport>,
+    /// Times at which something changed at once, s.
+    pub changes: Vec<f64>,
+    /// Whether no choice of the numbers explains the mechanism.
+    pub unlike: bool,
+}
+
+impl AdaptiveReport {
+    /// The findings in words.
+    pub(super) fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        if let (Some(mass), Some(error)) = (self.mass, self.standard_error) {
+            lines.push(("attached (kg)", format!("{mass:.3}, standard error {error:.3}")));
+            let announced = self.announced_at.map_or("never".to_owned(), |t| format!("at {t:.2} s"));
+            lines.push(("announced", announced));
+        }
+        if self.unlike {
+            lines.push(("warning", "no choice of its numbers explains the mechanism".to_owned()));
+        }
+        lines
+    }
+}
+
+fn refused(error: AdaptationError) -> Failure {
+    Failure::Input(format!("--adapt: {error}"))
+}
