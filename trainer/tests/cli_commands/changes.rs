@@ -276,3 +276,49 @@ fn what_cannot_change_is_said() {
         .run("simulate run.postcard --scenario gravity --plant run.postcard --limit 9 --payload 1")
         .bad(2, &["inertia-network", "no bodies"]);
 }
+
+/// A motion of both joints.
+const MOTION: &str = "frequency = 0.4
+centre = [0.3, -0.9]
+cosine = [[0.5, 0.2], [-0.6, 0.3]]
+sine = [[0.3, -0.3], [0.4, 0.2]]
+limit = [90, 90]
+ramp = 1.0
+";
+
+/// Observer and controller run over the numbers that follow, and the report says what is attached: two joints hardly show the mass itself.
+#[test]
+fn the_firmware_carries_what_the_mechanism_took_up() {
+    let bench = Bench::new();
+    write_arm(&bench, "arm.postcard", &tree(), [0.5, 0.4]);
+    fs::write(bench.at("motion.toml"), MOTION).unwrap();
+    let words = "simulate arm.postcard --scenario track --plant arm.postcard --trajectory motion.toml --tick 0.002 --seconds 6 --json \
+                 -o out --payload 2@3s@0.05,0.1,0.2";
+    let (without, with) = (run(&bench, words), run(&bench, &format!("{words} --adapt")));
+    assert!(without.get("adapted").is_none());
+    let found = &with["adapted"];
+    let (mass, error) = (found["mass"].as_f64().unwrap(), found["standard_error"].as_f64().unwrap());
+    assert!((mass - 2.0).abs() < 4.0 * error, "{mass} kg, standard error {error} kg");
+    assert_eq!(found["unlike"], false);
+    let changes = found["changes"].as_array().unwrap();
+    assert!(changes.iter().any(|t| (3.0..3.5).contains(&t.as_f64().unwrap())), "{changes:?}");
+    let rms = |report: &Value| report["rms_error"][1].as_f64().unwrap();
+    assert!(rms(&with) < 0.7 * rms(&without), "{} and {} rad", rms(&with), rms(&without));
+    let again = run(&bench, &format!("{words} --adapt"));
+    assert_eq!(again["trace_hash"], with["trace_hash"]);
+}
+
+/// Without a load nothing is found; models without bodies, and boards, are refused.
+#[test]
+fn the_firmware_finds_nothing_where_nothing_was_taken_up() {
+    let bench = Bench::new();
+    write_arm(&bench, "arm.postcard", &tree(), [0.5, 0.4]);
+    fs::write(bench.at("motion.toml"), MOTION).unwrap();
+    let words = "simulate arm.postcard --scenario track --plant arm.postcard --trajectory motion.toml --tick 0.002 --seconds 4 --json \
+                 -o out --adapt";
+    let found = run(&bench, words)["adapted"].clone();
+    let (mass, error) = (found["mass"].as_f64().unwrap(), found["standard_error"].as_f64().unwrap());
+    assert!(found["announced_at"].is_null() && mass.abs() < 4.0 * error, "{found}");
+    let refused = bench.run(&format!("{words} --on cortex-m4"));
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+}
