@@ -27,8 +27,11 @@ need() {
     [ ${#missing[@]} = 0 ] || install "${missing[@]}"
 }
 
+# Adds something to the compiler by rustup, if that can be had.
+rustup_add() { command -v rustup >/dev/null && timeout 120 rustup "$1" add "$2" >/dev/null 2>&1; }
+
+# Whether the compiler has a target, which is added if it can be.
+has_target() { [ -d "$(rustc --print target-libdir --target "$1" 2>/dev/null)" ] || rustup_add target "$1"; }
+
 # Makes sure of a target of rustup, or skips the check.
-need_target() {
-    [ -d "$(rustc --print target-libdir --target "$1" 2>/dev/null)" ] ||
-        { command -v rustup >/dev/null && timeout 120 rustup target add "$1" >/dev/null 2>&1; } || skip "no Rust for $1: rustup target add $1"
-}
+need_target() { has_target "$1" || skip "no Rust for $1: rustup target add $1"; }

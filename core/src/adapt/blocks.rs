@@ -14,26 +14,12 @@ pub struct Blocks<R, const N: usize> {
     rate: R,
     /// Ticks of the open block, and their sums; `None` from a tick on that cannot be used.
     count: u16,
-    sums: Option<Means<R, N>>,
+    sums: Option<Reading<R, N>>,
     /// The two blocks before.
-    before: [Option<Means<R, N>>; 2],
+    before: [Option<Reading<R, N>>; 2],
 }
 
-/// Means over a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Means<R, const N: usize> {
-    q: [R; N],
-    command: [R; N],
-    force: [R; N],
-}
-
-impl<R: Real, const N: usize> Means<R, N> {
-    fn zero() -> Self {
-        Self { q: [R::zero(); N], command: [R::zero(); N], force: [R::zero(); N] }
-    }
-}
-
-/// Readings at a tick.
+/// Readings at a tick, or their means over a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<R, const N: usize> {
     /// Position, without jumps by whole turns.
@@ -44,46 +30,56 @@ pub struct Reading<R, const N: usize> {
     pub force: [R; N],
 }
 
+impl<R: Real, const N: usize> Reading<R, N> {
+    fn zero() -> Self {
+        Self { q: [R::zero(); N], command: [R::zero(); N], force: [R::zero(); N] }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let sum = |a, b| add_scaled(a, R::one(), b);
+        Self {
+            q: sum(&self.q, &other.q),
+            command: sum(&self.command, &other.command),
+            force: sum(&self.force, &other.force),
+        }
+    }
+
+    fn times(&self, factor: R) -> Self {
+        let product = |of: [R; N]| of.map(|x| x * factor);
+        Self { q: product(self.q), command: product(self.command), force: product(self.force) }
+    }
+}
+
 impl<R: Real, const N: usize> Blocks<R, N> {
     /// Creates empty blocks of `ticks` ticks of h seconds each; 0 ticks are taken as 1.
     pub fn new(ticks: u16, h: R) -> Self {
         let ticks = ticks.max(1);
         let both = R::constant(f64::from(ticks)) + R::constant(f64::from(ticks));
-        Self { ticks, rate: R::one() / (both * h), count: 0, sums: Some(Means::zero()), before: [None; 2] }
+        Self { ticks, rate: R::one() / (both * h), count: 0, sums: Some(Reading::zero()), before: [None; 2] }
     }
 
     /// Takes a tick, `None` for one of which nothing can be learned. Returns, at the end of every block, the moment in the middle of the block
     /// before, if it and its neighbours are whole.
     pub fn take(&mut self, reading: Option<&Reading<R, N>>) -> Option<Option<Moment<R, N>>> {
-        let (one, sums) = (R::one(), self.sums);
-        self.sums = sums.zip(reading).map(|(sums, Reading { q, command, force })| Means {
-            q: add_scaled(&sums.q, one, q),
-            command: add_scaled(&sums.command, one, command),
-            force: add_scaled(&sums.force, one, force),
-        });
+        self.sums = self.sums.zip(reading).map(|(sums, reading)| sums.plus(reading));
         self.count += 1;
         if self.count < self.ticks {
             return None;
         }
-        let share = one / R::constant(f64::from(self.ticks));
-        let mean = |sum: [R; N]| sum.map(|sum| sum * share);
-        let after = self.sums.map(|Means { q, command, force }| Means {
-            q: mean(q),
-            command: mean(command),
-            force: mean(force),
-        });
+        let share = R::one() / R::constant(f64::from(self.ticks));
+        let after = self.sums.map(|sums| sums.times(share));
         let [first, middle] = self.before;
-        (self.count, self.sums, self.before) = (0, Some(Means::zero()), [middle, after]);
+        (self.count, self.sums, self.before) = (0, Some(Reading::zero()), [middle, after]);
         Some(self.moment(first, middle, after))
     }
 
     fn moment(
         &self,
-        first: Option<Means<R, N>>,
-        middle: Option<Means<R, N>>,
-        after: Option<Means<R, N>>,
+        first: Option<Reading<R, N>>,
+        middle: Option<Reading<R, N>>,
+        after: Option<Reading<R, N>>,
     ) -> Option<Moment<R, N>> {
-        let Means { q, command, force } = middle?;
+        let Reading { q, command, force } = middle?;
         let v = add_scaled(&after?.q, -R::one(), &first?.q).map(|moved| moved * self.rate);
         Some(Moment { q, v, command, force })
     }

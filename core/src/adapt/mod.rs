@@ -6,8 +6,8 @@
 //!
 //! is linear in many [numbers](Number) π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives — and
 //! contains no acceleration. [`Balance`] takes it over windows of a smooth weight, [`Filter`] estimates from it how far the numbers are from
-//! the model's, with their standard errors, and forgets only what is excited. An [`Adapter`] does both at every tick, in bounded time; [`Blocks`] give it the
-//! motion of a fast loop.
+//! the model's, with their standard errors, and forgets only what is excited. An [`Adapter`] does both at every tick, in bounded time;
+//! [`Blocks`] give it the motion of a fast loop.
 
 mod adapter;
 mod balance;

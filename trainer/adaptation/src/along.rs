@@ -2,13 +2,13 @@
 
 use crate::ticks::Ticks;
 use crate::{AdaptationError, Choice};
-use leastaction_core::adapt::Difference;
+use leastaction_core::adapt::{Agreement, Difference};
 use leastaction_data::Dataset;
 use leastaction_models::Model;
-use leastaction_replica::Replica;
+use leastaction_replica::{Findings, Replica};
 
 /// Course of an adapter along a log.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
     /// The estimates at the end of every window.
     pub entries: Vec<Entry>,
@@ -39,6 +39,47 @@ pub struct Entry {
     pub unlike: bool,
 }
 
+impl Course {
+    /// Records what is found at the end of a window: at time t, after some time in motion, s.
+    pub fn record(
+        &mut self,
+        choice: &Choice,
+        [t, moving]: [f64; 2],
+        (found, agreement): (&dyn Findings, &Agreement<f32>),
+    ) {
+        let announced = choice.announcement.as_ref().and_then(|test| found.announced(test));
+        if let (Some(difference), None) = (announced, self.announced) {
+            (self.announced, self.moving) = (Some((t, difference)), moving);
+        }
+        let numbers = 0..choice.settings.numbers.len();
+        self.entries.push(Entry {
+            t,
+            moving,
+            estimates: numbers.clone().filter_map(|j| found.estimate(j)).collect(),
+            applied: numbers.filter_map(|j| found.applied(j)).collect(),
+            agreement: agreement.squares / f32::from(agreement.rows.max(1)),
+            changed: agreement.changed,
+            announced: announced.is_some(),
+            unlike: found.unlike(),
+        });
+    }
+
+    /// Attached mass at the end, kg; `None` for a model without bodies.
+    pub fn mass(&self, choice: &Choice) -> Option<Difference<f32>> {
+        self.entries.last()?.estimates.get(usize::from(choice.announcement?.number)).copied()
+    }
+
+    /// Times at which something changed at once, s.
+    pub fn changes(&self) -> Vec<f64> {
+        self.entries.iter().filter(|entry| entry.changed).map(|entry| entry.t).collect()
+    }
+
+    /// Whether no choice of the numbers explains the machine, at the end.
+    pub fn unlike(&self) -> bool {
+        self.entries.last().is_some_and(|entry| entry.unlike)
+    }
+}
+
 /// Runs an adapter along a log.
 ///
 /// # Errors
@@ -49,7 +90,7 @@ pub fn along(
     data: &Dataset,
 ) -> Result<Course, AdaptationError> {
     let mut adaptation = chip.adaptation(&choice.settings)?;
-    let mut course = Course { entries: Vec::new(), announced: None, moving: 0.0 };
+    let mut course = Course::default();
     let (mut t, mut moving) = (0.0, 0.0);
     let fastest = fastest(data);
     for trajectory in &data.trajectories {
@@ -60,21 +101,7 @@ pub fn along(
             t += data.h;
             moving += if moves(instant.v, &fastest) { data.h } else { 0.0 };
             let Some(agreement) = adaptation.take(instant)? else { continue };
-            let announced = choice.announcement.as_ref().and_then(|test| adaptation.announced(test));
-            if let (Some(difference), None) = (announced, course.announced) {
-                (course.announced, course.moving) = (Some((t, difference)), moving);
-            }
-            let numbers = 0..choice.settings.numbers.len();
-            course.entries.push(Entry {
-                t,
-                moving,
-                estimates: numbers.clone().filter_map(|j| adaptation.estimate(j)).collect(),
-                applied: numbers.filter_map(|j| adaptation.applied(j)).collect(),
-                agreement: agreement.squares / f32::from(agreement.rows.max(1)),
-                changed: agreement.changed,
-                announced: announced.is_some(),
-                unlike: adaptation.unlike(),
-            });
+            course.record(choice, [t, moving], (adaptation.findings(), &agreement));
         }
     }
     Ok(course)

@@ -18,8 +18,8 @@ pub fn deviations(
     (model, chip): (&Model, &Replica),
     choice: &Choice,
     data: &Dataset,
-) -> Result<Vec<f64>, AdaptationError> {
-    let mut residuals: Vec<Vec<Vec<f64>>> = Vec::new();
+) -> Result<Vec<f32>, AdaptationError> {
+    let mut residuals: Vec<Vec<Vec<f32>>> = Vec::new();
     for trajectory in &data.trajectories {
         let ticks = Ticks::new((model, chip), data, trajectory)?;
         residuals.push(along(chip, choice, &ticks)?);
@@ -33,26 +33,27 @@ pub fn deviations(
 }
 
 /// Standard deviations of the balance of n coordinates whose residuals are given, one list of windows for each run; see [`deviations`].
-pub fn of_windows(residuals: &[Vec<Vec<f64>>], n: usize) -> Vec<f64> {
-    (0..n).map(|i| deviation(residuals, i)).collect()
+pub fn of_windows(residuals: &[Vec<Vec<f32>>], n: usize) -> Vec<f32> {
+    (0..n).map(|i| deviation(residuals, i) as f32).collect()
 }
 
 /// Residuals of the balance in every whole window of a trajectory.
-fn along(chip: &Replica, choice: &Choice, ticks: &Ticks) -> Result<Vec<Vec<f64>>, AdaptationError> {
+fn along(chip: &Replica, choice: &Choice, ticks: &Ticks) -> Result<Vec<Vec<f32>>, AdaptationError> {
     let mut adaptation = chip.adaptation(&choice.settings)?;
     let mut residuals = Vec::new();
     for k in 0..ticks.len() {
         if adaptation.take(ticks.at(k))?.is_some() {
-            residuals.push(adaptation.residuals().iter().map(|x| f64::from(*x)).collect());
+            residuals.push(adaptation.findings().residuals().to_vec());
         }
     }
     Ok(residuals)
 }
 
-fn deviation(residuals: &[Vec<Vec<f64>>], i: usize) -> f64 {
+fn deviation(residuals: &[Vec<Vec<f32>>], i: usize) -> f64 {
     let product = |lag: usize| {
         let pairs = residuals.iter().flat_map(|one| one.iter().zip(one.iter().skip(lag)));
-        let (sum, count) = pairs.fold((0.0, 0), |(sum, count), (a, b)| (sum + a[i] * b[i], count + 1));
+        let (sum, count) =
+            pairs.fold((0.0, 0), |(sum, count), (a, b)| (sum + f64::from(a[i]) * f64::from(b[i]), count + 1));
         if count > 0 { sum / f64::from(count) } else { 0.0 }
     };
     let variance = product(0);

@@ -12,7 +12,7 @@ fn choice(request: &Request) -> Choice {
     let mut choice = Choice::new(&model, H, request).expect("a choice");
     let log = AS_LEARNED.log(30.0, 1);
     let found = on_chip(&model, |chip| deviations((&model, chip), &choice, &log)).expect("deviations");
-    choice.settings.deviation = found.into_iter().map(|deviation| deviation as f32).collect();
+    choice.settings.deviation = found;
     choice
 }
 

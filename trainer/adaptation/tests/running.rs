@@ -12,11 +12,10 @@ use leastaction_firmware_sim::control::{NoMpc, NoPump, Reference, TaskController
 use leastaction_firmware_sim::devices::EncoderConfig;
 use leastaction_firmware_sim::scenario::{Run, TrackConfig};
 use leastaction_firmware_sim::{Adapting, Tick, Timeline};
-use leastaction_replica::{AdapterOf, ModelFile, PLACES, TunedOf};
+use leastaction_replica::{AdapterOf, ModelFile, PAIRS, PLACES, TunedOf};
 
 /// Tick of the loop, s.
 const H: f32 = 2e-3;
-const PAIRS: usize = PLACES * (PLACES - 1) / 2;
 
 type Controller = TaskController<'static, NoPump, NoMpc, N>;
 type Processor<'f> = Adapting<TunedOf<'f, N>, Controller, N, PLACES, PAIRS>;
@@ -74,14 +73,12 @@ fn choice(file: &ModelFile) -> Choice {
         for _ in 0..config.setup.ticks() {
             run.tick().expect("a tick");
             if run.processor().agreement().is_some() {
-                let of = run.processor().adapter().residuals();
-                residuals.push(of.iter().map(|x| f64::from(*x)).collect());
+                residuals.push(run.processor().adapter().residuals().to_vec());
             }
         }
         residuals
     });
-    let deviations = of_windows(&[residuals], N);
-    choice.settings.deviation = deviations.into_iter().map(|deviation| deviation as f32).collect();
+    choice.settings.deviation = of_windows(&[residuals], N);
     choice
 }
 

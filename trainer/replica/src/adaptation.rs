@@ -7,8 +7,8 @@ use leastaction_core::forces::Coefficient;
 
 /// Maximum number of numbers that follow a machine on the host.
 pub const PLACES: usize = 64;
-/// Pairs of different places.
-const PAIRS: usize = PLACES * (PLACES - 1) / 2;
+/// Number of pairs of different places.
+pub const PAIRS: usize = PLACES * (PLACES - 1) / 2;
 /// An adapter with a place for every number of a model.
 pub type AdapterOf<const N: usize> = Adapter<f32, N, PLACES, PAIRS>;
 
@@ -70,6 +70,12 @@ pub trait Adaptation: Send {
     /// Passes a tick of which nothing can be learned.
     fn skip(&mut self);
 
+    /// Findings so far.
+    fn findings(&self) -> &dyn Findings;
+}
+
+/// Findings of an adapter about its machine.
+pub trait Findings {
     /// Estimated distance of number j from the model, with its standard error.
     fn estimate(&self, j: usize) -> Option<Difference<f32>>;
 
@@ -106,25 +112,31 @@ impl<const N: usize> Adaptation for Running<'_, N> {
         self.adapter.skip();
     }
 
+    fn findings(&self) -> &dyn Findings {
+        &*self.adapter
+    }
+}
+
+impl<const N: usize> Findings for AdapterOf<N> {
     fn estimate(&self, j: usize) -> Option<Difference<f32>> {
-        let filter = self.adapter.filter();
+        let filter = self.filter();
         Some(Difference { estimate: *filter.estimate().get(j)?, error: filter.variance(j).sqrt() })
     }
 
     fn residuals(&self) -> &[f32] {
-        self.adapter.residuals()
+        AdapterOf::residuals(self)
     }
 
     fn applied(&self, j: usize) -> Option<f32> {
-        self.adapter.applied().get(j).copied()
+        AdapterOf::applied(self).get(j).copied()
     }
 
     fn announced(&self, announcement: &Announcement<f32>) -> Option<Difference<f32>> {
-        announcement.of(self.adapter.filter())
+        announcement.of(self.filter())
     }
 
     fn unlike(&self) -> bool {
-        self.adapter.unlike()
+        AdapterOf::unlike(self)
     }
 }
 

@@ -177,8 +177,7 @@ impl Adapt {
         course: &Course,
     ) -> Result<AdaptReport, Failure> {
         let adapted = adapted(model, choice, course).map_err(|error| self.refused(&error))?;
-        let last = course.entries.last();
-        let mass = choice.announcement.and_then(|of| last?.estimates.get(usize::from(of.number)).copied());
+        let mass = course.mass(choice);
         let cut_off = TrainingConfig::default().cut_off;
         let nmse = |model: &Model| Some(torque_errors(model, log, cut_off)?.nmse);
         Ok(AdaptReport {
@@ -192,8 +191,8 @@ impl Adapt {
             nmse_before: nmse(model),
             nmse_after: nmse(&adapted),
             numbers: numbers(choice, course),
-            changes: course.entries.iter().filter(|entry| entry.changed).map(|entry| entry.t).collect(),
-            unlike: last.is_some_and(|entry| entry.unlike),
+            changes: course.changes(),
+            unlike: course.unlike(),
         })
     }
 }
@@ -220,8 +219,7 @@ fn course(model: &Model, choice: &Choice, log: &Dataset) -> Result<Course, Adapt
 }
 
 fn measured(model: &Model, choice: &Choice, log: &Dataset) -> Result<Vec<f32>, AdaptationError> {
-    let of = on_chip(model, |chip| deviations((model, chip), choice, log))?;
-    Ok(of.into_iter().map(|deviation| deviation as f32).collect())
+    on_chip(model, |chip| deviations((model, chip), choice, log))
 }
 
 /// The model with the numbers in use at the end of a log.

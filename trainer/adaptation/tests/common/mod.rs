@@ -78,7 +78,7 @@ impl Machine {
         )
     }
 
-    /// Readings of positions with encoders of 2¹⁴ steps a turn, and torques, after `still` seconds at rest against gravity and noise of the torques.
+    /// Readings of positions with encoders of 2¹⁴ steps a turn, and torques with noise.
     pub fn log(self, seconds: f64, seed: u64) -> Dataset {
         let weights = self.weights();
         let mut block = weights.as_slice();

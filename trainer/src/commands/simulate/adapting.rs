@@ -4,13 +4,12 @@ use super::{Request, Trace, scenario};
 use crate::commands::adapt::{NumberReport, numbers};
 use leastaction::cli::Failure;
 use leastaction::models::chip_file;
-use leastaction_adaptation::{AdaptationError, Choice, Course, Entry, Request as Wishes, of_windows};
-use leastaction_core::adapt::{Agreement, Difference};
+use leastaction_adaptation::{AdaptationError, Choice, Course, Request as Wishes, of_windows};
 use leastaction_firmware_sim::control::{Controller, Trajectory};
 use leastaction_firmware_sim::scenario::{Run, Setup};
 use leastaction_firmware_sim::{self as firmware_sim, Adapting, Firmware, Summary, Tick, Timeline};
 use leastaction_models::Model;
-use leastaction_replica::{AdapterOf, ModelFile, TunedOf};
+use leastaction_replica::{ModelFile, TunedOf};
 use serde::Serialize;
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -33,8 +32,7 @@ impl<'a> Adaptive<'a> {
     /// [`Failure::Input`] for a model that no chip can have.
     pub fn new(model: &'a Model) -> Result<Self, Failure> {
         let file = chip_file(model).map_err(Failure::Input)?;
-        let course = Course { entries: Vec::new(), announced: None, moving: 0.0 };
-        Ok(Self { model, file, choice: RefCell::new(None), course: RefCell::new(course) })
+        Ok(Self { model, file, choice: RefCell::default(), course: RefCell::default() })
     }
 
     /// Runs the mechanism as it was learned, with other noise, and measures how well the model explains it.
@@ -58,9 +56,8 @@ impl<'a> Adaptive<'a> {
         C: Controller<N>,
     {
         let (is_first, choice) = self.chosen(setup.tick, N)?;
-        let tuned =
-            TunedOf::<N>::new(&self.file).map_err(|error| Failure::Input(format!("--adapt: {error}")))?;
-        let adapter = choice.settings.adapter::<N>().map_err(|error| Failure::Input(error.to_string()))?;
+        let tuned = TunedOf::<N>::new(&self.file).map_err(|error| refused(error.into()))?;
+        let adapter = choice.settings.adapter::<N>().map_err(|error| refused(error.into()))?;
         let processor = Adapting::new(tuned, firmware, choice.blocks(), adapter);
         let mut run = Run::new(plant, processor, setup, trajectory).map_err(scenario::misused)?;
         let mut residuals = Vec::new();
@@ -70,8 +67,9 @@ impl<'a> Adaptive<'a> {
             let processor = run.processor();
             if let Some(agreement) = processor.agreement() {
                 let adapter = processor.adapter();
-                residuals.push(adapter.residuals().iter().map(|x| f64::from(*x)).collect());
-                self.record(&choice, tick.time.into(), (adapter, &agreement));
+                residuals.push(adapter.residuals().to_vec());
+                let time = [tick.time.into(); 2];
+                self.course.borrow_mut().record(&choice, time, (adapter, &agreement));
             }
         }
         if is_first {
@@ -90,61 +88,29 @@ impl<'a> Adaptive<'a> {
         Ok((true, choice))
     }
 
-    fn measure(&self, mut choice: Choice, residuals: Vec<Vec<f64>>, n: usize) -> Result<(), Failure> {
+    fn measure(&self, mut choice: Choice, residuals: Vec<Vec<f32>>, n: usize) -> Result<(), Failure> {
         if residuals.is_empty() {
             let longest = 0.0;
             return Err(refused(AdaptationError::TooShort { window: choice.window(), longest }));
         }
-        let deviations = of_windows(&[residuals], n);
-        choice.settings.deviation = deviations.into_iter().map(|deviation| deviation as f32).collect();
+        choice.settings.deviation = of_windows(&[residuals], n);
         *self.choice.borrow_mut() = Some(choice);
-        let mut course = self.course.borrow_mut();
-        (course.entries, course.announced) = (Vec::new(), None);
+        *self.course.borrow_mut() = Course::default();
         Ok(())
-    }
-
-    fn record<const N: usize>(
-        &self,
-        choice: &Choice,
-        t: f64,
-        (adapter, agreement): (&AdapterOf<N>, &Agreement<f32>),
-    ) {
-        let mut course = self.course.borrow_mut();
-        let filter = adapter.filter();
-        let announced = choice.announcement.as_ref().and_then(|test| test.of(filter));
-        if let (Some(difference), None) = (announced, course.announced) {
-            course.announced = Some((t, difference));
-        }
-        let count = choice.settings.numbers.len();
-        let estimates = filter.estimate().iter().take(count).enumerate();
-        let estimate = |(j, estimate): (usize, &f32)| Difference {
-            estimate: *estimate,
-            error: filter.variance(j).sqrt(),
-        };
-        course.entries.push(Entry {
-            t,
-            moving: t,
-            estimates: estimates.map(estimate).collect(),
-            applied: adapter.applied().iter().take(count).copied().collect(),
-            agreement: agreement.squares / f32::from(agreement.rows.max(1)),
-            changed: agreement.changed,
-            announced: announced.is_some(),
-            unlike: adapter.unlike(),
-        });
     }
 
     /// Findings of the second run.
     pub(super) fn report(&self) -> Option<AdaptiveReport> {
         let (choice, course) = (self.choice.borrow(), self.course.borrow());
-        let (choice, last) = (choice.as_ref()?, course.entries.last()?);
-        let mass = choice.announcement.and_then(|of| last.estimates.get(usize::from(of.number)).copied());
+        let choice = choice.as_ref()?;
+        let mass = course.mass(choice);
         Some(AdaptiveReport {
             mass: mass.map(|mass| mass.estimate),
             standard_error: mass.map(|mass| mass.error),
             announced_at: course.announced.map(|(t, _)| t),
             numbers: numbers(choice, &course),
-            changes: course.entries.iter().filter(|entry| entry.changed).map(|entry| entry.t).collect(),
-            unlike: last.unlike,
+            changes: course.changes(),
+            unlike: course.unlike(),
         })
     }
 }
