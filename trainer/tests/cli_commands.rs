@@ -2,6 +2,8 @@
 
 #[path = "cli_commands/actuators.rs"]
 mod actuators;
+#[path = "cli_commands/adapt.rs"]
+mod adapt;
 #[path = "cli_commands/arms.rs"]
 mod arms;
 #[path = "cli_commands/bags.rs"]

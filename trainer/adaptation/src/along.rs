@@ -29,6 +29,8 @@ pub struct Entry {
     pub estimates: Vec<Difference<f32>>,
     /// Distances in use.
     pub applied: Vec<f32>,
+    /// Balance of the model without any adaptation over the window, N or N m for every coordinate.
+    pub residuals: Vec<f32>,
     /// Squared innovations over their variances, mean over the rows.
     pub agreement: f32,
     /// Whether something changed at once.
@@ -57,6 +59,7 @@ impl Course {
             moving,
             estimates: numbers.clone().filter_map(|j| found.estimate(j)).collect(),
             applied: numbers.filter_map(|j| found.applied(j)).collect(),
+            residuals: found.residuals().to_vec(),
             agreement: agreement.squares / f32::from(agreement.rows.max(1)),
             changed: agreement.changed,
             announced: announced.is_some(),

@@ -2,23 +2,27 @@
 //!
 //! ```text
 //! model ─► Choice: which numbers, how far they may go ─┐
-//! log of the training ─► deviations: how well the model explains it ─┴─► Plan ─► along another log: Course, what is attached, how sure
+//! log of the training ─► deviations: how well the model explains it ─┴─► Followed: the Course along another log, what is attached, how sure
 //! ```
 
 mod along;
 mod choice;
 mod deviations;
 mod error;
+mod followed;
 mod names;
+mod remaining;
 mod ticks;
 
 pub use along::{Course, Entry, along};
 pub use choice::{Choice, Request};
 pub use deviations::{deviations, of_windows};
 pub use error::AdaptationError;
+pub use followed::Followed;
 pub use leastaction_core::adapt::Difference;
 pub use leastaction_replica::Following;
-pub use names::name;
+pub use names::{Group, Label};
+pub use remaining::remaining;
 
 use leastaction_models::Model;
 use leastaction_replica::{ModelFile, Replica};

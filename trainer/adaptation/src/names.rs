@@ -1,26 +1,101 @@
+//! Names, groups and units of numbers.
+
+use crate::Choice;
 use leastaction_core::adapt::Number;
+use leastaction_core::energy::bodies::PLANAR_INERTIAL_PARAMETERS;
 use leastaction_core::forces::Coefficient;
 
-/// Symbols of the ten inertial numbers of a body in space; those of the plane are m, mc_x, mc_y and I.
-const INERTIA: [&str; 10] = ["m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz"];
+/// Symbols of the ten inertial numbers of a body in space.
+const IN_SPACE: [&str; 10] = ["m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz"];
+/// Symbols of the four inertial numbers of a body in a plane.
+const IN_PLANE: [&str; PLANAR_INERTIAL_PARAMETERS] = ["m", "mc_x", "mc_y", "I"];
 
-/// Name of a number: its symbol, and the body or coordinate, counted from 0.
-pub fn name(number: Number) -> String {
-    match number {
-        Number::None => String::new(),
-        Number::Inertia { body, index } => {
-            let symbol = INERTIA.get(usize::from(index)).copied().unwrap_or("?");
-            format!("{symbol} of body {body}")
-        }
-        Number::Rotor(i) => format!("J of coordinate {i}"),
-        Number::Friction(coefficient, i) => {
-            let symbol = match coefficient {
-                Coefficient::Viscous | Coefficient::DirectionalViscous => "b",
-                Coefficient::Coulomb | Coefficient::Directional | Coefficient::Sticking => "c",
-            };
-            format!("{symbol} of coordinate {i}")
-        }
-        Number::Offset(i) => format!("o of coordinate {i}"),
-        Number::Gain(i) => format!("g of coordinate {i}"),
+/// Numbers of a kind, which have one unit but for the kind of coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// Mass of a body.
+    Mass,
+    /// First moments of a body's mass.
+    Moments,
+    /// Moments and products of inertia of a body, about the origin of its frame.
+    Inertias,
+    /// Viscous friction.
+    Viscous,
+    /// Dry friction.
+    Dry,
+    /// Rotors, offsets and gains of drives.
+    Drives,
+}
+
+/// Label of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// Symbol.
+    pub symbol: &'static str,
+    /// The body or the coordinate, from 0.
+    pub place: u8,
+    /// Kind of number.
+    pub group: Group,
+    /// Unit; empty for a number without one.
+    pub unit: &'static str,
+}
+
+impl Group {
+    /// Whether numbers of the kind are those of a body.
+    pub fn is_of_body(self) -> bool {
+        matches!(self, Self::Mass | Self::Moments | Self::Inertias)
     }
+}
+
+impl Label {
+    /// Symbol, and the body or the coordinate.
+    pub fn name(&self) -> String {
+        let Self { symbol, place, group, .. } = self;
+        format!("{symbol} of {} {place}", if group.is_of_body() { "body" } else { "coordinate" })
+    }
+}
+
+impl Choice {
+    /// Labels of all numbers; `coordinates` has a letter for every coordinate: t for one that slides, a for one that turns, and c for either.
+    pub fn labels(&self, coordinates: &str) -> Vec<Label> {
+        let of_body = |number: Number| matches!(number, Number::Inertia { .. });
+        let count = self.settings.numbers.iter().filter(|following| of_body(following.number)).count();
+        let symbols: &[&str] = if count == PLANAR_INERTIAL_PARAMETERS { &IN_PLANE } else { &IN_SPACE };
+        let letter = |i: u8| coordinates.as_bytes().get(usize::from(i)).copied().unwrap_or(b'c');
+        let label = |number: Number| match number {
+            Number::Inertia { body, index } => of_body_number(body, symbols.get(usize::from(index)).copied()),
+            _ => of_coordinate(number, letter),
+        };
+        self.settings.numbers.iter().map(|following| label(following.number)).collect()
+    }
+}
+
+fn of_body_number(body: u8, symbol: Option<&'static str>) -> Label {
+    let symbol = symbol.unwrap_or("?");
+    let (group, unit) = match symbol.as_bytes() {
+        [b'm'] => (Group::Mass, "kg"),
+        [b'm', ..] => (Group::Moments, "kg m"),
+        _ => (Group::Inertias, "kg m²"),
+    };
+    Label { symbol, place: body, group, unit }
+}
+
+fn of_coordinate(number: Number, letter: impl Fn(u8) -> u8) -> Label {
+    let force = ["N", "N m", "N or N m"];
+    let (symbol, place, group, [slides, turns, either]) = match number {
+        Number::Friction(Coefficient::Viscous | Coefficient::DirectionalViscous, i) => {
+            ("b", i, Group::Viscous, ["N s/m", "N m s/rad", "N s/m or N m s/rad"])
+        }
+        Number::Friction(_, i) => ("c", i, Group::Dry, force),
+        Number::Rotor(i) => ("J", i, Group::Drives, ["kg", "kg m²", "kg or kg m²"]),
+        Number::Offset(i) => ("o", i, Group::Drives, force),
+        Number::Gain(i) => ("g", i, Group::Drives, [""; 3]),
+        Number::None | Number::Inertia { .. } => ("", 0, Group::Drives, [""; 3]),
+    };
+    let unit = match letter(place) {
+        b't' => slides,
+        b'a' => turns,
+        _ => either,
+    };
+    Label { symbol, place, group, unit }
 }

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{AS_LEARNED, H, Machine, N, model};
-use leastaction_adaptation::{AdaptationError, Choice, Course, Request, along, deviations, on_chip};
+use leastaction_adaptation::{
+    AdaptationError, Choice, Course, Followed, Request, along, deviations, on_chip, remaining,
+};
 use leastaction_data::Dataset;
 use leastaction_models::Model;
 
@@ -44,6 +46,33 @@ fn the_adapted_model_carries_the_load() {
         |model: &Model| on_chip(model, |chip| deviations((model, chip), &choice, &log)).expect("deviations");
     for (before, after) in unexplained(&model).into_iter().zip(unexplained(&adapted)) {
         assert!(after < 0.01 * before, "{after} N m of {before} N m");
+    }
+}
+
+/// Sum of the squares of all residuals.
+fn squares(of: &[Vec<f32>]) -> f32 {
+    of.iter().flatten().map(|x| x * x).sum()
+}
+
+#[test]
+fn numbers_in_use_leave_less_unexplained() {
+    let (model, loaded) = (model(), Machine { mass: 1.0, ..AS_LEARNED });
+    // A second trajectory, after one that does not end with a window.
+    let mut log = loaded.log(10.3, 2);
+    log.trajectories.extend(loaded.log(10.0, 7).trajectories);
+    let followed = Followed::new(&model, &log, Some(&AS_LEARNED.log(30.0, 1)), &Request::default());
+    let Followed { choice, mut course, .. } = followed.expect("numbers");
+    let residuals: Vec<_> = course.entries.iter().map(|entry| entry.residuals.clone()).collect();
+    let left = remaining(&model, &choice, &log, &course).expect("a balance");
+    assert_eq!(left.len(), residuals.len());
+    let late = residuals.len() / 2;
+    let (before, after) = (squares(&residuals[late..]), squares(&left[late..]));
+    assert!(after < 0.01 * before, "{after} of {before}");
+    // With the numbers of the file, the balance is that which the adapter saw.
+    course.entries.iter_mut().for_each(|entry| entry.applied.fill(0.0));
+    let same = remaining(&model, &choice, &log, &course).expect("a balance");
+    for (same, seen) in same.iter().flatten().zip(residuals.iter().flatten()) {
+        assert!((same - seen).abs() < 1e-4 * before.sqrt(), "{same} instead of {seen}");
     }
 }
 

@@ -11,6 +11,9 @@ td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{
 td.worse b{color:#a33c00}code{font-size:.8rem;background:#f3f3f3;padding:.05rem .3rem}\
 details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}ul.notes{font-size:.8rem;color:#444}";
 
+/// Style of a sentence that nobody may overlook.
+const LOUD: &str = "background:#a33c00;color:#fff;padding:.7rem 1rem;font-weight:bold";
+
 /// A page with this title; `body` is HTML.
 pub fn page(title: &str, body: &str) -> String {
     format!(
@@ -55,6 +58,18 @@ pub fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> String {
     format!("<div class=\"wide\"><table>\n<tr>{head}</tr>\n{rows}</table></div>\n")
 }
 
+/// A table of facts: names and plain texts, which wrap.
+pub fn facts(facts: &[(&str, String)]) -> String {
+    let row = |(name, text): &(&str, String)| vec![escaped(name), escaped(text)];
+    let rows: Vec<_> = facts.iter().map(row).collect();
+    table(&["", ""], &[0, 1], &rows).replacen("<table>", "<table style=\"white-space:normal\">", 1)
+}
+
+/// A paragraph of plain text that nobody may overlook.
+pub fn loud(text: &str) -> String {
+    format!("<p style=\"{LOUD}\">{}</p>\n", escaped(text))
+}
+
 /// A part that is folded until the reader opens it.
 pub fn folded(summary: &str, body: &str) -> String {
     format!("<details><summary>{}</summary>\n{body}</details>\n", escaped(summary))
@@ -84,6 +99,15 @@ pub fn number(x: f64) -> String {
     }
 }
 
+/// Formats a number and its standard error, both to two significant digits of the error.
+pub fn with_error(x: f64, error: f64) -> String {
+    if !(error > 0.0 && error.is_finite()) {
+        return format!("{} ± {}", number(x), number(error));
+    }
+    let digits = (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{x:.digits$} ± {error:.digits$}")
+}
+
 /// A table cell: a value, with smaller text below it.
 pub fn cell(of: impl Display, below: &str) -> String {
     let below = if below.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(below)) };
@@ -98,6 +122,20 @@ mod tests {
     fn numbers_have_three_digits() {
         let text = [0.0, 0.012_345, -1.5, 123.45, 2e-5, 31415.9, f64::INFINITY].map(number);
         assert_eq!(text, ["0", "0.0123", "-1.50", "123", "2.00e-5", "3.14e4", "broke off"]);
+    }
+
+    #[test]
+    fn errors_have_two_digits() {
+        assert_eq!(with_error(2.35564, 0.05362), "2.356 ± 0.054");
+        assert_eq!(with_error(-123.4, 17.2), "-123 ± 17");
+        assert_eq!(with_error(1.5, 0.0), "1.50 ± 0");
+    }
+
+    #[test]
+    fn loud_text_and_facts_are_escaped() {
+        assert!(loud("a < b").contains("font-weight:bold\">a &lt; b</p>"));
+        let facts = facts(&[("log", "x & y".to_owned())]);
+        assert!(facts.contains("white-space:normal") && facts.contains(">x &amp; y</td>"), "{facts}");
     }
 
     #[test]

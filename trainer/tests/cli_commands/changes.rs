@@ -27,11 +27,12 @@ fn tree() -> Tree {
 }
 
 /// Writes the arm with damping b and dry friction c of every joint, of which 0.8 c grows with the load.
-fn write_arm(bench: &Bench, name: &str, tree: &Tree, [b, c]: [f64; 2]) {
+pub fn write_arm(bench: &Bench, name: &str, tree: &Tree, [b, c]: [f64; 2]) {
     let numbers = |all: &[f64]| all.iter().map(|x| Number::known(*x)).collect::<Vec<_>>();
     let dry: [Number; FrictionNumber::ALL.len()] = [c, 0.8 * c, 1.0, 0.05].map(Number::known);
     let arm = ArmArchitecture::new(tree, |_| false, |_| Number::known(0.1)).unwrap();
-    let group_laws = GroupLaws::of_friction(numbers(&[b, b]), vec![dry; 2]);
+    let n = arm.bodies.len();
+    let group_laws = GroupLaws::of_friction(numbers(&vec![b; n]), vec![dry; n]);
     let architecture = Architecture { group_laws, ..arm.into() };
     let weights = architecture.initial_weights(0);
     fs::write(bench.at(name), Model::new(architecture, weights).to_bytes().unwrap()).unwrap();

@@ -12,7 +12,7 @@ use crate::training::Residuals;
 use crate::windows::{CalibrationLayout, Certainty, WindowLogs, WindowLoss, certainty};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
-use leastaction_plot::page::{cell, escaped, folded, list, number, paragraph, picture, section, table};
+use leastaction_plot::page::{cell, folded, list, number, paragraph, picture, section, table};
 use leastaction_plot::{NotDrawn, Stroke};
 use thiserror::Error;
 
@@ -97,7 +97,7 @@ pub struct Page<'a> {
 }
 
 /// The unit of a force on a coordinate of this unit ([`unit_of`]).
-pub(crate) fn force_unit(unit: &str) -> &'static str {
+pub fn force_unit(unit: &str) -> &'static str {
     match unit {
         "m" => "N",
         "rad" => "N m",
@@ -106,7 +106,7 @@ pub(crate) fn force_unit(unit: &str) -> &'static str {
 }
 
 /// The unit of coordinate i: m for a translation, rad for an angle; a cyclic coordinate may have either.
-pub(crate) fn unit_of(letters: &str, i: usize) -> &'static str {
+pub fn unit_of(letters: &str, i: usize) -> &'static str {
     match letters.as_bytes().get(i) {
         Some(b't') => "m",
         Some(b'c') => "m or rad",
@@ -164,9 +164,7 @@ impl Page<'_> {
     }
 
     fn facts(&self) -> String {
-        let row = |(name, text): &(&str, String)| vec![escaped(name), escaped(text)];
-        let rows: Vec<Vec<String>> = self.facts.iter().map(row).collect();
-        table(&["", ""], &[0, 1], &rows).replacen("<table>", "<table style=\"white-space:normal\">", 1)
+        leastaction_plot::page::facts(&self.facts)
     }
 
     fn errors(

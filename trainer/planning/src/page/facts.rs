@@ -2,10 +2,7 @@
 
 use super::words::{Words, count, interval, percent};
 use crate::{ACCEPTED, Machine, Plan, PlanNode};
-use leastaction_plot::page::{cell, escaped, list, number, paragraph, table};
-
-/// Style of a sentence that nobody may overlook.
-const LOUD: &str = "background:#a33c00;color:#fff;padding:.7rem 1rem;font-weight:bold";
+use leastaction_plot::page::{self as html, cell, escaped, list, loud, number, paragraph, table};
 
 /// Says whether the plan can be used; loud if it cannot.
 pub fn verdict(plan: &Plan, machine: &Machine) -> String {
@@ -19,16 +16,9 @@ pub fn verdict(plan: &Plan, machine: &Machine) -> String {
     met + &if plan.interrupted { loud(stopped) } else { String::new() }
 }
 
-fn loud(text: &str) -> String {
-    format!("<p style=\"{LOUD}\">{}</p>\n", escaped(text))
-}
-
 /// Table of facts about the whole plan, and the notes on the model.
 pub fn facts(plan: &Plan, words: &Words) -> String {
-    let row = |(name, text): (&str, String)| vec![escaped(name), escaped(&text)];
-    let rows: Vec<_> = pairs(plan, words).into_iter().map(row).collect();
-    let facts = table(&["", ""], &[0, 1], &rows);
-    facts.replacen("<table>", "<table style=\"white-space:normal\">", 1) + &list(words.notes())
+    html::facts(&pairs(plan, words)) + &list(words.notes())
 }
 
 fn pairs(plan: &Plan, words: &Words) -> Vec<(&'static str, String)> {

@@ -1,7 +1,7 @@
 //! Runs in which numbers of the firmware's model follow the mechanism.
 
 use super::{Request, Trace, scenario};
-use crate::commands::adapt::{NumberReport, numbers};
+use leastaction::adaptation::{NumberReport, numbers};
 use leastaction::cli::Failure;
 use leastaction::models::chip_file;
 use leastaction_adaptation::{AdaptationError, Choice, Course, Request as Wishes, of_windows};
@@ -108,7 +108,7 @@ impl<'a> Adaptive<'a> {
             mass: mass.map(|mass| mass.estimate),
             standard_error: mass.map(|mass| mass.error),
             announced_at: course.announced.map(|(t, _)| t),
-            numbers: numbers(choice, &course),
+            numbers: numbers((self.model, choice), &course),
             changes: course.changes(),
             unlike: course.unlike(),
         })

@@ -1,0 +1,94 @@
+//! Numbers of a model that follow a log: reading of the logs, the report, and its page.
+
+mod course;
+mod page;
+mod report;
+mod verdict;
+
+pub use report::{NumberReport, Report, numbers};
+
+use crate::cli::Failure;
+use crate::evaluation::{Evaluation, Log, LogReading, Tell};
+use leastaction_adaptation::{AdaptationError, Followed, Request};
+use leastaction_learning::atomic;
+use leastaction_models::Model;
+use std::path::{Path, PathBuf};
+
+/// A model whose numbers are to follow a log.
+pub struct Adaptation<'a> {
+    /// File of the model, or folder of its run.
+    pub file: &'a Path,
+    /// The model.
+    pub model: &'a Model,
+    /// Configuration that names the log on which the model is right; without it that of the run, if there is one.
+    pub config: Option<&'a Path>,
+    /// Wishes.
+    pub request: Request,
+}
+
+/// A model whose numbers have followed a log.
+pub struct Adapted<'a> {
+    of: Adaptation<'a>,
+    log: Log,
+    is_measured: bool,
+    /// The numbers and their course.
+    pub followed: Followed,
+    /// Findings.
+    pub report: Report,
+}
+
+impl<'a> Adaptation<'a> {
+    /// Lets the numbers follow a log; reports what the user should know about the logs.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if a log cannot be read, or if no number can follow it.
+    pub fn along(self, reading: &LogReading, tell: Tell) -> Result<Adapted<'a>, Failure> {
+        let log = self.read(reading, tell)?;
+        let training = self.training(tell)?;
+        if training.is_none() {
+            tell(
+                "how uncertain the model is in itself is taken from this log, after its numbers have followed it; name the configuration \
+                 that it was trained by"
+                    .to_owned(),
+            );
+        }
+        let right = training.as_ref().map(|training| &training.data);
+        let followed = Followed::new(self.model, &log.data, right, &self.request);
+        let followed = followed.map_err(|error| self.refused(&error, &log.file))?;
+        let report = Report::new((self.file, self.model), &log, &followed);
+        Ok(Adapted { of: self, log, is_measured: training.is_some(), followed, report })
+    }
+
+    fn read(&self, reading: &LogReading, tell: Tell) -> Result<Log, Failure> {
+        let Self { file, model, .. } = *self;
+        Evaluation { file, model, order: None, control: None }.read(reading, tell)
+    }
+
+    /// The log that the model learned from, if its configuration is known.
+    fn training(&self, tell: Tell) -> Result<Option<Log>, Failure> {
+        let of_run = || Some(self.file.join("config.toml")).filter(|config| config.is_file());
+        let Some(config) = self.config.map(PathBuf::from).or_else(of_run) else { return Ok(None) };
+        self.read(&LogReading::new(Some(&config), None, self.file)?, tell).map(Some)
+    }
+
+    fn refused(&self, error: &AdaptationError, log: &Path) -> Failure {
+        match error {
+            AdaptationError::Nothing | AdaptationError::NoSuchBody { .. } | AdaptationError::Model(_) => {
+                Failure::input(self.file, error)
+            }
+            _ => Failure::input(log, error),
+        }
+    }
+}
+
+impl Adapted<'_> {
+    /// Writes the page on the course of the numbers.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] if it cannot be drawn or written.
+    pub fn write_page(&self, path: &Path) -> Result<(), Failure> {
+        let page = page::Page::new(self).map_err(|error| self.of.refused(&error, &self.log.file))?;
+        let html = page.html().map_err(|error| Failure::file(path, error))?;
+        atomic::write(path, html.as_bytes()).map_err(|error| Failure::file(path, error))
+    }
+}
