@@ -39,7 +39,7 @@ fn attached(report: &Report, course: &Course) -> Option<String> {
     let mass = with_error(report.mass?, report.standard_error?);
     let of = report.attached().map_or("", |mass| &mass.name);
     let of = of.strip_prefix("m of ").unwrap_or(of);
-    let mass = format!("Attached to {of} at the end of the log: {mass} kg (estimate ± standard error).");
+    let mass = format!("Mass attached to {of} at the end of the log: {mass} kg (estimate ± standard error).");
     let announced = match (course.announced, report.seconds_to_announce) {
         (Some((t, then)), Some(moving)) => format!(
             "Announced after {} s of motion, {} s from the beginning of the log; then {} kg.",
@@ -55,7 +55,7 @@ fn attached(report: &Report, course: &Course) -> Option<String> {
 fn torques(report: &Report) -> Option<String> {
     let (before, after) = (report.nmse_before?, report.nmse_after?);
     let worse = if after > before {
-        " They are those of what is remembered last, and explain the log as a whole a little worse than the model does."
+        " These numbers come from the time that is remembered; they explain the log as a whole worse than those of the model."
     } else {
         ""
     };

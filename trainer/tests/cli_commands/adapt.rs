@@ -116,7 +116,7 @@ fn a_load_is_announced_and_its_page_shows_when() {
     let page = bench.text("page.html");
     let parts = [
         "arm.postcard along load.csv",
-        "Attached to body 2 at the end of the log: ",
+        "Mass attached to body 2 at the end of the log: ",
         "Announced after",
         "measured on the log that it learned from",
         "What is attached",
