@@ -4,7 +4,7 @@
 //! arrays of Python ─► arrays ─► single  (the chip's arithmetic, Replica of leastaction-replica) ─► arrays of Python
 //!                             ├► motion  (the same, step by step), observer
 //!                             └► double, derivatives  (programs of any size, in f64)
-//! files ─► training, tools (what the command does, by its library)
+//! files ─► training, tools, adaptation (what the command does, by its library)
 //! files, models ─► planning, controller, regulators, viewer (plans, policies, linear regulators and drawings, of leastaction-planning)
 //! ```
 //!
@@ -12,6 +12,7 @@
 //! neither Python threads nor the module's own threads change a bit. The Python code beside this module
 //! (`python/leastaction`) documents shapes, units and defaults.
 
+mod adaptation;
 mod arguments;
 mod arrays;
 mod attend;
@@ -78,6 +79,7 @@ fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(training::checked, module)?)?;
     module.add_function(wrap_pyfunction!(tools::look_at, module)?)?;
     module.add_function(wrap_pyfunction!(tools::evaluate, module)?)?;
+    module.add_function(wrap_pyfunction!(adaptation::adapt, module)?)?;
     module.add_function(wrap_pyfunction!(tools::model_of_run, module)?)?;
     module.add_function(wrap_pyfunction!(tools::write_file, module)?)?;
     module.add_function(wrap_pyfunction!(tools::read_log, module)?)?;

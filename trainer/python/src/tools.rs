@@ -25,7 +25,8 @@ pub fn parsed(text: &str) -> PyResult<Config> {
     Config::parse(text, Path::new("the configuration")).map_err(input)
 }
 
-fn json(report: &impl serde::Serialize) -> PyResult<String> {
+/// A report as JSON.
+pub fn json(report: &impl serde::Serialize) -> PyResult<String> {
     serde_json::to_string(report).map_err(|error| Kind::Work.says(error))
 }
 
@@ -69,8 +70,13 @@ pub struct LogRequest {
 }
 
 impl LogRequest {
+    /// The configuration, if one is given.
+    pub fn config(&self) -> Option<&Path> {
+        self.config.as_deref()
+    }
+
     /// The log, and how it is read; the model is a file or the folder of a run.
-    fn reading(&self, model: &Path) -> Result<LogReading, Failure> {
+    pub fn reading(&self, model: &Path) -> Result<LogReading, Failure> {
         match self.files.clone().map(LogFiles) {
             Some(files) if self.native => Ok(LogReading::native(files)),
             files => LogReading::new(self.config.as_deref(), files, model),

@@ -15,6 +15,7 @@ from ._levels import choose as _choose
 _choose()
 
 # ruff: noqa: E402, I001
+from ._adaptation import Adaptation, AdaptedNumber, adapt
 from ._controller import Controller, LibraryProgress
 from ._environment import Environment
 from ._errors import Error, InputError, SolveError, WorkError
@@ -30,6 +31,8 @@ from . import viewer
 
 __all__ = [
     "AccelerationJacobians",
+    "Adaptation",
+    "AdaptedNumber",
     "Controller",
     "Environment",
     "Error",
@@ -56,6 +59,7 @@ __all__ = [
     "Trajectory",
     "WorkError",
     "__version__",
+    "adapt",
     "defaults",
     "evaluate",
     "from_bytes",
