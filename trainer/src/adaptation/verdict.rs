@@ -23,8 +23,8 @@ fn warnings(report: &Report) -> Vec<&'static str> {
     }
     if !report.numbers.iter().any(|number| number.is_found()) {
         warnings.push(
-            "THE LOG SHOWS NOTHING: every standard error is still more than half of what it was before the log. The machine has to move, \
-             and move more than here.",
+            "THE LOG SHOWS NOTHING: every standard error is still more than half of what it was before the log. The machine moves too little, \
+             or the model is too uncertain in itself.",
         );
     } else if report.attached().is_some_and(|mass| !mass.is_found()) {
         warnings.push(
