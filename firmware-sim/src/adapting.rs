@@ -56,12 +56,11 @@ impl<S: Tunable<N>, C, const N: usize, const P: usize, const T: usize> Adapting<
         let reading = (elapsed == 1 && !self.frozen).then(|| self.reading(measured, before)).flatten();
         let Some(block) = self.blocks.take(reading.as_ref()) else { return };
         match block {
+            _ if self.frozen => return self.adapter.hold(),
             Some(moment) => self.agreement = self.adapter.take(self.model.of_file(), &moment),
             None => self.adapter.skip(),
         }
-        if !self.frozen {
-            self.model.set(self.adapter.numbers(), self.adapter.applied());
-        }
+        self.model.set(self.adapter.numbers(), self.adapter.applied());
     }
 
     /// Reading of a tick, if the estimate is trusted and no reading is missing.

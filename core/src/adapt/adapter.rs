@@ -24,6 +24,9 @@ pub struct Tuning<R, const N: usize, const P: usize> {
     /// Share of the knowledge along a row that is forgotten before the row is taken, from 0 to below 1: about h half over the time that is
     /// to be remembered.
     pub forgotten: R,
+    /// Variance that every number gains in a second, up to that of its prior, whether it is excited or not: the square of how far friction
+    /// goes as grease warms up. 0 for a number that changes at once or never.
+    pub walk: [R; P],
     /// Threshold of [`Changes`]: at 50, independent errors are taken for a change about once in 10⁸ windows.
     pub change: R,
     /// Limits of the numbers in use.
@@ -43,6 +46,8 @@ pub struct Adapter<R, const N: usize, const P: usize, const T: usize> {
     changes: Changes<R>,
     /// Work that is left for the next tick.
     due: Due,
+    /// The number that walks next.
+    turn: u8,
     /// Estimate on its way to the limits.
     moving: [R; P],
     /// Limited estimate, which the distances in use approach.
@@ -106,6 +111,7 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
             filter: Filter::new(tuning.prior),
             changes: Changes::new(tuning.change, memory, R::zero()),
             due: Due::Nothing,
+            turn: 0,
             moving: [R::zero(); P],
             target: [R::zero(); P],
             applied: [R::zero(); P],
@@ -135,10 +141,11 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         &self.residuals
     }
 
-    /// Begins with known distances, such as those of a saved patch; what is known of them is what the prior says.
+    /// Begins with known distances within the limits; what is known of them is what the prior says.
     pub fn begin_at(&mut self, distances: [R; P]) {
-        self.filter = Filter::at(distances, self.tuning.prior);
-        let limited = self.tuning.limits.within(&self.numbers, &self.filter);
+        let begun: Filter<R, P, T> = Filter::at(distances, self.tuning.prior);
+        let limited = self.tuning.limits.within(&self.numbers, &begun);
+        self.filter = Filter::at(limited, self.tuning.prior);
         (self.target, self.applied) = (limited, limited);
     }
 
@@ -169,10 +176,15 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         Some(agreement)
     }
 
-    /// Passes a tick of which nothing can be learned, and drops what was seen of the open windows: a reading was missing, a drive did not do
-    /// what it was told, or the numbers are frozen.
+    /// Passes a tick of which nothing can be learned, and drops what was seen of the open windows: a reading was missing, or a drive did not do
+    /// what it was told. The numbers in use go on towards the estimate.
     pub fn skip(&mut self) {
         self.catch_up();
+        self.hold();
+    }
+
+    /// Passes a tick while the numbers are frozen: those in use stay what they are, and what was seen of the open windows is dropped.
+    pub fn hold(&mut self) {
         self.balance.drop_open();
         self.balance.pass();
     }
@@ -193,7 +205,7 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
     /// Does what the last window left to do, and moves the numbers in use on.
     fn catch_up(&mut self) {
         match core::mem::replace(&mut self.due, Due::Nothing) {
-            Due::Nothing => {}
+            Due::Nothing => self.walk(),
             Due::Limits(left) => self.limit(left),
             Due::Loosening => {
                 let prior = self.tuning.prior.iter().enumerate();
@@ -202,6 +214,20 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         }
         for (applied, target) in self.applied.iter_mut().zip(self.target) {
             *applied += (target - *applied) * self.tuning.pace();
+        }
+    }
+
+    /// Lets the next number that walks go on: one a tick, by as much as all of them take to come round.
+    fn walk(&mut self) {
+        let Tuning { walk, prior, h, .. } = self.tuning;
+        let walks = |(_, (walk, _)): &(usize, (R, R))| *walk > R::zero();
+        let all = || walk.into_iter().zip(prior).enumerate().filter(walks);
+        let next = all().find(|(j, _)| *j >= usize::from(self.turn)).or_else(|| all().next());
+        let Some((j, (walk, prior))) = next else { return };
+        self.turn = (j + 1) as u8;
+        if self.filter.variance(j) < prior * prior {
+            let round = all().fold(R::zero(), |ticks, _| ticks + R::one());
+            self.filter.loosen(j, walk * h * round);
         }
     }
 

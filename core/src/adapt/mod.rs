@@ -7,7 +7,7 @@
 //! is linear in many [numbers](Number) π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives — and
 //! contains no acceleration. [`Balance`] takes it over windows of a smooth weight, [`Filter`] estimates from it how far the numbers are from
 //! the model's, with their standard errors, and forgets only what is excited. An [`Adapter`] does both at every tick, in bounded time;
-//! [`Blocks`] give it the motion of a fast loop.
+//! [`Blocks`] give it the motion of a fast loop, and a [`Patch`] keeps what was found.
 
 mod adapter;
 mod balance;
@@ -15,6 +15,7 @@ mod blocks;
 mod filter;
 mod limits;
 mod number;
+mod patch;
 mod possible;
 mod tunable;
 mod unfit;
@@ -26,6 +27,7 @@ pub use blocks::{Blocks, Reading};
 pub use filter::{Filter, Innovation, Measurement};
 pub use limits::Limits;
 pub use number::{Moment, Number};
+pub use patch::{Patch, PatchError, Saved};
 pub use tunable::Tunable;
 pub use unfit::Unfit;
 pub use verdict::{Announcement, Changes, Difference};

@@ -1,13 +1,14 @@
 use crate::forces::{Coefficient, Forces, System};
 use crate::lagrangian::{Column, Lagrangian};
 use crate::scalar::Real;
+use serde::{Deserialize, Serialize};
 
 /// Maximum number of inertial numbers of a body.
 const INERTIAL: usize = crate::energy::arm::INERTIAL_PARAMETERS;
 
-/// A number of a model that may follow the machine.
+/// A number of a model that may follow the machine. The order is that of [patch](super::Patch) files.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Number {
     /// No number: a place that is not used.
     #[default]

@@ -1,6 +1,8 @@
-/// A number of a law, one for every coordinate, in which the law's force is linear.
+use serde::{Deserialize, Serialize};
+
+/// A number of a law, one for every coordinate, in which the law's force is linear. The order is that of patch files.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Coefficient {
     /// Coefficient c of [`Viscous`](super::Viscous).
     Viscous,

@@ -3,6 +3,7 @@ use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
 use crate::forces::ControlKind;
+use crate::frame::from_fault;
 use core::fmt;
 
 /// Reason for refusing a model file.
@@ -157,6 +158,8 @@ impl From<SizeError> for ModelError {
         Self::Shape { what, found, compiled }
     }
 }
+
+from_fault!(ModelError);
 
 impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

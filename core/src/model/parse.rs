@@ -4,9 +4,10 @@
 use super::header::sum;
 use super::{
     ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, Header, Law, Laws, MAGIC, MAX_PADDING, ModelError,
-    PREFIX_BYTES, Section, Sections, TrainedStep, TrainingRange, checksum,
+    Section, Sections, TrainedStep, TrainingRange,
 };
 use crate::expected::expected;
+use crate::frame::Framed;
 use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
@@ -161,8 +162,7 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
 /// # Errors
 /// [`ModelError`] if the bytes are no undamaged model file.
 pub fn fingerprint(bytes: &[u8]) -> Result<u32, ModelError> {
-    check_prefix(bytes)?;
-    check_sum(bytes).map(|(_, sum)| sum)
+    Ok(Framed::open(bytes, MAGIC, FORMAT_VERSION)?.sum)
 }
 
 /// Fingerprint of a model whose file was read without an error: the checksum is not computed again. `None` if the file is too short for one.
@@ -172,8 +172,7 @@ pub fn stored_fingerprint(bytes: &[u8]) -> Option<u32> {
 
 /// Reads everything before the shape.
 fn begin(bytes: &[u8]) -> Result<Begun<'_>, ModelError> {
-    check_prefix(bytes)?;
-    let sections = Sections::new(check_sum(bytes)?.0)?;
+    let sections = Sections::new(Framed::open(bytes, MAGIC, FORMAT_VERSION)?.contents)?;
     let (family, shape) = take(sections.required(Section::Energies)?)?;
     Ok(Begun { sections, family, shape })
 }
@@ -234,26 +233,4 @@ fn numbers<W: FileWeightFormat>(block: &[u8], needed: usize) -> Result<&[W], Mod
         Some(index) => Err(ModelError::NotFinite { index }),
         None => Ok(weights),
     }
-}
-
-fn check_prefix(bytes: &[u8]) -> Result<(), ModelError> {
-    let short = ModelError::TooShort { bytes: bytes.len() };
-    let magic = bytes.get(..MAGIC.len()).ok_or(short)?;
-    if magic != MAGIC {
-        return Err(ModelError::Magic);
-    }
-    match bytes.get(MAGIC.len()) {
-        None => Err(short),
-        Some(&FORMAT_VERSION) => Ok(()),
-        Some(&found) => Err(ModelError::Version { found }),
-    }
-}
-
-/// Verifies the checksum and returns the bytes between the version and the checksum, and the checksum.
-fn check_sum(bytes: &[u8]) -> Result<(&[u8], u32), ModelError> {
-    let short = ModelError::TooShort { bytes: bytes.len() };
-    let (body, stored) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(short)?;
-    let sections = body.get(PREFIX_BYTES..).ok_or(short)?;
-    let (stored, computed) = (u32::from_le_bytes(*stored), checksum(body));
-    if stored == computed { Ok((sections, stored)) } else { Err(ModelError::Checksum { stored, computed }) }
 }

@@ -1,3 +1,4 @@
+use crate::frame::from_fault;
 use core::fmt;
 
 /// Reason for refusing a plan.
@@ -81,6 +82,8 @@ pub enum PlanError {
         given: u32,
     },
 }
+
+from_fault!(PlanError);
 
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

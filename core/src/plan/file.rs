@@ -2,7 +2,8 @@
 
 use super::{FORMAT_VERSION, MAGIC, PlanError, PlanHeader};
 use crate::expected::expected;
-use crate::model::{CRC_BYTES, PREFIX_BYTES, checksum, unpadded};
+use crate::frame::Framed;
+use crate::model::unpadded;
 
 /// A validated plan of any size, with its numbers in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +33,9 @@ impl<'a> PlanFile<'a> {
     /// # Errors
     /// See [`PlanError`].
     pub fn parse(bytes: &'a [u8]) -> Result<Self, PlanError> {
+        let Framed { contents, .. } = Framed::open(bytes, MAGIC, FORMAT_VERSION)?;
         let (mut header, rest): (PlanHeader, _) =
-            postcard::take_from_bytes(contents(bytes)?).map_err(|_| PlanError::Malformed)?;
+            postcard::take_from_bytes(contents).map_err(|_| PlanError::Malformed)?;
         header.validate()?;
         let padding = |_| PlanError::OutOfRange { what: "padding" };
         let numbers = numbers(unpadded(rest).map_err(padding)?, header.numbers()?)?;
@@ -71,24 +73,6 @@ impl<'a> PlanFile<'a> {
         let (planned, given) = (self.header.model, fingerprint);
         if planned == given { Ok(()) } else { Err(PlanError::OtherModel { planned, given }) }
     }
-}
-
-/// Checks magic, version and checksum, and returns the bytes between version and checksum.
-fn contents(bytes: &[u8]) -> Result<&[u8], PlanError> {
-    let short = PlanError::TooShort { bytes: bytes.len() };
-    let (magic, rest) = bytes.split_first_chunk().ok_or(short)?;
-    if *magic != MAGIC {
-        return Err(PlanError::Magic);
-    }
-    match rest.first() {
-        None => return Err(short),
-        Some(&FORMAT_VERSION) => {}
-        Some(&found) => return Err(PlanError::Version { found }),
-    }
-    let (body, stored) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(short)?;
-    let contents = body.get(PREFIX_BYTES..).ok_or(short)?;
-    let (stored, computed) = (u32::from_le_bytes(*stored), checksum(body));
-    if stored == computed { Ok(contents) } else { Err(PlanError::Checksum { stored, computed }) }
 }
 
 /// The limits and records in place: exactly `needed` numbers, all finite.

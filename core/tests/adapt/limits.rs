@@ -94,6 +94,7 @@ fn numbers_that_do_not_belong_together_are_refused() {
             deviation: [1.0],
             prior: PRIOR,
             forgotten: 0.0,
+            walk: [0.0; P],
             change: 50.0,
             limits: limits(),
             dry: None,

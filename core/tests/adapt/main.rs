@@ -7,5 +7,6 @@ mod blocks;
 mod filter;
 mod limits;
 mod motion;
+mod patch;
 mod tuned;
 mod verdict;

@@ -54,7 +54,7 @@ fn run<M, F, L, G, const P: usize, const T: usize>(
 fn tuning<const P: usize>(prior: [f64; P]) -> Tuning<f64, N, P> {
     let limits = Limits { model: [1.0; P], lower: [-1e3; P], upper: [1e3; P], kept: 0.1 };
     let (half, deviation) = (100, [1e-2; N]);
-    Tuning { half, h: H, deviation, prior, forgotten: 0.0, change: 50.0, limits, dry: None }
+    Tuning { half, h: H, deviation, prior, forgotten: 0.0, walk: [0.0; P], change: 50.0, limits, dry: None }
 }
 
 fn first_number(body: usize) -> usize {

@@ -51,6 +51,8 @@ const LARGEST: f64 = 4.0;
 const FARTHEST: f64 = 2.0;
 /// Deviation of friction, as a share of the friction itself; it may at most be doubled twice, or vanish.
 const FRICTION: f64 = 0.3;
+/// Time in which friction goes as far as the deviation, s: grease that warms up.
+const WARMS: f32 = 120.0;
 /// Smallest mass worth announcing, in standard deviations of the prior.
 const LEAST: f64 = 0.02;
 /// Length of a block, s.
@@ -162,6 +164,7 @@ fn follow(numbers: &mut Vec<Following>, coefficient: Coefficient, levels: Vec<f3
         number: Number::Friction(coefficient, i as u8),
         model,
         prior: FRICTION as f32 * model,
+        walk: (FRICTION * f64::from(model)).powi(2) as f32 / WARMS,
         limits: [-model, 3.0 * model],
     };
     numbers.extend(levels.into_iter().enumerate().map(of));
@@ -223,7 +226,7 @@ impl Bodies {
             let prior = (mass * self.reach.powi(power)) as f32;
             // The share that a body keeps limits its losses, too.
             let largest = (LARGEST * FARTHEST.powi(power)) as f32 * prior;
-            to.push(Following { number, model, prior, limits: [-largest, largest] });
+            to.push(Following { number, model, prior, walk: 0.0, limits: [-largest, largest] });
         }
         // A rate of f an hour is a probability of f times the hours that are remembered.
         let probability = request.false_alarms * request.memory / 3600.0;

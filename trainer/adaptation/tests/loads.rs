@@ -45,7 +45,7 @@ fn the_adapted_model_carries_the_load() {
     let unexplained =
         |model: &Model| on_chip(model, |chip| deviations((model, chip), &choice, &log)).expect("deviations");
     for (before, after) in unexplained(&model).into_iter().zip(unexplained(&adapted)) {
-        assert!(after < 0.01 * before, "{after} N m of {before} N m");
+        assert!(after < 0.03 * before, "{after} N m of {before} N m");
     }
 }
 
@@ -99,6 +99,18 @@ fn friction_that_grew_is_followed() {
         assert!((grown - 0.5).abs() < 0.15, "{:?}: {grown}", number.number);
     }
     assert_eq!(course.announced, None);
+}
+
+#[test]
+fn friction_that_grows_for_a_minute_is_followed() {
+    let choice = choice(&Request::default());
+    let course = follow(&choice, &AS_LEARNED.wearing(60.0, 11, 0.5));
+    let last = course.entries.last().expect("windows");
+    for (number, found) in choice.settings.numbers.iter().zip(&last.estimates).skip(10) {
+        let grown = found.estimate / number.model;
+        assert!((grown - 0.5).abs() < 0.05, "{:?}: {grown}", number.number);
+    }
+    assert_eq!((course.announced, course.changes()), (None, vec![]));
 }
 
 #[test]

@@ -42,6 +42,8 @@ pub struct Following {
     pub model: f32,
     /// Standard deviation of its distance from the model, before anything was seen.
     pub prior: f32,
+    /// Variance that it gains in a second, up to that of the prior.
+    pub walk: f32,
     /// Smallest and largest distance in use.
     pub limits: [f32; 2],
 }
@@ -185,6 +187,7 @@ impl AdapterSettings {
             deviation: copied("the deviation", &self.deviation)?,
             prior: each(|number| number.prior),
             forgotten: self.forgotten,
+            walk: each(|number| number.walk),
             change: self.change,
             limits,
             dry: dry.transpose()?,

@@ -320,6 +320,16 @@ fn the_firmware_finds_nothing_where_nothing_was_taken_up() {
     let found = run(&bench, words)["adapted"].clone();
     let (mass, error) = (found["mass"].as_f64().unwrap(), found["standard_error"].as_f64().unwrap());
     assert!(found["announced_at"].is_null() && mass.abs() < 4.0 * error, "{found}");
-    let refused = bench.run(&format!("{words} --on cortex-m4"));
-    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    bench.run(&format!("{words} --on cortex-m4")).bad(2, &["--on"]);
+    bench
+        .run("simulate arm.postcard --scenario predict --plant arm.postcard --adapt")
+        .bad(2, &["predict", "--adapt"]);
+    bench.run("generate pendulum -o data.npz --trajectories 2 --samples 10 --h 0.05").good();
+    let config = "[data]\nfile = \"data.npz\"\n[model]\ncoordinates = \"a\"\nhidden = [2]\n[training]\niterations = 0\nwarm_up = 0\n";
+    bench.write("c.toml", config);
+    bench.run("train c.toml -o run -q --accept-poor");
+    bench.model("run");
+    bench
+        .run("simulate run.postcard --scenario swing-up --adapt")
+        .bad(2, &["--adapt", "neither bodies nor friction"]);
 }

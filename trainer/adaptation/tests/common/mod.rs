@@ -80,17 +80,23 @@ impl Machine {
 
     /// Readings of positions with encoders of 2¹⁴ steps a turn, and torques with noise.
     pub fn log(self, seconds: f64, seed: u64) -> Dataset {
+        self.wearing(seconds, seed, 0.0)
+    }
+
+    /// Readings while all friction grows by `growth` times its own, linearly.
+    pub fn wearing(self, seconds: f64, seed: u64, growth: f64) -> Dataset {
         let weights = self.weights();
         let mut block = weights.as_slice();
         let tree = BodyTree::new(ArmHeader { bodies: TREE }.bodies().flatten()).expect("a tree");
         let lagrangian = ArmBodies::take(&mut block, tree).expect("weights");
-        let system = System { lagrangian, forces: self.forces() };
         let mut state = ContinuousState { q: [0.2, 0.4, 0.5], v: [0.0; N] };
         let (mut q, mut u, mut random) = (Vec::new(), Vec::new(), seed.wrapping_mul(2).wrapping_add(1));
         for k in 0..(seconds / H) as usize {
             let command = drive(&state, k as f64 * H, &mut random);
             q.push(state.q.map(|q| (q * GRID).round() / GRID));
             u.push(command);
+            let friction = self.friction * (1.0 + growth * k as f64 * H / seconds);
+            let system = System { lagrangian, forces: Machine { friction, ..self }.forces() };
             for _ in 0..4 {
                 state = rk4_step(&system, &state, &command, H / 4.0).expect("a step");
             }

@@ -118,11 +118,13 @@ impl Request<'_> {
 
 /// Runs the loop and records its trace.
 pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
-    if request.on.is_some() && request.scenario == Scenario::Predict {
-        return Err(Failure::Input(
-            "predict has no controller to be run elsewhere; leave out --on, or take track or swing-up"
-                .to_owned(),
-        ));
+    let of_controllers = [("--on", request.on.is_some()), ("--adapt", request.adaptive.is_some())];
+    if let (Scenario::Predict, Some((option, _))) =
+        (request.scenario, of_controllers.iter().find(|(_, is_given)| *is_given))
+    {
+        return Err(Failure::Input(format!(
+            "predict has no controller; leave out {option}, or take track or swing-up"
+        )));
     }
     request.world.check(request)?;
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
