@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Lets a simulated Panda take up loads in motion, with a firmware whose model follows, and prints what it finds and how well it follows.
 
-    python3 tests/loads.py [--seeds 20]    # a few minutes on 2 quiet cores, plus compiling
+    python3 tests/loads.py [--seeds 20] [--quarters 1]    # a few minutes on 2 quiet cores, plus compiling
 
 Plant, model and motion are those of track.py; the encoders have 4,096 counts a turn without other noise. First the error along the motion, with
 and without adaptation, by the time since the load was taken up; then masses between .5 and 3 kg, one for each seed, and how often the interval of
-95% at 3 s after the load was taken up holds the mass.
+95% at 3 s after the load was taken up holds the mass. Then friction that grows by half in a minute, as the numbers in use have it at its end.
+Last, quarters of an hour in which nothing happens, and what was announced all the same.
 """
 
 import argparse
@@ -66,20 +67,46 @@ def interval(folder, seed):
     return kg, found["mass"], found["standard_error"], found["announced_at"] - TAKEN_UP
 
 
+def friction(folder):
+    """Prints the friction in use as a share of the true one, after it has grown by half in a minute."""
+    found = simulate(folder, "friction", "--seconds", 60, "--friction-drift", "1.5@60", "--adapt")["adapted"]
+    shares = {letter: [] for letter in "bc"}
+    for number in found["numbers"]:
+        if number["name"][0] in shares:
+            shares[number["name"][0]].append((number["model"] + number["used"]) / (1.5 * number["model"]))
+    for letter, of in shares.items():
+        print(f"{letter}: " + ", ".join(f"{share:.3f}" for share in of) + " of the true one")
+    print(f"announced: {found['announced_at']}, changes: {found['changes']}", flush=True)
+
+
+def quarter(folder, seed):
+    """Findings of a quarter of an hour in which nothing happens."""
+    found = simulate(folder, f"quiet-{seed}", "--seconds", 900, "--seed", 1000 + seed, "--adapt")["adapted"]
+    (folder / f"quiet-{seed}" / "trace.csv").unlink()
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=20)
-    seeds = parser.parse_args().seeds
+    parser.add_argument("--quarters", type=int, default=1)
+    given = parser.parse_args()
+    seeds = given.seeds
     subprocess.run(["cargo", "build", "--release", "-p", "leastaction", "-p", "leastaction-tests", "--bins"], cwd=ROOT, check=True)
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor() as pool:
         folder = Path(folder)
         prepare(folder)
         table(folder)
+        friction(folder)
         found = list(pool.map(lambda seed: interval(folder, seed), range(seeds)))
+        quiet = list(pool.map(lambda seed: quarter(folder, seed), range(given.quarters)))
     held = sum(abs(mass - kg) <= 1.96 * error for kg, mass, error, _ in found)
     worst = max(abs(mass - kg) / kg for kg, mass, _, _ in found)
     print(f"{held} of {seeds} intervals of 95% hold the mass; it is off by at most {100 * worst:.1f}%")
     print(f"announced {min(row[3] for row in found):.2f} to {max(row[3] for row in found):.2f} s after the load was taken up")
+    false = [one["announced_at"] for one in quiet if one["announced_at"] is not None]
+    changes = sum(len(one["changes"]) for one in quiet)
+    print(f"nothing happens in {given.quarters} quarters of an hour: announced at {false} s, {changes} changes")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's. The boards: a Cortex-M4F
 # (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). Prints one JSON line per board, model and order,
 # one for the code of each bare image, such as an acceleration or a step alone, and one each for the instructions of friction, of steps with friction that sticks, of laws
-# with networks, of decisions over a receding horizon, of ticks that follow a plan, and of ticks that decide. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
+# with networks, of decisions over a receding horizon, of ticks that follow a plan, of ticks that decide, and of ticks whose model follows. `--steps N`: steps of every image (1,000); `--only NAME`: only one board, image or kind.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets if available, else Debian's compiler with the standard library's source; installs what is missing.
@@ -25,9 +25,9 @@ done
 images=(inertia-network_2 inertia-network_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
     inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4 bodies-sticking_2 bodies-sticking_4)
 bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step bare_stepper)
-case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction sticking receding following deciding elementary " in
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction sticking receding following deciding adapting elementary " in
     *" ${only:-bare} "*) ;;
-    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction sticking receding following deciding elementary" >&2; exit 2 ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction sticking receding following deciding adapting elementary" >&2; exit 2 ;;
 esac
 
 if [ -n "$build_only" ]; then
@@ -156,6 +156,27 @@ deciding() {
         "$(value tick_instructions)" "$(value tick_instructions_worst)"
 }
 
+# Measures ticks of an arm whose model follows, for one body and seven frictions, beside ticks whose model stays what it is: on a Cortex-M4F
+# at most 45,000 instructions and 3 KB of RAM more. The motion and the numbers have the bits of this machine.
+adapting() {
+    local board=$1 ram
+    output=$(emulate "$board" "$(program "$board" adapting)" "$steps" 2>&1) || { printf 'adapting on %s: %s\n' "$board" "$output" >&2; return 1; }
+    if [ "$(expected adapting 2)" != "$(value hash)" ]; then
+        printf 'adapting on %s: hash %s, on the host %s\n' "$board" "$(value hash)" "$(expected adapting 2)" >&2
+        return 1
+    fi
+    ram=$(($(value adapting_bytes) + $(value adapting_stack) - $(value plain_bytes) - $(value plain_stack)))
+    printf '{"board": "%s", "only": "adapting", "hash": "%s", "adapting_bytes": %s, "plain_bytes": %s' \
+        "$board" "$(value hash)" "$(value adapting_bytes)" "$(value plain_bytes)"
+    printf ', "stack_bytes": %s, "plain_stack_bytes": %s' "$(value adapting_stack)" "$(value plain_stack)"
+    printf ', "adapting_instructions": %s, "adapting_instructions_worst": %s, "plain_instructions": %s, "plain_instructions_worst": %s}\n' \
+        "$(value adapting)" "$(value adapting_worst)" "$(value plain)" "$(value plain_worst)"
+    if [ "$board" = cortex-m4f ] && { [ $(($(value adapting_worst) - $(value plain_worst))) -gt 45000 ] || [ "$ram" -gt 3072 ]; }; then
+        echo "adapting on $board: more than 45,000 instructions or 3 KB more ($ram bytes)" >&2
+        return 1
+    fi
+}
+
 # Checks every elementary function at thousands of inputs.
 elementary() {
     local board=$1
@@ -182,6 +203,7 @@ run() {
         case "$only" in "" | "$board" | receding) receding "$board" ;; esac
         case "$only" in "" | "$board" | following) following "$board" ;; esac
         case "$only" in "" | "$board" | deciding) deciding "$board" ;; esac
+        case "$only" in "" | "$board" | adapting) adapting "$board" ;; esac
         case "$only" in "" | "$board" | elementary) elementary "$board" ;; esac
     done
 }

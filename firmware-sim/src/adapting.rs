@@ -2,7 +2,9 @@ use crate::control::{Controller, Target};
 use crate::firmware::{Firmware, Outcome};
 use crate::processor::Processor;
 use core::convert::Infallible;
-use leastaction_core::adapt::{Adapter, Agreement, Blocks, Reading, Tunable};
+use leastaction_core::adapt::{
+    Adapter, Agreement, Block, Blocks, Moment, Patch, Reading, Tunable, Tuning, Unfit,
+};
 use leastaction_core::linear::add_scaled;
 
 /// A [`Firmware`] that runs in place, over a model whose numbers an [`Adapter`] keeps near the machine: observer and controller run over the
@@ -11,26 +13,30 @@ use leastaction_core::linear::add_scaled;
 /// The adapter takes the encoders' readings, without the observer: [`Blocks`]. It takes nothing while the observer's estimate is not trusted, at
 /// ticks before which the firmware did not run or at which a reading was missing, and while it is frozen; the numbers in use then stay.
 #[derive(Clone, Debug)]
-pub struct Adapting<S, C, const N: usize, const P: usize, const T: usize> {
+pub struct Adapting<'t, S, C, const N: usize, const P: usize, const T: usize> {
     /// The model.
     pub model: S,
     /// Whether the numbers stay what they are.
     pub frozen: bool,
     firmware: Firmware<C, N>,
     blocks: Blocks<f32, N>,
+    tuning: &'t Tuning<f32, N, P>,
     adapter: Adapter<f32, N, P, T>,
     agreement: Option<Agreement<f32>>,
 }
 
-impl<S: Tunable<N>, C, const N: usize, const P: usize, const T: usize> Adapting<S, C, N, P, T> {
+impl<'t, S: Tunable<N>, C, const N: usize, const P: usize, const T: usize> Adapting<'t, S, C, N, P, T> {
     /// Creates a firmware, which was begun over the model, with an adapter that has seen nothing, whose ticks are `blocks`.
-    pub const fn new(
+    ///
+    /// # Errors
+    /// See [`Unfit`].
+    pub fn new(
         model: S,
         firmware: Firmware<C, N>,
-        blocks: Blocks<f32, N>,
-        adapter: Adapter<f32, N, P, T>,
-    ) -> Self {
-        Self { model, frozen: false, firmware, blocks, adapter, agreement: None }
+        (blocks, tuning): (Blocks<f32, N>, &'t Tuning<f32, N, P>),
+    ) -> Result<Self, Unfit> {
+        let adapter = Adapter::new(tuning)?;
+        Ok(Self { model, frozen: false, firmware, blocks, tuning, adapter, agreement: None })
     }
 
     /// The adapter.
@@ -43,35 +49,55 @@ impl<S: Tunable<N>, C, const N: usize, const P: usize, const T: usize> Adapting<
         self.agreement
     }
 
-    /// Begins anew with an adapter, such as one that has seen nothing, or one that begins at saved distances. The numbers in use become the
-    /// adapter's at once.
-    pub fn reset(&mut self, adapter: Adapter<f32, N, P, T>) {
-        self.adapter = adapter;
-        self.model.set(self.adapter.numbers(), self.adapter.applied());
+    /// The distances in use, to be saved for the model with this [fingerprint](leastaction_core::model::fingerprint).
+    pub fn patch(&self, model: u32) -> Patch<P> {
+        self.adapter.patch(self.tuning, model)
+    }
+
+    /// Begins anew with an adapter that has seen nothing and begins at the distances of a patch, if there is one, within the limits. The numbers in
+    /// use become the adapter's at once.
+    ///
+    /// # Errors
+    /// [`Unfit`], as for [`new`](Self::new), which then had refused the tuning.
+    pub fn reset(&mut self, patch: Option<&Patch<P>>) -> Result<(), Unfit> {
+        self.adapter = Adapter::new(self.tuning)?;
+        patch.into_iter().for_each(|patch| self.adapter.begin_with(self.tuning, patch));
+        self.model.set(&self.tuning.numbers, self.adapter.applied());
+        Ok(())
     }
 
     /// Learns from a tick that has run; `before` is the force at the end of the step before it.
+    #[inline(never)]
     fn learn(&mut self, elapsed: u32, measured: &[Option<f32>; N], before: &[f32; N]) {
         self.agreement = None;
         let reading = (elapsed == 1 && !self.frozen).then(|| self.reading(measured, before)).flatten();
-        let Some(block) = self.blocks.take(reading.as_ref()) else { return };
+        let Some(block) = self.blocks.take(reading.as_ref()) else {
+            if !self.frozen {
+                self.adapter.work(self.tuning);
+            }
+            return;
+        };
         match block {
             _ if self.frozen => return self.adapter.hold(),
-            Some(moment) => self.agreement = self.adapter.take(self.model.of_file(), &moment),
-            None => self.adapter.skip(),
+            Some(Block { q, v, force }) => {
+                let command = self.firmware.drive().command(&force);
+                let moment = Moment { q, v, command, force };
+                self.agreement = self.adapter.take(self.tuning, self.model.of_file(), &moment);
+            }
+            None => self.adapter.skip(self.tuning),
         }
-        self.model.set(self.adapter.numbers(), self.adapter.applied());
+        self.model.set(&self.tuning.numbers, self.adapter.applied());
     }
 
     /// Reading of a tick, if the estimate is trusted and no reading is missing.
     fn reading(&self, measured: &[Option<f32>; N], before: &[f32; N]) -> Option<Reading<f32, N>> {
         let q = self.firmware.read(measured)?;
         let force = add_scaled(before, 1.0, &self.firmware.force().start).map(|both| 0.5 * both);
-        Some(Reading { q, command: self.firmware.drive().command(&force), force })
+        Some(Reading { q, force })
     }
 }
 
-impl<S, C, const N: usize, const P: usize, const T: usize> Processor<N> for Adapting<S, C, N, P, T>
+impl<S, C, const N: usize, const P: usize, const T: usize> Processor<N> for Adapting<'_, S, C, N, P, T>
 where
     S: Tunable<N>,
     C: Controller<N>,

@@ -30,6 +30,7 @@ use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Entry, ModelError, entry_of};
 use leastaction_firmware_sim::damage::{Damage, Refusals};
+use leastaction_firmware_sim::trajectory::carrying::{Carrying, NoArm, adapting, tuning};
 use leastaction_firmware_sim::trajectory::reference::{
     Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, StickingBodies, TREE,
     aslant, chain, dry, newton,
@@ -42,6 +43,8 @@ use std::fmt::{self, Write};
 pub enum Refused {
     /// The model file was refused.
     Model(ModelError),
+    /// The arm that carries a load was refused.
+    Arm(NoArm),
     /// A step failed.
     Step(StepError<f32>),
     /// A step of particles failed.
@@ -78,7 +81,8 @@ struct Aligned<T: ?Sized>(T);
 /// A run whose fingerprint must be equal on every target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// Family of the model: inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry, arm or bodies-sticking.
+    /// Family of the model: inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry, arm, bodies-sticking, or
+    /// adapting, an arm whose firmware finds what it carries.
     pub family: &'static str,
     /// Order of the integrator, 2 or 4.
     pub order: u8,
@@ -88,7 +92,8 @@ impl Reference {
     /// Returns all reference runs.
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = |family| [2, 4].map(|order| Self { family, order });
-        let others = ["inertia-network-f16", "inertia-network-dry"].map(|family| Self { family, order: 2 });
+        let others = ["inertia-network-f16", "inertia-network-dry", "adapting"]
+            .map(|family| Self { family, order: 2 });
         let families = ["inertia-network", "modular", "graph", "bodies"].into_iter().flat_map(orders);
         families.chain(others).chain(["bodies-dry", "arm", "bodies-sticking"].into_iter().flat_map(orders))
     }
@@ -106,6 +111,12 @@ impl Reference {
             ("inertia-network-dry", order) => {
                 let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
                 free(&dry(&model), order, steps)
+            }
+            ("adapting", _) => {
+                let tuning = tuning(&ARM.0).map_err(Refused::Arm)?;
+                let firmware = adapting(&ARM.0, &tuning).map_err(Refused::Arm)?;
+                let mut arm = Carrying::new(&ARM.0, firmware).map_err(Refused::Arm)?;
+                Ok(fingerprint(&mut arm, steps).map_err(Refused::Step)?.value())
             }
             ("inertia-network-f16", order) => {
                 let model = HalfCartpole::load(&HALF_CARTPOLE.0).map_err(Refused::Model)?;

@@ -7,7 +7,7 @@ use leastaction_firmware_sim::trajectory::{Fingerprint, Motion, SystemMotion};
 use leastaction_tests::Reference;
 
 /// Fingerprints after 100,000 steps, from `cargo run --release -p leastaction-tests --bin trajectory_hash`.
-const EXPECTED: [(&str, u8, u64); 16] = [
+const EXPECTED: [(&str, u8, u64); 17] = [
     ("inertia-network", 2, 0xb71d_c8e9_d362_0964),
     ("inertia-network", 4, 0x4c97_2f12_2ed9_ed3f),
     ("modular", 2, 0xaffa_1254_3be8_c2ee),
@@ -18,6 +18,7 @@ const EXPECTED: [(&str, u8, u64); 16] = [
     ("bodies", 4, 0x648f_3168_8112_8fbe),
     ("inertia-network-f16", 2, 0x8596_c215_b354_eafd),
     ("inertia-network-dry", 2, 0xf17a_3e8e_bb3c_6a48),
+    ("adapting", 2, 0x2978_b7f0_4682_4d84),
     ("bodies-dry", 2, 0xbeb8_d63f_0ebb_d76c),
     ("bodies-dry", 4, 0xd717_bb99_bcea_9bf9),
     ("arm", 2, 0xda61_d8f4_3e4d_dfc5),

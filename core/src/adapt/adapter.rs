@@ -1,4 +1,4 @@
-use super::balance::{Balance, Terms, Window};
+use super::balance::{Balance, Row, Terms};
 use super::filter::{Filter, Measurement};
 use super::limits::{Limits, MOVES};
 use super::number::{Moment, Number, columns};
@@ -9,9 +9,11 @@ use crate::lagrangian::Lagrangian;
 use crate::linear::add_scaled;
 use crate::scalar::Real;
 
-/// Settings of an [`Adapter`].
+/// Numbers that follow, and how: what an [`Adapter`] is told at every tick. It never changes, so that it may lie in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning<R, const N: usize, const P: usize> {
+    /// Numbers in the order of the estimate.
+    pub numbers: [Number; P],
     /// Ticks of half a window. A window of 50 to 200 ms suits a fast loop; a slow one needs at least some 20 ticks.
     pub half: u16,
     /// Tick, s.
@@ -39,27 +41,24 @@ pub struct Tuning<R, const N: usize, const P: usize> {
 /// Numbers of a model that follow the machine: their distance δ from the model, estimated from the balance of momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adapter<R, const N: usize, const P: usize, const T: usize> {
-    numbers: [Number; P],
-    tuning: Tuning<R, N, P>,
     balance: Balance<R, N, P>,
     filter: Filter<R, P, T>,
     changes: Changes<R>,
-    /// Work that is left for the next tick.
+    /// Agreement of the rows since the last coordinate's window ended.
+    open: Agreement<R>,
     due: Due,
     /// The number that walks next.
     turn: u8,
-    /// Estimate on its way to the limits.
-    moving: [R; P],
-    /// Limited estimate, which the distances in use approach.
+    /// Limited estimate, which the distances in use approach; while there is work due to the limits, an estimate on its way there.
     target: [R; P],
     applied: [R; P],
-    /// Balance of the model itself over the last window, N or N m.
+    /// Balance of the model itself over the last windows, N or N m.
     residuals: [R; N],
     /// Variance of the balance of every coordinate as it is found, at least that of the tuning.
     noise: [R; N],
 }
 
-/// Work after a window that would make the tick at its end too long.
+/// Work that would make the tick at the end of a window too long: one piece a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Due {
     Nothing,
@@ -67,9 +66,11 @@ enum Due {
     Limits(u8),
     /// All is known as little as at first: something has changed at once.
     Loosening,
+    /// The next number walks.
+    Walk,
 }
 
-/// How well a window agreed with the numbers.
+/// How well windows of all coordinates agreed with the numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement<R> {
     /// Number of rows that were taken.
@@ -78,6 +79,12 @@ pub struct Agreement<R> {
     pub squares: R,
     /// Whether something has changed at once.
     pub changed: bool,
+}
+
+impl<R: Real> Agreement<R> {
+    fn none() -> Self {
+        Self { rows: 0, squares: R::zero(), changed: false }
+    }
 }
 
 impl<R: Real, const N: usize, const P: usize> Tuning<R, N, P> {
@@ -94,35 +101,39 @@ impl<R: Real, const N: usize, const P: usize> Tuning<R, N, P> {
     fn pace(&self) -> R {
         R::one() / R::constant(f64::from(self.half.max(1)))
     }
+
+    /// Friction that rest leaves open, N or N m.
+    fn at_rest<L, F: Forces<R, N>>(&self, system: &System<L, F>, v: &[R; N]) -> [R; N] {
+        let mut open = [R::zero(); N];
+        if let Some((coefficient, level)) = &self.dry {
+            let slopes = system.forces.slopes(*coefficient, v);
+            for ((open, level), slope) in open.iter_mut().zip(level).zip(slopes) {
+                *open = *level * (R::one() - slope.abs()).max(R::zero());
+            }
+        }
+        open
+    }
 }
 
 impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T> {
-    /// Creates an adapter that has seen nothing.
+    /// Creates an adapter that has seen nothing; every method takes the same tuning.
     ///
     /// # Errors
     /// See [`Unfit`].
-    pub fn new(numbers: [Number; P], tuning: Tuning<R, N, P>) -> Result<Self, Unfit> {
-        check(&numbers, N)?;
-        let memory = tuning.memory();
+    pub fn new(tuning: &Tuning<R, N, P>) -> Result<Self, Unfit> {
+        check(&tuning.numbers, N)?;
         Ok(Self {
-            numbers,
-            tuning,
             balance: Balance::new(tuning.half, tuning.h),
             filter: Filter::new(tuning.prior),
-            changes: Changes::new(tuning.change, memory, R::zero()),
+            changes: Changes::new(tuning.change, tuning.memory(), R::zero()),
+            open: Agreement::none(),
             due: Due::Nothing,
             turn: 0,
-            moving: [R::zero(); P],
             target: [R::zero(); P],
             applied: [R::zero(); P],
             residuals: [R::zero(); N],
             noise: tuning.deviation.map(|deviation| deviation * deviation),
         })
-    }
-
-    /// Numbers in the order of the estimate.
-    pub fn numbers(&self) -> &[Number; P] {
-        &self.numbers
     }
 
     /// Estimate of δ with its covariance, without regard to limits.
@@ -136,16 +147,16 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         &self.applied
     }
 
-    /// Balance of the model without any adaptation over the last window, N or N m: 0 for a model that explains the machine.
+    /// Balance of the model without any adaptation over the last windows, N or N m: 0 for a model that explains the machine.
     pub fn residuals(&self) -> &[R; N] {
         &self.residuals
     }
 
     /// Begins with known distances within the limits; what is known of them is what the prior says.
-    pub fn begin_at(&mut self, distances: [R; P]) {
-        let begun: Filter<R, P, T> = Filter::at(distances, self.tuning.prior);
-        let limited = self.tuning.limits.within(&self.numbers, &begun);
-        self.filter = Filter::at(limited, self.tuning.prior);
+    pub fn begin_at(&mut self, tuning: &Tuning<R, N, P>, distances: [R; P]) {
+        let begun: Filter<R, P, T> = Filter::at(distances, tuning.prior);
+        let limited = tuning.limits.within(&tuning.numbers, &begun);
+        self.filter = Filter::at(limited, tuning.prior);
         (self.target, self.applied) = (limited, limited);
     }
 
@@ -154,121 +165,150 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
         self.changes.unlike()
     }
 
-    /// Takes a tick along the model as it is without any adaptation, and returns what was learned if a window ends with it.
-    pub fn take<L, F>(&mut self, system: &System<L, F>, moment: &Moment<R, N>) -> Option<Agreement<R>>
+    /// Takes a tick along the model as it is without any adaptation. Returns what was learned since the last time if the window of the last
+    /// coordinate ends with it.
+    #[inline(never)]
+    pub fn take<L, F>(
+        &mut self,
+        tuning: &Tuning<R, N, P>,
+        system: &System<L, F>,
+        moment: &Moment<R, N>,
+    ) -> Option<Agreement<R>>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        self.catch_up();
-        let columns = columns(system, &self.numbers, moment);
+        self.go_on(tuning);
+        let columns = columns(system, &tuning.numbers, moment);
         let Moment { q, v, force: tau, .. } = moment;
         let gradient = system.lagrangian.gradient(q, v);
         let friction = system.forces.force(q, v, tau);
         let force = add_scaled(&add_scaled(&gradient.l_q, R::one(), &friction), R::one(), tau);
-        let uncertain = self.at_rest(system, v);
+        let uncertain = tuning.at_rest(system, v);
         let terms = Terms { columns: &columns, momentum: gradient.l_v, force, uncertain };
-        let window = self.balance.take(&terms)?;
-        self.residuals = window.values;
-        let mut agreement = self.learn(&window);
-        agreement.changed = self.changes.take(&agreement);
-        self.due = if agreement.changed { Due::Loosening } else { Due::Limits(MOVES) };
-        Some(agreement)
+        let Self { balance, filter, open, residuals, noise, .. } = self;
+        let mut learner = Learner { tuning, filter, open, residuals, noise };
+        let mut ended = false;
+        balance.take(&terms, |i, row| {
+            ended |= i + 1 == N;
+            _ = row.and_then(|row| learner.learn(i, &row));
+        });
+        if ended { self.close() } else { None }
     }
 
     /// Passes a tick of which nothing can be learned, and drops what was seen of the open windows: a reading was missing, or a drive did not do
     /// what it was told. The numbers in use go on towards the estimate.
-    pub fn skip(&mut self) {
-        self.catch_up();
+    pub fn skip(&mut self, tuning: &Tuning<R, N, P>) {
+        self.go_on(tuning);
         self.hold();
     }
 
     /// Passes a tick while the numbers are frozen: those in use stay what they are, and what was seen of the open windows is dropped.
     pub fn hold(&mut self) {
         self.balance.drop_open();
-        self.balance.pass();
+        self.balance.pass(|_, _| {});
+        self.open = Agreement::none();
+    }
+
+    /// Does a piece of the work that the last windows left, so that the next tick need not: where ticks are blocks of a faster loop, it has time
+    /// between them.
+    #[inline(never)]
+    pub fn work(&mut self, tuning: &Tuning<R, N, P>) {
+        match core::mem::replace(&mut self.due, Due::Nothing) {
+            Due::Nothing => {}
+            Due::Limits(left) => self.limit(tuning, left),
+            Due::Loosening => {
+                let prior = tuning.prior.iter().enumerate();
+                prior.for_each(|(j, prior)| self.filter.loosen(j, *prior * *prior));
+            }
+            Due::Walk => self.walk(tuning),
+        }
+    }
+
+    /// Ends the windows of all coordinates, and returns how well they agreed if any was whole.
+    fn close(&mut self) -> Option<Agreement<R>> {
+        let mut agreement = core::mem::replace(&mut self.open, Agreement::none());
+        if agreement.rows == 0 {
+            return None;
+        }
+        agreement.changed = self.changes.take(&agreement);
+        self.due = if agreement.changed { Due::Loosening } else { Due::Limits(MOVES) };
+        Some(agreement)
     }
 
     /// Moves the estimate towards the limits, and makes it the target when it is within.
-    fn limit(&mut self, left: u8) {
-        let limits = &self.tuning.limits;
+    fn limit(&mut self, tuning: &Tuning<R, N, P>, left: u8) {
+        let limits = &tuning.limits;
         if left == MOVES {
-            self.moving = *self.filter.estimate();
+            self.target = *self.filter.estimate();
         }
-        if left > 0 && limits.approach(&self.numbers, &self.filter, &mut self.moving) {
+        if left > 0 && limits.approach(&tuning.numbers, &self.filter, &mut self.target) {
             self.due = Due::Limits(left - 1);
         } else {
-            self.target = limits.forced(&self.numbers, self.moving);
+            self.target = limits.forced(&tuning.numbers, self.target);
         }
     }
 
-    /// Does what the last window left to do, and moves the numbers in use on.
-    fn catch_up(&mut self) {
-        match core::mem::replace(&mut self.due, Due::Nothing) {
-            Due::Nothing => self.walk(),
-            Due::Limits(left) => self.limit(left),
-            Due::Loosening => {
-                let prior = self.tuning.prior.iter().enumerate();
-                prior.for_each(|(j, prior)| self.filter.loosen(j, *prior * *prior));
-            }
+    /// Does work that is left, and moves the numbers in use on.
+    fn go_on(&mut self, tuning: &Tuning<R, N, P>) {
+        self.work(tuning);
+        if matches!(self.due, Due::Limits(_)) {
+            return;
         }
+        self.due = Due::Walk;
+        let pace = tuning.pace();
         for (applied, target) in self.applied.iter_mut().zip(self.target) {
-            *applied += (target - *applied) * self.tuning.pace();
+            *applied += (target - *applied) * pace;
         }
     }
 
     /// Lets the next number that walks go on: one a tick, by as much as all of them take to come round.
-    fn walk(&mut self) {
-        let Tuning { walk, prior, h, .. } = self.tuning;
-        let walks = |(_, (walk, _)): &(usize, (R, R))| *walk > R::zero();
-        let all = || walk.into_iter().zip(prior).enumerate().filter(walks);
+    fn walk(&mut self, tuning: &Tuning<R, N, P>) {
+        let Tuning { walk, prior, h, .. } = tuning;
+        let walks = |(_, (walk, _)): &(usize, (&R, &R))| **walk > R::zero();
+        let all = || walk.iter().zip(prior).enumerate().filter(walks);
         let next = all().find(|(j, _)| *j >= usize::from(self.turn)).or_else(|| all().next());
         let Some((j, (walk, prior))) = next else { return };
         self.turn = (j + 1) as u8;
-        if self.filter.variance(j) < prior * prior {
+        if self.filter.variance(j) < *prior * *prior {
             let round = all().fold(R::zero(), |ticks, _| ticks + R::one());
-            self.filter.loosen(j, walk * h * round);
+            self.filter.loosen(j, *walk * *h * round);
         }
     }
+}
 
-    /// Friction that rest leaves open, N or N m.
-    fn at_rest<L, F: Forces<R, N>>(&self, system: &System<L, F>, v: &[R; N]) -> [R; N] {
-        let mut open = [R::zero(); N];
-        if let Some((coefficient, level)) = &self.tuning.dry {
-            let slopes = system.forces.slopes(*coefficient, v);
-            for ((open, level), slope) in open.iter_mut().zip(level).zip(slopes) {
-                *open = *level * (R::one() - slope.abs()).max(R::zero());
-            }
-        }
-        open
-    }
+/// State that the row of a coordinate changes.
+struct Learner<'l, R, const N: usize, const P: usize, const T: usize> {
+    tuning: &'l Tuning<R, N, P>,
+    filter: &'l mut Filter<R, P, T>,
+    open: &'l mut Agreement<R>,
+    residuals: &'l mut [R; N],
+    noise: &'l mut [R; N],
+}
 
-    /// Takes the rows of a window.
-    fn learn(&mut self, window: &Window<R, N, P>) -> Agreement<R> {
-        let mut agreement = Agreement { rows: 0, squares: R::zero(), changed: false };
-        let Tuning { deviation, forgotten, .. } = self.tuning;
-        let rows =
-            window.rows.iter().zip(window.values).zip(window.uncertain).zip(deviation).zip(&mut self.noise);
-        for ((((row, value), uncertain), deviation), noise) in rows {
-            let open = uncertain + uncertain;
-            let variance = *noise + open * open;
-            // A coordinate at rest forgets as little as it teaches.
-            let share = *noise / variance;
-            let measurement = Measurement { row, value, variance, forgotten: forgotten * share };
-            if let Some(innovation) = self.filter.take(&measurement) {
-                let square = innovation.normalised_square();
-                agreement.rows += 1;
-                agreement.squares += square;
-                *noise = adjusted((*noise, deviation), square, share);
-            }
-        }
-        agreement
+impl<R: Real, const N: usize, const P: usize, const T: usize> Learner<'_, R, N, P, T> {
+    /// Takes the row of coordinate i.
+    fn learn(&mut self, i: usize, row: &Row<R, P>) -> Option<()> {
+        *self.residuals.get_mut(i)? = row.value;
+        let (noise, deviation) = (self.noise.get_mut(i)?, *self.tuning.deviation.get(i)?);
+        let open = row.uncertain + row.uncertain;
+        let variance = *noise + open * open;
+        // A coordinate at rest forgets as little as it teaches.
+        let share = *noise / variance;
+        let forgotten = self.tuning.forgotten * share;
+        let largest = R::constant(f64::from(LARGEST));
+        let measurement = Measurement { row: &row.columns, value: row.value, variance, largest, forgotten };
+        let square = self.filter.take(&measurement)?.normalised_square();
+        self.open.rows += 1;
+        self.open.squares += square;
+        *noise = adjusted((*noise, deviation), square, share);
+        Some(())
     }
 }
 
 /// Number of windows over which the variance of the balance is found.
-const NOTICED: u8 = 16;
-/// Largest square, over its variance, that counts for the variance: what is larger has another cause.
+const NOTICED: u8 = 8;
+/// Largest square of an innovation, over its variance, that counts fully: what is larger has another cause.
 const LARGEST: u8 = 9;
 
 /// The variance of the balance after an innovation of this square over its own variance. It grows where the numbers are far from the model's,

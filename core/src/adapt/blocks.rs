@@ -1,8 +1,7 @@
-use super::Moment;
 use crate::linear::add_scaled;
 use crate::scalar::Real;
 
-/// Moments of a fast loop, from its encoders alone: means over blocks of ticks, and velocities from the blocks before and after.
+/// Motion of a fast loop, from its encoders alone: means over blocks of ticks, and velocities from the blocks before and after.
 ///
 /// An observer's velocity follows its model, so a wrong model would explain its own motion. Over blocks of D ticks with the readings' deviation
 /// σ, the velocity is known to σ/(√(2D) D h), and nothing of a model is in it.
@@ -15,8 +14,10 @@ pub struct Blocks<R, const N: usize> {
     /// Ticks of the open block, and their sums; `None` from a tick on that cannot be used.
     count: u16,
     sums: Option<Reading<R, N>>,
-    /// The two blocks before.
-    before: [Option<Reading<R, N>>; 2],
+    /// The block before.
+    middle: Option<Reading<R, N>>,
+    /// Position of the block before that one.
+    first: Option<[R; N]>,
 }
 
 /// Readings at a tick, or their means over a block.
@@ -24,29 +25,34 @@ pub struct Blocks<R, const N: usize> {
 pub struct Reading<R, const N: usize> {
     /// Position, without jumps by whole turns.
     pub q: [R; N],
-    /// Command u, mean of those before and after.
-    pub command: [R; N],
-    /// Force τ at the outputs of the drives, likewise, N or N m.
+    /// Force τ at the outputs of the drives, mean of those before and after, N or N m.
+    pub force: [R; N],
+}
+
+/// Motion over a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block<R, const N: usize> {
+    /// Mean position.
+    pub q: [R; N],
+    /// Velocity, from the blocks before and after.
+    pub v: [R; N],
+    /// Mean force τ at the outputs of the drives, N or N m.
     pub force: [R; N],
 }
 
 impl<R: Real, const N: usize> Reading<R, N> {
     fn zero() -> Self {
-        Self { q: [R::zero(); N], command: [R::zero(); N], force: [R::zero(); N] }
+        Self { q: [R::zero(); N], force: [R::zero(); N] }
     }
 
     fn plus(&self, other: &Self) -> Self {
         let sum = |a, b| add_scaled(a, R::one(), b);
-        Self {
-            q: sum(&self.q, &other.q),
-            command: sum(&self.command, &other.command),
-            force: sum(&self.force, &other.force),
-        }
+        Self { q: sum(&self.q, &other.q), force: sum(&self.force, &other.force) }
     }
 
     fn times(&self, factor: R) -> Self {
         let product = |of: [R; N]| of.map(|x| x * factor);
-        Self { q: product(self.q), command: product(self.command), force: product(self.force) }
+        Self { q: product(self.q), force: product(self.force) }
     }
 }
 
@@ -55,12 +61,13 @@ impl<R: Real, const N: usize> Blocks<R, N> {
     pub fn new(ticks: u16, h: R) -> Self {
         let ticks = ticks.max(1);
         let both = R::constant(f64::from(ticks)) + R::constant(f64::from(ticks));
-        Self { ticks, rate: R::one() / (both * h), count: 0, sums: Some(Reading::zero()), before: [None; 2] }
+        let sums = Some(Reading::zero());
+        Self { ticks, rate: R::one() / (both * h), count: 0, sums, middle: None, first: None }
     }
 
-    /// Takes a tick, `None` for one of which nothing can be learned. Returns, at the end of every block, the moment in the middle of the block
-    /// before, if it and its neighbours are whole.
-    pub fn take(&mut self, reading: Option<&Reading<R, N>>) -> Option<Option<Moment<R, N>>> {
+    /// Takes a tick, `None` for one of which nothing can be learned. Returns, at the end of every block, the motion over the block before, if it
+    /// and its neighbours are whole.
+    pub fn take(&mut self, reading: Option<&Reading<R, N>>) -> Option<Option<Block<R, N>>> {
         self.sums = self.sums.zip(reading).map(|(sums, reading)| sums.plus(reading));
         self.count += 1;
         if self.count < self.ticks {
@@ -68,19 +75,16 @@ impl<R: Real, const N: usize> Blocks<R, N> {
         }
         let share = R::one() / R::constant(f64::from(self.ticks));
         let after = self.sums.map(|sums| sums.times(share));
-        let [first, middle] = self.before;
-        (self.count, self.sums, self.before) = (0, Some(Reading::zero()), [middle, after]);
-        Some(self.moment(first, middle, after))
+        let block = self.before(after.as_ref());
+        self.first = self.middle.map(|middle| middle.q);
+        (self.count, self.sums, self.middle) = (0, Some(Reading::zero()), after);
+        Some(block)
     }
 
-    fn moment(
-        &self,
-        first: Option<Reading<R, N>>,
-        middle: Option<Reading<R, N>>,
-        after: Option<Reading<R, N>>,
-    ) -> Option<Moment<R, N>> {
-        let Reading { q, command, force } = middle?;
-        let v = add_scaled(&after?.q, -R::one(), &first?.q).map(|moved| moved * self.rate);
-        Some(Moment { q, v, command, force })
+    /// Motion over the block before the one given.
+    fn before(&self, after: Option<&Reading<R, N>>) -> Option<Block<R, N>> {
+        let Reading { q, force } = self.middle?;
+        let v = add_scaled(&after?.q, -R::one(), &self.first?).map(|moved| moved * self.rate);
+        Some(Block { q, v, force })
     }
 }

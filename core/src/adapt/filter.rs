@@ -10,7 +10,7 @@ use crate::scalar::Real;
 /// A number of variance 0 stays what it is, and costs no bit of the others: a filter may have more places than it uses.
 ///
 /// Sources: G. Bierman, "Factorization Methods for Discrete Sequential Estimation", 1977 (measurements); C. Thornton and G. Bierman 1980, after
-/// W. Agee and R. Turner 1972 (growth by one direction); L. Cao and H. Schwartz 2000 (forgetting along a measurement).
+/// W. Agee and R. Turner 1972 (growth by one direction); L. Cao and H. Schwartz 2000 (forgetting along a measurement); P. Huber 1964 (weights of outliers).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter<R, const P: usize, const T: usize> {
     estimate: [R; P],
@@ -28,6 +28,9 @@ pub struct Measurement<'a, R, const P: usize> {
     pub value: R,
     /// Variance of e, above 0.
     pub variance: R,
+    /// Largest square of an innovation, over its variance, that counts fully. A larger one counts as if e had the variance with which it were this
+    /// large, so that a single wrong reading moves the estimate little.
+    pub largest: R,
     /// Share of the knowledge along C a that is forgotten before the measurement is taken, from 0 to below 1.
     pub forgotten: R,
 }
@@ -92,21 +95,38 @@ impl<R: Real, const P: usize, const T: usize> Filter<R, P, T> {
 
     /// Takes a measurement, and returns how far it was from what was expected. The estimate is unchanged if the measurement is not finite.
     pub fn take(&mut self, measurement: &Measurement<R, P>) -> Option<Innovation<R>> {
-        let &Measurement { row, value, variance, forgotten } = measurement;
-        let mut spread = self.spread(row);
+        let &Measurement { row, value, variance, largest, forgotten } = measurement;
+        let spread = self.spread(row);
         let expected = row.iter().zip(&self.estimate).fold(R::zero(), |sum, (a, x)| sum + *a * *x);
-        let (innovation, remembered) = (value - expected, R::one() - forgotten);
-        let total = spread.variance() / remembered + variance;
+        let (innovation, seen) = (value - expected, spread.variance());
+        let (total, grown) = (seen / (R::one() - forgotten) + variance, R::one() / (R::one() - forgotten));
         if !(innovation.is_finite() && total.is_finite() && total > R::zero()) {
             return None;
         }
-        if forgotten > R::zero() {
-            self.forget(&spread, forgotten / remembered);
-            spread = self.spread(row);
-        }
-        let gain = self.narrow(&spread, variance);
-        self.estimate = add_scaled(&self.estimate, innovation / total, &gain);
+        let more = (innovation * innovation / largest - total).max(R::zero());
+        let gain = self.change(&spread, (seen, grown), variance + more);
+        self.estimate = add_scaled(&self.estimate, grown * innovation / (total + more), &gain);
         Some(Innovation { value: innovation, variance: total })
+    }
+
+    /// Forgets along C a and then takes a measurement of variance R, as one change of C; returns C a as it was before. With s = aᵀC a and the
+    /// factor F by which forgetting lets s grow:
+    ///
+    /// C ← C + (F − 1) C a aᵀC/s − F² C a aᵀC/(F s + R) = C − C a aᵀC/(s + R′), R′ = F R/(F − (F − 1) R/s),
+    ///
+    /// that is, as if nothing were forgotten and the measurement had the variance R′. Where R′ has no finite value above 0, more is forgotten
+    /// than learned.
+    fn change(&mut self, spread: &Spread<R, P>, (seen, grown): (R, R), variance: R) -> [R; P] {
+        let (more, known) = (grown - R::one(), grown * seen);
+        let rest = known - more * variance;
+        if rest > R::zero() {
+            return self.narrow(spread, known * variance / rest);
+        }
+        let gain = self.times_upper(&spread.weighted);
+        if seen > R::zero() {
+            self.widen(gain, -rest / (seen * (known + variance)));
+        }
+        gain
     }
 
     /// Moves numbers x so that a·x changes by `by`, at the least cost in the metric C⁻¹: well-known numbers move little. They stay where they
@@ -126,24 +146,17 @@ impl<R: Real, const P: usize, const T: usize> Filter<R, P, T> {
         }
     }
 
-    /// Forgets along C a: C ← C + r C a aᵀC/(aᵀC a), with the ratio r = φ/(1 − φ) of a forgotten share φ of the knowledge. Only what the
-    /// measurement sees is forgotten.
-    fn forget(&mut self, spread: &Spread<R, P>, ratio: R) {
-        let seen = spread.variance();
-        if seen > R::zero() {
-            self.widen(self.times_upper(&spread.weighted), ratio / seen);
-        }
-    }
-
     fn column(&self, j: usize) -> &[R] {
         let begin = j * j.saturating_sub(1) / 2;
         self.upper.get(begin..begin + j).unwrap_or_default()
     }
 
     fn spread(&self, row: &[R; P]) -> Spread<R, P> {
-        let mut seen = *row;
+        let (mut seen, mut rest) = (*row, self.upper.as_slice());
         for (j, sum) in seen.iter_mut().enumerate() {
-            *sum = self.column(j).iter().zip(row).fold(*sum, |sum, (u, a)| sum + *u * *a);
+            let (column, others) = rest.split_at_checked(j).unwrap_or_default();
+            *sum = column.iter().zip(row).fold(*sum, |sum, (u, a)| sum + *u * *a);
+            rest = others;
         }
         let mut weighted = seen;
         weighted.iter_mut().zip(&self.diagonal).for_each(|(g, d)| *g = *g * *d);

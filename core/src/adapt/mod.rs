@@ -22,12 +22,12 @@ mod unfit;
 mod verdict;
 
 pub use adapter::{Adapter, Agreement, Tuning};
-pub use balance::{Balance, Terms, Window};
-pub use blocks::{Blocks, Reading};
+pub use balance::{Balance, Row, Terms};
+pub use blocks::{Block, Blocks, Reading};
 pub use filter::{Filter, Innovation, Measurement};
 pub use limits::Limits;
 pub use number::{Moment, Number};
-pub use patch::{Patch, PatchError, Saved};
+pub use patch::{PATCH_MAGIC, Patch, PatchError, Saved};
 pub use tunable::Tunable;
 pub use unfit::Unfit;
 pub use verdict::{Announcement, Changes, Difference};

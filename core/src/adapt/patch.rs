@@ -1,5 +1,5 @@
 use super::Number;
-use super::adapter::Adapter;
+use super::adapter::{Adapter, Tuning};
 use crate::frame::{Framed, from_fault};
 use crate::model::{File, WriteError};
 use crate::scalar::Scalar;
@@ -8,9 +8,9 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// The first four bytes of every patch.
-pub const MAGIC: [u8; 4] = *b"LAPT";
+pub const PATCH_MAGIC: [u8; 4] = *b"LAPT";
 /// Format version that this build reads and writes.
-pub const FORMAT_VERSION: u8 = 1;
+const FORMAT_VERSION: u8 = 1;
 
 /// Distances of at most P numbers from those of a model's file, as they are saved: a mechanism is known better after it has run, and need not be
 /// found anew after the power was off.
@@ -61,7 +61,7 @@ impl<const P: usize> Patch<P> {
     /// # Errors
     /// See [`PatchError`].
     pub fn of_any(bytes: &[u8]) -> Result<Self, PatchError> {
-        let Framed { contents, .. } = Framed::open(bytes, MAGIC, FORMAT_VERSION)?;
+        let Framed { contents, .. } = Framed::open(bytes, PATCH_MAGIC, FORMAT_VERSION)?;
         let (patch, rest) = postcard::take_from_bytes::<Self>(contents).map_err(|_| PatchError::Malformed)?;
         if !rest.is_empty() {
             return Err(PatchError::Malformed);
@@ -77,7 +77,7 @@ impl<const P: usize> Patch<P> {
     /// # Errors
     /// [`WriteError::TooShort`] if the memory is too short.
     pub fn write<'m>(&self, memory: &'m mut [u8]) -> Result<&'m [u8], WriteError> {
-        let mut file = File::begin(memory, MAGIC, FORMAT_VERSION)?;
+        let mut file = File::begin(memory, PATCH_MAGIC, FORMAT_VERSION)?;
         file.document(self)?;
         file.close()
     }
@@ -91,8 +91,8 @@ impl<const P: usize> Patch<P> {
 
 impl<const N: usize, const P: usize, const T: usize> Adapter<f32, N, P, T> {
     /// The distances in use, to be saved for the model with this [fingerprint](crate::model::fingerprint).
-    pub fn patch(&self, model: u32) -> Patch<P> {
-        let all = self.numbers().iter().zip(self.applied()).enumerate();
+    pub fn patch(&self, tuning: &Tuning<f32, N, P>, model: u32) -> Patch<P> {
+        let all = tuning.numbers.iter().zip(self.applied()).enumerate();
         let saved = all.map(|(j, (number, distance))| {
             let error = Scalar::sqrt(self.filter().variance(j));
             Saved { number: *number, distance: *distance, error }
@@ -102,8 +102,8 @@ impl<const N: usize, const P: usize, const T: usize> Adapter<f32, N, P, T> {
 
     /// Begins with the distances of a patch, within the limits; what is known of them is what the prior says. Numbers that the patch does not
     /// have begin at those of the model, and numbers that do not follow here are left out.
-    pub fn begin_with(&mut self, patch: &Patch<P>) {
-        self.begin_at(self.numbers().map(|number| patch.distance(number)));
+    pub fn begin_with(&mut self, tuning: &Tuning<f32, N, P>, patch: &Patch<P>) {
+        self.begin_at(tuning, tuning.numbers.map(|number| patch.distance(number)));
     }
 }
 

@@ -10,10 +10,10 @@ use crate::scalar::WeightFormat;
 pub struct Layout<'a> {
     bodies: Bodies,
     /// Length of the energies' part of the block.
-    energies: usize,
+    pub(super) energies: usize,
     /// Number of coordinates, if each has friction of its own.
     coordinates: usize,
-    laws: Laws<'a>,
+    pub(super) laws: Laws<'a>,
 }
 
 /// Kind of the bodies in a block.
@@ -77,12 +77,23 @@ impl<'a> Layout<'a> {
         (numbers, distances): (&[Number], &[f32]),
         block: &mut [f32],
     ) {
+        // Numbers of one coefficient follow each other, and their places are found together.
+        let (mut coefficient, mut friction) = (None, None);
         for (j, (number, distance)) in numbers.iter().zip(distances).enumerate() {
             if let (Number::Inertia { body, index: 0 }, Bodies::Plane) = (number, self.bodies) {
                 write_planar((file, block), *body, distances.get(j..).unwrap_or_default());
                 continue;
             }
-            let Some(place) = self.place(*number) else { continue };
+            let place = match *number {
+                Number::Friction(of, i) => {
+                    if coefficient != Some(of) {
+                        (coefficient, friction) = (Some(of), self.friction(of));
+                    }
+                    friction.and_then(|friction| self.of_coordinate(friction, i))
+                }
+                number => self.place(number),
+            };
+            let Some(place) = place else { continue };
             if let (Some(own), Some(weight)) = (block.get_mut(place), file.get(place)) {
                 *own = weight.wide() + distance;
             }
@@ -97,12 +108,13 @@ impl<'a> Layout<'a> {
                 Some(of_body(body) + BEFORE_INERTIA + usize::from(index))
             }
             (Number::Rotor(i), Bodies::Space) => Some(of_body(i) + ARM_PARAMETERS - 1),
-            (Number::Friction(coefficient, i), _) => self.place_of_friction(coefficient, i.into()),
+            (Number::Friction(coefficient, i), _) => self.of_coordinate(self.friction(coefficient)?, i),
             _ => None,
         }
     }
 
-    fn place_of_friction(&self, coefficient: Coefficient, i: usize) -> Option<usize> {
+    /// Position of the first coordinate's number of a coefficient, and the distance to that of the next coordinate.
+    fn friction(&self, coefficient: Coefficient) -> Option<[usize; 2]> {
         let (law, position) = match coefficient {
             Coefficient::Viscous => (Law::Viscous, 0),
             Coefficient::Coulomb => (Law::Coulomb, 0),
@@ -110,12 +122,18 @@ impl<'a> Layout<'a> {
             Coefficient::Directional => (Law::Directional, 2),
             Coefficient::Sticking => (Law::Sticking, 0),
         };
-        if i >= self.coordinates || !self.laws.contains(law) {
+        if !self.laws.contains(law) {
             return None;
         }
         let before = self.laws.iter().take_while(|other| *other != law);
         let parameters = |sum: usize, law| Some(sum + self.laws.parameters_of(law, self.coordinates)?);
-        Some(before.into_iter().try_fold(self.energies, parameters)? + i * law.ranges().len() + position)
+        let first = before.into_iter().try_fold(self.energies, parameters)?;
+        Some([first + position, law.ranges().len()])
+    }
+
+    fn of_coordinate(&self, [first, apart]: [usize; 2], i: u8) -> Option<usize> {
+        let i = usize::from(i);
+        (i < self.coordinates).then_some(first + i * apart)
     }
 }
 

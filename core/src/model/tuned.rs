@@ -1,5 +1,5 @@
 use super::loaded::forces_of_coordinates;
-use super::{Laws, Layout, LoadForces, ModelError, ParsedAs, ShapeHeader};
+use super::{Layout, LoadForces, ModelError, ParsedAs, ShapeHeader};
 use crate::adapt::{Number, Tunable};
 use crate::energy::arm::{Bodies, BodyTree};
 use crate::forces::{Forces, System};
@@ -13,10 +13,7 @@ use crate::lagrangian::Lagrangian;
 pub struct Tuned<'f, F, const D: usize, const B: usize, const N: usize, const K: usize> {
     file: System<Bodies<'f, f32, D, B, N>, F>,
     weights: &'f [f32],
-    laws: Laws<'f>,
     layout: Layout<'f>,
-    /// Position of the first number of the laws.
-    first_of_laws: usize,
     block: [f32; K],
     forces: F,
 }
@@ -38,11 +35,10 @@ where
         let block = *weights.first_chunk::<K>().filter(|_| weights.len() == K).ok_or(wrong)?;
         let mut rest = weights;
         let lagrangian = Bodies::take(&mut rest, tree).ok_or(wrong)?;
-        let first_of_laws = weights.len() - rest.len();
         let forces: F = forces_of_coordinates(laws, rest)?;
         let (file, layout) =
             (System { lagrangian, forces: forces.clone() }, Layout::new(&parsed.shape, laws)?);
-        Ok(Self { file, weights, laws, layout, first_of_laws, block, forces })
+        Ok(Self { file, weights, layout, block, forces })
     }
 
     /// Value of a number in the file; `None` if the file does not have it.
@@ -78,8 +74,8 @@ where
 
     fn set(&mut self, numbers: &[Number], distances: &[f32]) {
         self.layout.write(self.weights, (numbers, distances), &mut self.block);
-        let laws = self.block.get(self.first_of_laws..).unwrap_or_default();
-        if let Ok(forces) = forces_of_coordinates(self.laws, laws) {
+        let laws = self.block.get(self.layout.energies..).unwrap_or_default();
+        if let Ok(forces) = forces_of_coordinates(self.layout.laws, laws) {
             self.forces = forces;
         }
     }

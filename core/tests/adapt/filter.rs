@@ -30,7 +30,7 @@ impl Dense {
         }
     }
 
-    fn take(&mut self, Measurement { row, value, variance, forgotten }: &Measurement<f64, 4>) {
+    fn take(&mut self, Measurement { row, value, variance, forgotten, .. }: &Measurement<f64, 4>) {
         let seen = multiply(&self.c, row);
         self.add(forgotten / ((1.0 - forgotten) * dot(row, &seen)), &seen);
         let gain = multiply(&self.c, row);
@@ -60,7 +60,8 @@ fn without_forgetting_it_is_least_squares() {
         normal[i][i] = 1.0 / (s * s);
     }
     for (row, value, variance) in &all {
-        let taken = Measurement { row, value: *value, variance: *variance, forgotten: 0.0 };
+        let taken =
+            Measurement { row, value: *value, variance: *variance, largest: f64::INFINITY, forgotten: 0.0 };
         assert!(filter.take(&taken).is_some());
         for i in 0..4 {
             right[i] += row[i] * value / variance;
@@ -81,7 +82,7 @@ fn forgetting_is_that_of_the_dense_formula() {
     let (mut filter, mut dense) = (Filter::<f64, 4, 6>::new(DEVIATIONS), Dense::new());
     for (k, (row, value, variance)) in measurements(5, 200).into_iter().enumerate() {
         let forgotten = 0.1 * (k % 4) as f64;
-        let taken = Measurement { row: &row, value, variance, forgotten };
+        let taken = Measurement { row: &row, value, variance, largest: f64::INFINITY, forgotten };
         dense.take(&taken);
         assert!(filter.take(&taken).is_some());
         if k == 100 {
@@ -101,12 +102,24 @@ fn only_what_is_excited_is_forgotten() {
     let mut filter = Filter::<f32, 4, 6>::new(DEVIATIONS.map(|s| s as f32));
     for i in 0..4 {
         let row: [f32; 4] = core::array::from_fn(|j| f32::from(u8::from(i == j)));
-        filter.take(&Measurement { row: &row, value: 1.0, variance: 1e-4, forgotten: 0.0 });
+        filter.take(&Measurement {
+            row: &row,
+            value: 1.0,
+            variance: 1e-4,
+            largest: f32::INFINITY,
+            forgotten: 0.0,
+        });
     }
     let before: [f32; 4] = core::array::from_fn(|i| filter.variance(i));
     for _ in 0..1_000_000 {
         let row = [0.0, 1.0, 0.0, 0.0];
-        filter.take(&Measurement { row: &row, value: 1.0, variance: 1e-4, forgotten: 0.01 });
+        filter.take(&Measurement {
+            row: &row,
+            value: 1.0,
+            variance: 1e-4,
+            largest: f32::INFINITY,
+            forgotten: 0.01,
+        });
     }
     for i in [0, 2, 3] {
         assert_eq!(filter.variance(i), before[i]);
@@ -124,7 +137,7 @@ fn a_million_rows_in_single_precision_keep_the_variances_positive() {
         // The last two rows are nearly parallel.
         let row = [a as f32, b as f32, (b + 1e-3 * c) as f32, 0.0];
         let value = dot(&row, &truth) + 0.1 * noise as f32;
-        let taken = Measurement { row: &row, value, variance: 0.01, forgotten: 0.01 };
+        let taken = Measurement { row: &row, value, variance: 0.01, largest: f32::INFINITY, forgotten: 0.01 };
         let innovation = filter.take(&taken).expect("finite");
         assert!(innovation.variance > 0.0);
         assert!((0..4).all(|i| filter.variance(i) >= 0.0));
@@ -140,9 +153,20 @@ fn numbers_without_variance_cost_no_bits() {
     for (row, value, variance) in measurements(7, 300) {
         let [a, b, ..] = row.map(|a| a as f32);
         let (value, variance) = (value as f32, variance as f32);
-        let one = small.take(&Measurement { row: &[a, b], value, variance, forgotten: 0.02 });
-        let other =
-            large.take(&Measurement { row: &[a, b, 0.0, 0.0, 0.0], value, variance, forgotten: 0.02 });
+        let one = small.take(&Measurement {
+            row: &[a, b],
+            value,
+            variance,
+            largest: f32::INFINITY,
+            forgotten: 0.02,
+        });
+        let other = large.take(&Measurement {
+            row: &[a, b, 0.0, 0.0, 0.0],
+            value,
+            variance,
+            largest: f32::INFINITY,
+            forgotten: 0.02,
+        });
         assert_eq!(one, other);
         assert_eq!(small.estimate()[..], large.estimate()[..2]);
         assert_eq!([0, 1].map(|i| small.variance(i)), [0, 1].map(|i| large.variance(i)));
@@ -152,10 +176,44 @@ fn numbers_without_variance_cost_no_bits() {
 #[test]
 fn what_is_not_finite_is_not_taken() {
     let mut filter = Filter::<f64, 4, 6>::new(DEVIATIONS);
-    filter.take(&Measurement { row: &[1.0, 0.5, 0.0, 0.2], value: 1.0, variance: 0.1, forgotten: 0.0 });
+    filter.take(&Measurement {
+        row: &[1.0, 0.5, 0.0, 0.2],
+        value: 1.0,
+        variance: 0.1,
+        largest: f64::INFINITY,
+        forgotten: 0.0,
+    });
     let before = filter;
     for (row, value) in [([f64::NAN, 0.0, 0.0, 0.0], 1.0), ([1.0; 4], f64::INFINITY), ([1e300; 4], 1.0)] {
-        assert_eq!(filter.take(&Measurement { row: &row, value, variance: 0.1, forgotten: 0.3 }), None);
+        assert_eq!(
+            filter.take(&Measurement {
+                row: &row,
+                value,
+                variance: 0.1,
+                largest: f64::INFINITY,
+                forgotten: 0.3
+            }),
+            None
+        );
         assert_eq!(filter, before);
+    }
+}
+
+/// A value 100 deviations away counts as if its variance made it 3 deviations away.
+#[test]
+fn an_outlier_counts_for_little() {
+    let (row, variance) = ([1.0, 0.5, 0.0, -0.2], 0.1);
+    let mut dense = Dense::new();
+    let total = dot(&row, &multiply(&dense.c, &row)) + variance;
+    let value = 100.0 * total.sqrt();
+    let more = value * value / 9.0 - total;
+    let mut filter = Filter::<f64, 4, 6>::new(DEVIATIONS);
+    let found = filter.take(&Measurement { row: &row, value, variance, largest: 9.0, forgotten: 0.0 });
+    let expected = Measurement { row: &row, value, variance: variance + more, largest: 9.0, forgotten: 0.0 };
+    dense.take(&expected);
+    assert!((found.expect("finite").normalised_square() - 1e4).abs() < 1e-6);
+    assert_vectors_close("estimate", filter.estimate(), &dense.x, 1e-12);
+    for i in 0..4 {
+        assert_close("variance", filter.variance(i), dense.c[i][i], 1e-12);
     }
 }

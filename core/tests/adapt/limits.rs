@@ -52,9 +52,21 @@ fn what_is_known_stays_where_a_body_would_be_impossible() {
     let mut filter = Filter::<f64, P, T>::new(PRIOR);
     let mut row = [0.0; P];
     row[0] = 1.0;
-    filter.take(&Measurement { row: &row, value: 1.5, variance: 1e-6, forgotten: 0.0 });
+    filter.take(&Measurement {
+        row: &row,
+        value: 1.5,
+        variance: 1e-6,
+        largest: f64::INFINITY,
+        forgotten: 0.0,
+    });
     (row[0], row[4]) = (0.0, 1.0);
-    filter.take(&Measurement { row: &row, value: -0.4, variance: 0.1, forgotten: 0.0 });
+    filter.take(&Measurement {
+        row: &row,
+        value: -0.4,
+        variance: 0.1,
+        largest: f64::INFINITY,
+        forgotten: 0.0,
+    });
     let used = limits().within(&numbers(), &filter);
     assert!((used[0] - 1.5).abs() < 1e-4, "{used:?}");
     assert!(least_along_all(&of_body(filter.estimate(), 1.0)) < 0.0);
@@ -68,7 +80,7 @@ proptest! {
         let (mut filter, mut random) = (Filter::<f64, P, T>::new(PRIOR), Random(seed));
         for _ in 0..rows {
             let row: [f64; P] = random.array(1.0);
-            filter.take(&Measurement { row: &row, value: random.symmetric(size), variance: 0.01, forgotten: 0.1 });
+            filter.take(&Measurement { row: &row, value: random.symmetric(size), variance: 0.01, largest: f64::INFINITY, forgotten: 0.1 });
         }
         let (limits, used) = (limits(), limits().within(&numbers(), &filter));
         prop_assert!(least_along_all(&of_body(&used, 0.9)) > -1e-6, "{:?}", used);
@@ -89,6 +101,7 @@ fn numbers_that_do_not_belong_together_are_refused() {
     use leastaction_core::adapt::{Adapter, Tuning};
     let new = |numbers: [Number; P]| {
         let tuning = Tuning {
+            numbers,
             half: 10,
             h: 1e-2,
             deviation: [1.0],
@@ -99,7 +112,7 @@ fn numbers_that_do_not_belong_together_are_refused() {
             limits: limits(),
             dry: None,
         };
-        Adapter::<f64, 1, P, T>::new(numbers, tuning).map(|_| ())
+        Adapter::<f64, 1, P, T>::new(&tuning).map(|_| ())
     };
     assert_eq!(new(numbers()), Ok(()));
     let with = |j: usize, number| {

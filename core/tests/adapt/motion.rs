@@ -29,7 +29,7 @@ fn force(t: f64) -> [f64; N] {
 /// Runs an adapter of the model along a motion of the machine.
 fn run<M, F, L, G, const P: usize, const T: usize>(
     (machine, model): (&System<M, F>, &System<L, G>),
-    adapter: &mut Adapter<f64, N, P, T>,
+    (adapter, tuning): (&mut Adapter<f64, N, P, T>, &Tuning<f64, N, P>),
     ticks: usize,
     drive: impl Fn([f64; N]) -> [f64; N],
 ) where
@@ -43,7 +43,7 @@ fn run<M, F, L, G, const P: usize, const T: usize>(
     for k in 0..ticks {
         let t = k as f64 * H;
         let command = force(t);
-        adapter.take(model, &Moment { q: state.q, v: state.v, command, force: command });
+        adapter.take(tuning, model, &Moment { q: state.q, v: state.v, command, force: command });
         for part in 0..PARTS {
             let h = H / PARTS as f64;
             state = rk4_step(machine, &state, &drive(force(t + (part as f64 + 0.5) * h)), h).expect("a step");
@@ -51,10 +51,21 @@ fn run<M, F, L, G, const P: usize, const T: usize>(
     }
 }
 
-fn tuning<const P: usize>(prior: [f64; P]) -> Tuning<f64, N, P> {
+fn tuning<const P: usize>(numbers: [Number; P], prior: [f64; P]) -> Tuning<f64, N, P> {
     let limits = Limits { model: [1.0; P], lower: [-1e3; P], upper: [1e3; P], kept: 0.1 };
     let (half, deviation) = (100, [1e-2; N]);
-    Tuning { half, h: H, deviation, prior, forgotten: 0.0, walk: [0.0; P], change: 50.0, limits, dry: None }
+    Tuning {
+        numbers,
+        half,
+        h: H,
+        deviation,
+        prior,
+        forgotten: 0.0,
+        walk: [0.0; P],
+        change: 50.0,
+        limits,
+        dry: None,
+    }
 }
 
 fn first_number(body: usize) -> usize {
@@ -87,8 +98,9 @@ fn a_load_and_friction_are_found() {
         10..13 => [0.1, 0.0, -0.1][j - 10],
         _ => [0.2, -0.2, 0.2][j - 13],
     });
-    let mut adapter = Adapter::<_, N, 16, 120>::new(numbers, tuning([10.0; 16])).unwrap();
-    run((&machine, &model), &mut adapter, 10_000, |u| u);
+    let tuning = tuning(numbers, [10.0; 16]);
+    let mut adapter = Adapter::<_, N, 16, 120>::new(&tuning).unwrap();
+    run((&machine, &model), (&mut adapter, &tuning), 10_000, |u| u);
     for (j, (found, expected)) in adapter.filter().estimate().iter().zip(expected).enumerate() {
         assert!((found - expected).abs() < 2e-3, "number {j}: {found} instead of {expected}");
     }
@@ -103,8 +115,9 @@ fn rotors_offsets_and_gains_are_found() {
     let machine = System { lagrangian: heavy.in_f64(), forces };
     let model = System { lagrangian: arm.in_f64(), forces };
     let numbers = [Number::Rotor(1), Number::Offset(0), Number::Gain(2), Number::Gain(0), Number::None];
-    let mut adapter = Adapter::<_, N, 5, 10>::new(numbers, tuning([1.0, 1.0, 1.0, 1.0, 0.0])).unwrap();
-    run((&machine, &model), &mut adapter, 10_000, |[a, b, c]| [1.05 * a + 0.2, b, 0.9 * c]);
+    let tuning = tuning(numbers, [1.0, 1.0, 1.0, 1.0, 0.0]);
+    let mut adapter = Adapter::<_, N, 5, 10>::new(&tuning).unwrap();
+    run((&machine, &model), (&mut adapter, &tuning), 10_000, |[a, b, c]| [1.05 * a + 0.2, b, 0.9 * c]);
     for (j, expected) in [0.07, 0.2, -0.1, 0.05, 0.0].into_iter().enumerate() {
         let found = adapter.filter().estimate()[j];
         assert!((found - expected).abs() < 1e-3, "number {j}: {found} instead of {expected}");

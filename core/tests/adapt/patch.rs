@@ -75,12 +75,13 @@ fn what_does_not_belong_here_is_refused() {
     assert!(patch().write(&mut [0; 20]).is_err());
 }
 
-fn adapter() -> Adapter<f32, 4, P, 15> {
+fn tuning() -> Tuning<f32, 4, P> {
     let friction = |i| Number::Friction(Coefficient::Viscous, i);
     let numbers = [friction(3), Number::None, Number::Rotor(1), friction(0), Number::None, friction(1)];
     let limits = Limits { model: [1.0; P], lower: [-0.25; P], upper: [0.5; P], kept: 0.1 };
     let prior = [1.0, 0.0, 1.0, 1.0, 0.0, 1.0];
-    let tuning = Tuning {
+    Tuning {
+        numbers,
         half: 10,
         h: 1e-2,
         deviation: [1.0; 4],
@@ -90,19 +91,19 @@ fn adapter() -> Adapter<f32, 4, P, 15> {
         change: 50.0,
         limits,
         dry: None,
-    };
-    Adapter::new(numbers, tuning).unwrap()
+    }
 }
 
 #[test]
 fn an_adapter_begins_where_it_was_saved() {
-    let mut first = adapter();
-    first.begin_with(&patch());
+    let tuning = tuning();
+    let mut first = Adapter::<f32, 4, P, 15>::new(&tuning).unwrap();
+    first.begin_with(&tuning, &patch());
     // The rotor is known, one friction is beyond its limit, others are not in the patch.
     assert_eq!(first.applied(), &[0.0, 0.0, 0.25, -0.25, 0.0, 0.0]);
-    let saved = first.patch(7);
+    let saved = first.patch(&tuning, 7);
     assert_eq!(saved.numbers.len(), 4);
-    let mut second = adapter();
-    second.begin_with(&Patch::read(&bytes(&saved), 7).unwrap());
+    let mut second = Adapter::new(&tuning).unwrap();
+    second.begin_with(&tuning, &Patch::read(&bytes(&saved), 7).unwrap());
     assert_eq!(second, first);
 }

@@ -29,7 +29,13 @@ fn false_announcements_are_as_rare_as_stated() {
         let (mut filter, mut noise) = (Filter::<f64, 1, 0>::new([2.0]), Gaussian(Random(seed)));
         (0..2_000).find(|_| {
             let value = truth + noise.next();
-            filter.take(&Measurement { row: &[1.0], value, variance: 1.0, forgotten: 0.0 });
+            filter.take(&Measurement {
+                row: &[1.0],
+                value,
+                variance: 1.0,
+                largest: f64::INFINITY,
+                forgotten: 0.0,
+            });
             test.of(&filter).is_some()
         })
     };

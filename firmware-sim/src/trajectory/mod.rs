@@ -2,6 +2,7 @@
 //!
 //! A square wave pushes the first coordinate (for particles: the last node along the first axis), 8 steps one way and 8 the other.
 
+pub mod carrying;
 mod elementary;
 pub mod reference;
 

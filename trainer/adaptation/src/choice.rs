@@ -118,19 +118,31 @@ impl Choice {
     /// # Errors
     /// [`AdaptationError::Model`] for an invalid shape.
     pub fn adapted(&self, model: &Model, distances: &[f32]) -> Result<Model, AdaptationError> {
-        let (mut weights, laws) = (model.weights_f32(), model.architecture.laws());
-        let numbers: Vec<Number> = self.settings.numbers.iter().map(|following| following.number).collect();
-        let file = weights.clone();
-        let layout = model.architecture.with_header(|family| Layout::of(&family, laws))?;
-        layout.write(&file, (&numbers, distances), &mut weights);
-        let weights = weights.into_iter().map(f64::from).collect();
-        Ok(Model { weights, ..model.clone() })
+        with_distances(model, (&self.numbers(), distances))
+    }
+
+    /// Numbers that follow.
+    pub(crate) fn numbers(&self) -> Vec<Number> {
+        self.settings.numbers.iter().map(|following| following.number).collect()
     }
 
     /// Length of a window, s.
     pub fn window(&self) -> f64 {
         2.0 * f64::from(self.settings.half) * f64::from(self.settings.h)
     }
+}
+
+/// A model with numbers at these distances from its own; numbers that its weights do not have are left out.
+pub(crate) fn with_distances(
+    model: &Model,
+    (numbers, distances): (&[Number], &[f32]),
+) -> Result<Model, AdaptationError> {
+    let (mut weights, laws) = (model.weights_f32(), model.architecture.laws());
+    let file = weights.clone();
+    let layout = model.architecture.with_header(|family| Layout::of(&family, laws))?;
+    layout.write(&file, (numbers, distances), &mut weights);
+    let weights = weights.into_iter().map(f64::from).collect();
+    Ok(Model { weights, ..model.clone() })
 }
 
 fn settings(

@@ -1,3 +1,4 @@
+use leastaction_core::adapt::PatchError;
 use leastaction_core::model::ModelError;
 use leastaction_replica::ReplicaError;
 use thiserror::Error;
@@ -24,6 +25,9 @@ pub enum AdaptationError {
     /// The model's file is invalid.
     #[error("{0}")]
     Model(ModelError),
+    /// The patch is damaged, or of another model.
+    #[error("{0}")]
+    Patch(#[from] PatchError),
     /// The chip's arithmetic refused the model or the numbers.
     #[error("{0}")]
     Replica(#[from] ReplicaError),

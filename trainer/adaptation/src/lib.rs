@@ -12,6 +12,8 @@ mod error;
 mod followed;
 mod names;
 mod remaining;
+mod saved;
+mod source;
 mod ticks;
 
 pub use along::{Course, Entry, along};
@@ -23,7 +25,10 @@ pub use leastaction_core::adapt::Difference;
 pub use leastaction_replica::Following;
 pub use names::{Group, Label};
 pub use remaining::remaining;
+pub use saved::{Patched, PatchedNumber};
+pub use source::SETTINGS_HEAD;
 
+use choice::with_distances;
 use leastaction_models::Model;
 use leastaction_replica::{ModelFile, Replica};
 

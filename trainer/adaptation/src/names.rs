@@ -58,16 +58,23 @@ impl Label {
 impl Choice {
     /// Labels of all numbers; `coordinates` has a letter for every coordinate: t for one that slides, a for one that turns, and c for either.
     pub fn labels(&self, coordinates: &str) -> Vec<Label> {
-        let of_body = |number: Number| matches!(number, Number::Inertia { .. });
-        let count = self.settings.numbers.iter().filter(|following| of_body(following.number)).count();
-        let symbols: &[&str] = if count == PLANAR_INERTIAL_PARAMETERS { &IN_PLANE } else { &IN_SPACE };
-        let letter = |i: u8| coordinates.as_bytes().get(usize::from(i)).copied().unwrap_or(b'c');
-        let label = |number: Number| match number {
-            Number::Inertia { body, index } => of_body_number(body, symbols.get(usize::from(index)).copied()),
-            _ => of_coordinate(number, letter),
-        };
-        self.settings.numbers.iter().map(|following| label(following.number)).collect()
+        labels(&self.numbers(), coordinates)
     }
+}
+
+/// Labels of numbers, which have whole bodies.
+pub(crate) fn labels(numbers: &[Number], coordinates: &str) -> Vec<Label> {
+    let letter = |i: u8| coordinates.as_bytes().get(usize::from(i)).copied().unwrap_or(b'c');
+    let label = |number: &Number| match *number {
+        Number::Inertia { body, index } => {
+            let of_body = |other: &&Number| matches!(other, Number::Inertia { body: of, .. } if *of == body);
+            let is_planar = numbers.iter().filter(of_body).count() == PLANAR_INERTIAL_PARAMETERS;
+            let symbols: &[&str] = if is_planar { &IN_PLANE } else { &IN_SPACE };
+            of_body_number(body, symbols.get(usize::from(index)).copied())
+        }
+        number => of_coordinate(number, letter),
+    };
+    numbers.iter().map(label).collect()
 }
 
 fn of_body_number(body: u8, symbol: Option<&'static str>) -> Label {

@@ -32,14 +32,18 @@ pub fn remaining(
     Ok(remaining)
 }
 
-/// Balance over the window that ends before a tick.
+/// Balance over the windows that end last before a tick, at which that of the last coordinate ends.
 fn balance(
     chip: &Replica,
     settings: &AdapterSettings,
     (ticks, end): (&Ticks, usize),
 ) -> Result<Vec<f32>, AdaptationError> {
     let mut adaptation = chip.adaptation(settings)?;
-    for k in end.saturating_sub(2 * usize::from(settings.half))..end {
+    let half = usize::from(settings.half);
+    // Windows of every coordinate end a tick after those of the one before; those of many coordinates take half a window more.
+    let span = 2 * half + (settings.deviation.len() - 1) % half;
+    let begin = end.checked_sub(span + half).unwrap_or(end.saturating_sub(span));
+    for k in begin..end {
         adaptation.take(ticks.at(k))?;
     }
     Ok(adaptation.findings().residuals().to_vec())

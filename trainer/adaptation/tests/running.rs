@@ -12,13 +12,13 @@ use leastaction_firmware_sim::control::{NoMpc, NoPump, Reference, TaskController
 use leastaction_firmware_sim::devices::EncoderConfig;
 use leastaction_firmware_sim::scenario::{Run, TrackConfig};
 use leastaction_firmware_sim::{Adapting, Tick, Timeline};
-use leastaction_replica::{AdapterOf, ModelFile, PAIRS, PLACES, TunedOf};
+use leastaction_replica::{AdapterOf, ModelFile, PAIRS, PLACES, TunedOf, TuningOf};
 
 /// Tick of the loop, s.
 const H: f32 = 2e-3;
 
 type Controller = TaskController<'static, NoPump, NoMpc, N>;
-type Processor<'f> = Adapting<TunedOf<'f, N>, Controller, N, PLACES, PAIRS>;
+type Processor<'f> = Adapting<'f, TunedOf<'f, N>, Controller, N, PLACES, PAIRS>;
 type Plant<'w> = System<ArmBodies<'w, f32, N>, (Viscous<f32, N>, Coulomb<f32, N>)>;
 
 /// Calls a function with the machine as a plant.
@@ -55,10 +55,14 @@ fn config(seconds: f32) -> TrackConfig<N> {
 /// Time at which the load is taken up, s.
 const TAKEN_UP: f32 = 3.0;
 
-fn processor<'f>(file: &'f ModelFile, choice: &Choice, config: &TrackConfig<N>) -> Processor<'f> {
+fn processor<'f>(
+    file: &'f ModelFile,
+    (choice, tuning): (&Choice, &'f TuningOf<N>),
+    config: &TrackConfig<N>,
+) -> Processor<'f> {
     let tuned = TunedOf::<N>::new(file).expect("a model");
     let firmware = config.program().follow(tuned.of_file()).expect("a program");
-    Adapting::new(tuned, firmware, choice.blocks(), choice.settings.adapter().expect("an adapter"))
+    Adapting::new(tuned, firmware, (choice.blocks(), tuning)).expect("numbers")
 }
 
 /// Numbers that follow, and how well the model explains the machine as it was learned.
@@ -66,8 +70,9 @@ fn choice(file: &ModelFile) -> Choice {
     let mut choice = Choice::of_loop(&model(), H.into(), &Request::default()).expect("a choice");
     choice.settings.deviation = vec![1e6; N];
     let config = config(TAKEN_UP);
+    let tuning = choice.settings.tuning().expect("a tuning");
     let residuals = with_plant(AS_LEARNED, |plant| {
-        let processor = processor(file, &choice, &config);
+        let processor = processor(file, (&choice, &tuning), &config);
         let mut run = Run::new(plant, processor, &config.setup, &config.reference).expect("a run");
         let mut residuals = Vec::new();
         for _ in 0..config.setup.ticks() {
@@ -107,13 +112,15 @@ fn a_load_is_carried_within_a_second() {
     let bytes = model().to_bytes().expect("bytes");
     let file = ModelFile::new(&bytes).expect("a file");
     let choice = choice(&file);
+    let tuning = choice.settings.tuning().expect("a tuning");
     let config = config(1.0);
-    let (error, after) = carry(processor(&file, &choice, &config), 2.0, TAKEN_UP + 1.5, TAKEN_UP + 3.0);
+    let (error, after) =
+        carry(processor(&file, (&choice, &tuning), &config), 2.0, TAKEN_UP + 1.5, TAKEN_UP + 3.0);
     let mass = choice.announcement.expect("bodies").of(after.filter()).expect("an announcement");
     assert!((mass.estimate - 2.0).abs() < 0.06, "{mass:?}");
     assert!((after.applied()[0] - 2.0).abs() < 0.06, "{:?}", after.applied());
     assert!(!after.unlike());
-    let mut frozen = processor(&file, &choice, &config);
+    let mut frozen = processor(&file, (&choice, &tuning), &config);
     frozen.frozen = true;
     let (without, frozen) = carry(frozen, 2.0, TAKEN_UP + 1.5, TAKEN_UP + 3.0);
     assert!(frozen.applied().iter().all(|applied| *applied == 0.0));

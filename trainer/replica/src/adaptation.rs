@@ -9,6 +9,8 @@ use leastaction_core::forces::Coefficient;
 pub const PLACES: usize = 64;
 /// Number of pairs of different places.
 pub const PAIRS: usize = PLACES * (PLACES - 1) / 2;
+/// Settings of an adapter with a place for every number of a model.
+pub type TuningOf<const N: usize> = Tuning<f32, N, PLACES>;
 /// An adapter with a place for every number of a model.
 pub type AdapterOf<const N: usize> = Adapter<f32, N, PLACES, PAIRS>;
 
@@ -97,6 +99,7 @@ pub trait Findings {
 /// A model with its adapter.
 struct Running<'c, const N: usize> {
     system: &'c SystemOf<'c, N>,
+    tuning: Box<TuningOf<N>>,
     adapter: Box<AdapterOf<N>>,
 }
 
@@ -107,11 +110,11 @@ impl<const N: usize> Adaptation for Running<'_, N> {
     ) -> Result<Option<Agreement<f32>>, ReplicaError> {
         let (q, v) = (copied("q", q)?, copied("v", v)?);
         let (command, force) = (copied("the command", command)?, copied("the force", force)?);
-        Ok(self.adapter.take(self.system, &Moment { q, v, command, force }))
+        Ok(self.adapter.take(&self.tuning, self.system, &Moment { q, v, command, force }))
     }
 
     fn skip(&mut self) {
-        self.adapter.skip();
+        self.adapter.skip(&self.tuning);
     }
 
     fn findings(&self) -> &dyn Findings {
@@ -149,7 +152,9 @@ impl<'c> Visitor<'c> for Adapt<'_> {
     type Output = Result<Box<dyn Adaptation + 'c>, ReplicaError>;
 
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
-        Ok(Box::new(Running { system, adapter: Box::new(self.0.adapter()?) }))
+        let tuning = Box::new(self.0.tuning()?);
+        let adapter = Box::new(Adapter::new(&tuning).map_err(ReplicaError::Unfit)?);
+        Ok(Box::new(Running { system, tuning, adapter }))
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
@@ -158,16 +163,11 @@ impl<'c> Visitor<'c> for Adapt<'_> {
 }
 
 impl AdapterSettings {
-    /// Creates the adapter of a model of N coordinates.
+    /// The settings for a model of N coordinates.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`], [`ReplicaError::Numbers`], [`ReplicaError::Unfit`].
-    pub fn adapter<const N: usize>(&self) -> Result<AdapterOf<N>, ReplicaError> {
-        let (numbers, tuning) = self.sized()?;
-        Adapter::new(numbers, tuning).map_err(ReplicaError::Unfit)
-    }
-
-    fn sized<const N: usize>(&self) -> Result<([Number; PLACES], Tuning<f32, N, PLACES>), ReplicaError> {
+    /// [`ReplicaError::Length`], [`ReplicaError::Numbers`].
+    pub fn tuning<const N: usize>(&self) -> Result<TuningOf<N>, ReplicaError> {
         if self.numbers.len() > PLACES {
             return Err(ReplicaError::Numbers { found: self.numbers.len() });
         }
@@ -181,7 +181,9 @@ impl AdapterSettings {
         let dry = self.dry.as_ref().map(|(coefficient, level)| {
             Ok::<_, ReplicaError>((*coefficient, copied("the dry friction", level)?))
         });
-        let tuning = Tuning {
+        let number = |j: usize| self.numbers.get(j).map_or(Number::None, |following| following.number);
+        Ok(Tuning {
+            numbers: std::array::from_fn(number),
             half: self.half,
             h: self.h,
             deviation: copied("the deviation", &self.deviation)?,
@@ -191,8 +193,6 @@ impl AdapterSettings {
             change: self.change,
             limits,
             dry: dry.transpose()?,
-        };
-        let number = |j: usize| self.numbers.get(j).map_or(Number::None, |following| following.number);
-        Ok((std::array::from_fn(number), tuning))
+        })
     }
 }

@@ -9,7 +9,7 @@ pub use report::{NumberReport, Report, numbers};
 
 use crate::cli::Failure;
 use crate::evaluation::{Evaluation, Log, LogReading, Tell};
-use leastaction_adaptation::{AdaptationError, Followed, Request};
+use leastaction_adaptation::{AdaptationError, Choice, Followed, Request};
 use leastaction_learning::atomic;
 use leastaction_models::Model;
 use std::path::{Path, PathBuf};
@@ -90,5 +90,26 @@ impl Adapted<'_> {
         let page = page::Page::new(self).map_err(|error| self.of.refused(&error, &self.log.file))?;
         let html = page.html().map_err(|error| Failure::file(path, error))?;
         atomic::write(path, html.as_bytes()).map_err(|error| Failure::file(path, error))
+    }
+    /// Writes the numbers in use at the end of the log as a patch of the model.
+    ///
+    /// # Errors
+    /// [`Failure`] if the model has no file, or the patch cannot be written.
+    pub fn write_patch(&self, path: &Path) -> Result<(), Failure> {
+        let patch = self.followed.patch(self.of.model);
+        let patch = patch.map_err(|error| self.of.refused(&error, &self.log.file))?;
+        atomic::write(path, &patch).map_err(|error| Failure::file(path, error))
+    }
+
+    /// Writes the settings of an adapter for a control loop with ticks of `tick` seconds, whose uncertainty is that measured here.
+    ///
+    /// # Errors
+    /// [`Failure`] if no number can follow, or the source cannot be written.
+    pub fn write_source(&self, path: &Path, tick: f64) -> Result<(), Failure> {
+        let choice = Choice::of_loop(self.of.model, tick, &self.of.request);
+        let mut choice = choice.map_err(|error| self.of.refused(&error, &self.log.file))?;
+        choice.settings.deviation.clone_from(&self.followed.choice.settings.deviation);
+        let source = choice.source(self.of.model.n());
+        atomic::write(path, source.as_bytes()).map_err(|error| Failure::file(path, error))
     }
 }

@@ -2,6 +2,7 @@
 //! destroy a log, a configuration or a run.
 
 use super::Failure;
+use leastaction_adaptation::SETTINGS_HEAD;
 use leastaction_core::model::MAGIC;
 use leastaction_learning::data;
 use leastaction_models::file::{C_HEAD, RUST_HEAD};
@@ -17,6 +18,10 @@ pub enum FileKind {
     Model,
     /// A plan.
     Plan,
+    /// Numbers that a machine found.
+    Patch,
+    /// Settings of an adapter, as a Rust module.
+    Settings,
     /// A Rust module with a model.
     RustModule,
     /// A C header with a model.
@@ -55,6 +60,8 @@ impl FileKind {
         match self {
             Self::Model => "model file",
             Self::Plan => "plan",
+            Self::Patch => "patch of a model",
+            Self::Settings => "Rust module of `leastaction adapt`",
             Self::RustModule => "Rust module of `leastaction export`",
             Self::CHeader => "C header with a model",
             Self::Log => "log of motion",
@@ -74,6 +81,8 @@ impl FileKind {
         match self {
             Self::Model => Some(&MAGIC),
             Self::Plan => Some(&leastaction_core::plan::MAGIC),
+            Self::Patch => Some(&leastaction_core::adapt::PATCH_MAGIC),
+            Self::Settings => Some(SETTINGS_HEAD.as_bytes()),
             Self::RustModule => Some(RUST_HEAD.as_bytes()),
             Self::CHeader => Some(C_HEAD.as_bytes()),
             Self::Configuration => Some(CONFIGURATION_HEAD.as_bytes()),

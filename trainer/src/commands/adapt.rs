@@ -3,7 +3,7 @@
 use clap::Args;
 use leastaction::adaptation::Adaptation;
 use leastaction::cli::arguments::positive;
-use leastaction::cli::{Done, Failure, Output};
+use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::evaluation::{LogReading, is_page};
 use leastaction::models::of_file_or_run;
 use leastaction_adaptation::Request;
@@ -52,12 +52,23 @@ pub struct Adapt {
     /// A page, .html: the numbers over time with their standard errors, and how well they explain the log.
     #[arg(short, long, value_name = "PAGE.html")]
     output: Option<PathBuf>,
+    /// A patch with the numbers in use at the end of the log, a few bytes for a controller, `inspect --patch` and `convert --patch`.
+    #[arg(long, value_name = "FILE")]
+    patch: Option<PathBuf>,
+    /// A Rust module with the settings of the adapter, for a controller.
+    #[arg(long, value_name = "FILE.rs", requires = "tick")]
+    rust: Option<PathBuf>,
+    /// Tick of the controller, s.
+    #[arg(long, value_name = "S", value_parser = positive, requires = "rust")]
+    tick: Option<f64>,
 }
 
 impl Adapt {
     /// Reads the model and the logs, and lets the numbers follow.
     pub fn run(self, output: Output) -> Done {
         let page = self.page()?;
+        self.patch.iter().try_for_each(|file| replaceable(file, FileKind::Patch))?;
+        self.rust.iter().try_for_each(|file| replaceable(file, FileKind::Settings))?;
         let model = of_file_or_run(&self.model, None)?;
         let reading = LogReading::new(self.config.as_deref(), Some(self.data.clone().into()), &self.model)?;
         let adaptation = Adaptation {
@@ -71,6 +82,14 @@ impl Adapt {
         if let Some(path) = page {
             adapted.write_page(path)?;
             output.note(&format!("page in {}", path.display()));
+        }
+        if let Some(file) = &self.patch {
+            adapted.write_patch(file)?;
+            output.note(&format!("patch in {}", file.display()));
+        }
+        if let (Some(file), Some(tick)) = (&self.rust, self.tick) {
+            adapted.write_source(file, tick)?;
+            output.note(&format!("settings for a controller in {}", file.display()));
         }
         output.report(&adapted.report)
     }

@@ -2,18 +2,22 @@
 
 use clap::Args;
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
+use leastaction_adaptation::Patched;
 use leastaction_learning::atomic;
+use leastaction_models::Model;
 use leastaction_models::file::{self, decode};
 use serde::Serialize;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Rewrite a model file of an older format version in the current one.
+/// Rewrite a model file of an older format version in the current one, or with the numbers of a patch.
 ///
 /// Shape, weights (to the last bit), step and text are kept. Facts that version 1 does not hold remain absent: the range of the training
 /// data, and the actuator. A version-1 control counts as linear between samples, as training took it then.
 ///
 /// Example: leastaction convert old.postcard -o new.postcard
+///
+/// Example: leastaction convert arm.postcard --patch arm.patch -o loaded.postcard
 #[derive(Args)]
 pub struct Convert {
     /// The model file to read.
@@ -21,6 +25,9 @@ pub struct Convert {
     /// The model file to write; it may be the same.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// A patch of the model, whose distances are added to the numbers of the file.
+    #[arg(long, value_name = "PATCH")]
+    patch: Option<PathBuf>,
 }
 
 /// Report on the written file.
@@ -51,6 +58,10 @@ impl Convert {
         replaceable(&self.output, FileKind::Model)?;
         let bytes = std::fs::read(&self.model).map_err(|error| Failure::input(&self.model, error))?;
         let model = decode(&bytes).map_err(|error| Failure::input(&self.model, error))?;
+        let model = match &self.patch {
+            Some(patch) => patched(&model, patch)?,
+            None => model,
+        };
         let encoded = file::encode_in(model.precision, &model.architecture, &model.weights, &model.facts);
         let written = encoded.map_err(|error| Failure::file(&self.model, error))?;
         atomic::write(&self.output, &written).map_err(|error| Failure::file(&self.output, error))?;
@@ -62,4 +73,10 @@ impl Convert {
             model: self.output,
         })
     }
+}
+
+/// The model with the numbers of a patch.
+fn patched(model: &Model, file: &Path) -> Result<Model, Failure> {
+    let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
+    Ok(Patched::read(model, &bytes).map_err(|error| Failure::input(file, error))?.model)
 }

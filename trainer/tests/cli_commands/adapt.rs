@@ -228,3 +228,50 @@ fn pages_of_other_names_are_refused() {
     bench.run(&format!("{words} -o mine.html")).bad(2, &["mine.html"]);
     bench.run(&format!("{words} --body 3")).bad(2, &["arm.postcard", "no body 3"]);
 }
+
+/// Patches are a few bytes, read beside their own model alone, and added to its numbers.
+#[test]
+fn a_patch_is_shown_and_added() {
+    let bench = arms();
+    let words = "adapt arm.postcard --data load.csv --config arm.toml --json";
+    let report = bench.run(&format!("{words} --patch arm.patch")).good().json();
+    let used = report["numbers"][0]["used"].as_f64().unwrap();
+    assert!(bench.read("arm.patch").len() < 200);
+    let shown = bench.run("inspect arm.postcard --patch arm.patch --json").good().json();
+    let first = &shown["patch"]["numbers"][0];
+    assert_eq!(first["name"], "m of body 2");
+    assert_eq!([&first["model"], &first["distance"]].map(|x| x.as_f64().unwrap()), [1.0, used]);
+    let text = bench.run("inspect arm.postcard --patch arm.patch").good().stdout;
+    assert!(text.contains("patch of") && text.contains("c of coordinate 2"), "{text}");
+    bench.run("convert arm.postcard --patch arm.patch -o loaded.postcard").good();
+    let body = bench.run("inspect loaded.postcard --json").good().json()["bodies"][2].clone();
+    assert!((body["mass"].as_f64().unwrap() - 1.0 - used).abs() < 1e-5, "{body}");
+    let other = [
+        "inspect loaded.postcard --patch arm.patch",
+        "convert loaded.postcard --patch arm.patch -o x.postcard",
+    ];
+    for words in other {
+        bench.run(words).bad(2, &["arm.patch", "saved for the model with fingerprint"]);
+    }
+    let mut damaged = bench.read("arm.patch");
+    damaged[20] ^= 1;
+    fs::write(bench.at("bad.patch"), damaged).unwrap();
+    bench.run("inspect arm.postcard --patch bad.patch").bad(2, &["bad.patch", "damaged"]);
+    bench.run("inspect arm.postcard --patch arm.postcard").bad(2, &["not a patch"]);
+    bench.run(&format!("{words} --patch load.csv")).bad(2, &["load.csv", "no patch"]);
+}
+
+/// Settings for a controller are Rust source; another file is not replaced.
+#[test]
+fn settings_for_a_controller_are_written() {
+    let bench = arms();
+    let words = "adapt arm.postcard --data load.csv --config arm.toml";
+    bench.run(&format!("{words} --rust adapter.rs --tick 0.001")).good();
+    let source = bench.text("adapter.rs");
+    for part in ["const N: usize = 3;", "const P: usize = 16;", "const BLOCK: u16 = 8;", "h: 0.008,"] {
+        assert!(source.contains(part), "{part:?} is not in {source}");
+    }
+    bench.run(&format!("{words} --rust adapter.rs --tick 0.002")).good();
+    bench.run(&format!("{words} --rust adapter.rs")).bad(2, &["--tick"]);
+    bench.run(&format!("{words} --rust load.csv --tick 0.002")).bad(2, &["load.csv"]);
+}

@@ -2,6 +2,7 @@
 
 mod contacts;
 mod network;
+mod patch;
 mod target;
 
 use clap::Args;
@@ -15,6 +16,7 @@ use leastaction_models::describe::Description;
 use leastaction_models::file::Precision;
 use leastaction_models::{Actuator, Model};
 use network::NetworkReport;
+use patch::PatchReport;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -34,6 +36,9 @@ pub struct Inspect {
     /// Also predict the cost on this processor: instructions, stack and code.
     #[arg(long, value_enum)]
     target: Option<Target>,
+    /// Also show a patch of the model: the distances of its numbers that a machine found and saved while it ran.
+    #[arg(long, value_name = "PATCH")]
+    patch: Option<PathBuf>,
 }
 
 /// Contents of the file.
@@ -84,6 +89,9 @@ struct Report {
     cost: Option<Cost>,
     #[serde(skip_serializing_if = "Option::is_none")]
     target: Option<OnTarget>,
+    /// Numbers of a patch, if one is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    patch: Option<PatchReport>,
 }
 
 impl Inspect {
@@ -91,7 +99,8 @@ impl Inspect {
     pub fn run(self, output: Output) -> Done {
         let (model, bytes) = load_part(&self.model, self.tree.as_deref())?;
         let target = self.target.map(|target| on(target, &self.model, &model, bytes)).transpose()?;
-        output.report(&Report { target, ..report(self.model, model, bytes) })
+        let patch = self.patch.map(|patch| PatchReport::read(&model, &patch)).transpose()?;
+        output.report(&Report { target, patch, ..report(self.model, model, bytes) })
     }
 }
 
@@ -124,6 +133,7 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     Report {
         cost: cost(architecture).ok(),
         target: None,
+        patch: None,
         family: architecture.with_header(|header| header.name()),
         coordinates: architecture.coordinates().chars().map(kind).collect(),
         part: architecture.family.parts().map(|parts| [parts.what, parts.meant].map(str::to_owned)),
@@ -276,7 +286,8 @@ impl fmt::Display for Report {
         }
         writeln!(f)?;
         self.costs(f)?;
-        self.target.iter().try_for_each(|target| write!(f, "{target}"))
+        self.target.iter().try_for_each(|target| write!(f, "{target}"))?;
+        self.patch.iter().try_for_each(|patch| write!(f, "{patch}"))
     }
 }
 

@@ -9,7 +9,7 @@ use leastaction_firmware_sim::control::{Controller, Trajectory};
 use leastaction_firmware_sim::scenario::{Run, Setup};
 use leastaction_firmware_sim::{self as firmware_sim, Adapting, Firmware, Summary, Tick, Timeline};
 use leastaction_models::Model;
-use leastaction_replica::{ModelFile, TunedOf};
+use leastaction_replica::{ModelFile, ReplicaError, TunedOf};
 use serde::Serialize;
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -57,8 +57,9 @@ impl<'a> Adaptive<'a> {
     {
         let (is_first, choice) = self.chosen(setup.tick, N)?;
         let tuned = TunedOf::<N>::new(&self.file).map_err(|error| refused(error.into()))?;
-        let adapter = choice.settings.adapter::<N>().map_err(|error| refused(error.into()))?;
-        let processor = Adapting::new(tuned, firmware, choice.blocks(), adapter);
+        let tuning = choice.settings.tuning::<N>().map_err(|error| refused(error.into()))?;
+        let processor = Adapting::new(tuned, firmware, (choice.blocks(), &tuning));
+        let processor = processor.map_err(|error| refused(ReplicaError::Unfit(error).into()))?;
         let mut run = Run::new(plant, processor, setup, trajectory).map_err(scenario::misused)?;
         let mut residuals = Vec::new();
         for _ in 0..setup.ticks() {
