@@ -2,6 +2,8 @@
 //! and searches for what panics. They are never run.
 #![no_std]
 
+pub mod adapted;
+
 use core::hint::black_box;
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,

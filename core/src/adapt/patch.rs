@@ -97,7 +97,12 @@ impl<const N: usize, const P: usize, const T: usize> Adapter<f32, N, P, T> {
             let error = Scalar::sqrt(self.filter().variance(j));
             Saved { number: *number, distance: *distance, error }
         });
-        Patch { model, numbers: saved.filter(|saved| saved.number != Number::None).collect() }
+        let mut numbers = Vec::new();
+        for saved in saved.filter(|saved| saved.number != Number::None) {
+            // There are as many places as numbers.
+            _ = numbers.push(saved);
+        }
+        Patch { model, numbers }
     }
 
     /// Begins with the distances of a patch, within the limits; what is known of them is what the prior says. Numbers that the patch does not

@@ -22,6 +22,8 @@ pub struct Adaptive<'a> {
     course: RefCell<Course>,
 }
 
+/// Longest first run, s: a minute has hundreds of windows.
+const COMMISSIONED: f32 = 60.0;
 /// Deviation in the first run: nothing that is seen counts beside it, N or N m.
 const NOTHING_COUNTS: f32 = 1e6;
 
@@ -39,7 +41,8 @@ impl<'a> Adaptive<'a> {
     pub(super) fn commission(&self, request: &Request) -> Result<(), Failure> {
         let world = request.world.unchanged();
         let seed = request.seed.wrapping_add(1);
-        let request = Request { world: &world, seed, adaptive: Some(self), ..*request };
+        let seconds = request.seconds.map(|seconds| seconds.min(COMMISSIONED));
+        let request = Request { world: &world, seed, seconds, adaptive: Some(self), ..*request };
         scenario::run(&request, &mut Trace::default()).map(|_| ())
     }
 
