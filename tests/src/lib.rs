@@ -98,6 +98,11 @@ impl Reference {
         families.chain(others).chain(["bodies-dry", "arm", "bodies-sticking"].into_iter().flat_map(orders))
     }
 
+    /// Steps of the fingerprints that are compared between optimisation levels: fewer where every step is one of a whole firmware.
+    pub fn steps(&self) -> u32 {
+        if self.family == "adapting" { 10_000 } else { 100_000 }
+    }
+
     /// Fingerprint of the given number of steps.
     ///
     /// # Errors
