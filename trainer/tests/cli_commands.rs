@@ -20,6 +20,8 @@ mod descriptions;
 mod doctor;
 #[path = "cli_commands/doubtful_logs.rs"]
 mod doubtful_logs;
+#[path = "cli_commands/drift.rs"]
+mod drift;
 #[path = "cli_commands/files.rs"]
 mod files;
 #[path = "cli_commands/folders.rs"]

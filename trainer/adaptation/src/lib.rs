@@ -4,10 +4,13 @@
 //! model ─► Choice: which numbers, how far they may go ─┐
 //! log of the training ─► deviations: how well the model explains it ─┴─► Followed: the Course along another log, what is attached, how sure
 //! ```
+//!
+//! [`drift`] says from day to day whether the machine is still the one that was learned, for models of every family.
 
 mod along;
 mod choice;
 mod deviations;
+pub mod drift;
 mod error;
 mod followed;
 mod names;

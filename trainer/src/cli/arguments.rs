@@ -23,6 +23,13 @@ pub fn finite(text: &str) -> Result<f64, String> {
     number(text).ok_or_else(|| "it must be a finite number".to_owned())
 }
 
+/// A number between 0 and 1, without either.
+pub fn probability(text: &str) -> Result<f64, String> {
+    number(text)
+        .filter(|x| *x > 0.0 && *x < 1.0)
+        .ok_or_else(|| "it must be a number between 0 and 1".to_owned())
+}
+
 /// Order of a discrete Euler–Lagrange step.
 pub fn order(text: &str) -> Result<u8, String> {
     text.parse().ok().filter(|order| matches!(order, 2 | 4)).ok_or_else(|| "it must be 2 or 4".to_owned())

@@ -52,6 +52,13 @@ impl LogReading {
         Ok(Self { config, of_run: (!is_plain).then_some(own) })
     }
 
+    /// Reads the log at this step, s, instead of its own, if there is one.
+    #[must_use]
+    pub fn at_step(mut self, step: Option<f64>) -> Self {
+        self.config.step = step.or(self.config.step);
+        self
+    }
+
     /// The names of the files.
     #[must_use]
     pub fn file(&self) -> PathBuf {

@@ -22,7 +22,7 @@ const ROBOT: &str = r#"<robot name="r"><link name="base"/>
 /// Position at which the arm floats.
 const AT: [f64; 2] = [0.3, -0.9];
 
-fn tree() -> Tree {
+pub fn tree() -> Tree {
     parse(ROBOT, Inertias::Required).unwrap()
 }
 
@@ -279,7 +279,7 @@ fn what_cannot_change_is_said() {
 }
 
 /// A motion of both joints.
-const MOTION: &str = "frequency = 0.4
+pub const MOTION: &str = "frequency = 0.4
 centre = [0.3, -0.9]
 cosine = [[0.5, 0.2], [-0.6, 0.3]]
 sine = [[0.3, -0.3], [0.4, 0.2]]

@@ -3,6 +3,7 @@
 mod adapting;
 mod changes;
 mod course;
+mod drift;
 mod follow;
 mod gravity;
 mod mpc;
@@ -34,9 +35,10 @@ pub use world::World;
 
 use super::system::SymoSystem;
 use clap::Args;
+use drift::Comparison;
 use leastaction::cli::arguments::{positive, positive_f32, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
-use leastaction::models::{Loaded, load, read};
+use leastaction::models::{Loaded, load, of_file_or_run, read};
 use leastaction_ground_truth::Mechanism;
 use leastaction_models::Model;
 use replay::{Replay, ReplayReport};
@@ -91,9 +93,14 @@ use std::time::Duration;
 /// the exit code is 1 if the model cannot be stepped.
 ///
 /// Example: leastaction simulate robot.postcard --replay log.csv --config robot.toml --on cortex-m4
+///
+/// With the run's folder, or --config or --reference, the report also says whether the machine is still the one that was learned: the errors
+/// are compared with those of the training's log, or of another one of the same kind of motion.
+///
+/// Example: leastaction simulate run --replay today.csv
 #[derive(Args)]
 pub struct Simulate {
-    /// The model file.
+    /// The model file; for --replay also the folder of a training run.
     model: PathBuf,
     /// The scenario of the loop.
     #[arg(long, value_enum, required_unless_present = "replay")]
@@ -141,6 +148,8 @@ pub struct Simulate {
     #[command(flatten)]
     decides: MpcArgs,
     #[command(flatten)]
+    drift: Comparison,
+    #[command(flatten)]
     world: World,
     /// The folder to write to.
     #[arg(short, long, default_value = "simulation", value_name = "DIR")]
@@ -158,11 +167,20 @@ impl Simulate {
     }
 
     fn run_replay(&self, log: &Path, output: Output) -> Done {
-        let (model, _) = load(&self.model)?;
+        let model = of_file_or_run(&self.model, None)?;
         let target = self.target()?;
         let (config, on) = (self.config.as_deref(), target.as_ref());
         let learn_zeros = self.world.only_zeros()?;
-        let replay = Replay { model: &model, log, config, tick: self.tick, learn_zeros, on };
+        let replay = Replay {
+            model: &model,
+            file: &self.model,
+            log,
+            config,
+            drift: &self.drift,
+            tick: self.tick,
+            learn_zeros,
+            on,
+        };
         folder(&self.output)?;
         let file = self.output.join("trace.csv");
         replaceable(&file, FileKind::Table(trace::BEGINNING))?;

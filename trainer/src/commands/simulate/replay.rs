@@ -1,16 +1,18 @@
 //! `leastaction simulate --replay`: the firmware along a log.
 
+use super::drift::{Comparison, DriftReport, Reference};
 use super::remote::{Ran, Target};
 use super::scenario::misused;
 use super::world::known_actuator;
 use super::{Trace, median_and_most};
 use leastaction::cli::{Failure, Output};
+use leastaction::evaluation::LogReading;
 use leastaction::models::{chip_file, meant};
+use leastaction_adaptation::drift::{Moment, Windows};
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{Logged, replay};
 use leastaction_firmware_sim::{InPlace, Mode, Outcome, Program, SetupError, Summary, Tick, wrap};
-use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{Dataset, Rows};
 use leastaction_models::Model;
 use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
@@ -22,10 +24,14 @@ use std::path::{Path, PathBuf};
 pub struct Replay<'a> {
     /// The model.
     pub model: &'a Model,
+    /// File of the model, or folder of its run.
+    pub file: &'a Path,
     /// The log.
     pub log: &'a Path,
-    /// The configuration whose `[data]` says how to read the log, if it needs one.
+    /// The configuration whose `[data]` says how to read the log, if it needs one; that of the run, if there is one.
     pub config: Option<&'a Path>,
+    /// Comparison with the machine as it was.
+    pub drift: &'a Comparison,
     /// Step of the observer, s, if other than the model's.
     pub tick: Option<f32>,
     /// Standard deviation of the encoders' zero offsets, if they are to be learned.
@@ -72,33 +78,38 @@ pub struct ReplayReport {
     pub trace_hash: String,
     /// File of the trace.
     pub trace: PathBuf,
+    /// Comparison of the errors with those along the reference, if there is one.
+    pub drift: Option<DriftReport>,
 }
 
 impl Replay<'_> {
-    /// Runs along the log and records the trace.
+    /// Runs along the log, records the trace, and compares the errors with those of the reference.
     pub fn run(&self, output: Output, trace: &mut Trace) -> Result<ReplayReport, Failure> {
-        let data = self.read(output)?;
-        let file = chip_file(self.model).map_err(Failure::Input)?;
-        let chip = meant(&file, self.model).map_err(Failure::Input)?;
+        let tell = &mut |sentence: String| output.note(&format!("note: {sentence}"));
+        let reading = LogReading::new(self.config, Some(self.log.into()), self.file)?;
+        let data = reading.at_step(self.step()).read((None, None), tell)?;
+        let chip_file = chip_file(self.model).map_err(Failure::Input)?;
+        let chip = meant(&chip_file, self.model).map_err(Failure::Input)?;
         if data.n != chip.n() {
             let (n, own) = (data.n, chip.n());
             return Err(Failure::input(self.log, format!("the log has {n} coordinates, the model {own}")));
         }
-        chip.visit(Along { replay: self, data: &data, trace })
+        let reference = self.drift.reference(self, &data, tell)?;
+        let along = |data, on, windows, trace| chip.visit(Along { replay: self, data, on, windows, trace });
+        let windows = windows(reference.as_ref().map_or(&data, |reference| &reference.data));
+        let (mut report, log) = along(&data, self.on, windows.emptied(), trace)?;
+        if let Some(Reference { file, data }) = reference {
+            let (before, windows) = along(&data, None, windows, &mut Trace::default())?;
+            report.drift = self.drift.compare((file, before.model_errors), (&windows, &log), tell);
+        }
+        Ok(report)
     }
 
-    /// Reads the log at the step of the observer.
-    fn read(&self, output: Output) -> Result<Dataset, Failure> {
-        let config = self.config.map(Config::read).transpose()?.map(|config| config.data);
-        let mut config =
-            DataConfig { file: self.log.into(), ..config.unwrap_or_else(|| DataConfig::new(self.log)) };
-        let own = self.model.facts.trained_step.map(|step| f64::from(step.h));
-        let step = self.tick.map(f64::from).or(own).map(|step| step as f32);
+    /// Step of the observer, s, if the model or the user says it.
+    fn step(&self) -> Option<f64> {
+        let own = self.model.facts.trained_step.map(|step| step.h);
         // This is the shortest decimal notation of the model's single-precision step.
-        config.step = step.and_then(|step| step.to_string().parse().ok()).or(config.step);
-        let (data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
-        output.notes(&leastaction::notes::sentences(&notes));
-        Ok(data)
+        self.tick.or(own).and_then(|step| step.to_string().parse().ok())
     }
 
     fn program<const N: usize>(&self, h: f32) -> Result<Program<N>, Failure> {
@@ -123,25 +134,28 @@ const INNOVATION: f32 = 3e-3;
 struct Along<'r, 'a> {
     replay: &'r Replay<'a>,
     data: &'r Dataset,
+    on: Option<&'r Target>,
+    /// Windows for the errors, empty.
+    windows: Windows,
     trace: &'r mut Trace,
 }
 
 impl<'c> Visitor<'c> for Along<'_, '_> {
-    type Output = Result<ReplayReport, Failure>;
+    type Output = Result<(ReplayReport, Windows), Failure>;
 
     fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
     where
         for<'f> Replica<'f>: OfSize<N>,
     {
-        let Self { replay: this, data, trace } = self;
+        let Self { replay: this, data, on, windows, trace } = self;
         let program = this.program::<N>(data.h as f32)?;
-        let (log, mut innovations) = (ticks(data), Innovations::new(program.angle));
+        let (log, mut innovations) = (ticks(data), Innovations::new(program.angle, windows));
         let mut sink = |tick: &Tick<N>, outcome: &Outcome<N>| {
             trace.push(tick);
             innovations.take(tick, outcome, log[tick.index as usize].elapsed);
         };
         let rows = log.iter().copied();
-        let ran = match this.on {
+        let ran = match on {
             None => {
                 let firmware = InPlace { model, firmware: program.listen(model).map_err(misused)? };
                 let summary = replay(firmware, &program, rows, &mut sink).map_err(SetupError::from);
@@ -149,13 +163,19 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
             }
             Some(target) => target.with(&program, |remote| replay(remote, &program, rows, &mut sink))?,
         };
-        let on = this.on.map_or("host", |target| target.board.name());
-        Ok(innovations.report(on, &ran, data))
+        let on = on.map_or("host", |target| target.board.name());
+        Ok((innovations.report(on, &ran, data), innovations.windows))
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
         Err(super::plant::no_graphs())
     }
+}
+
+/// Windows for the errors along logs like this one.
+fn windows(data: &Dataset) -> Windows {
+    let longest = data.trajectories.iter().map(|trajectory| trajectory.samples()).max();
+    Windows::new(data.h, longest.unwrap_or(0))
 }
 
 /// The recordings of a log, one after another.
@@ -185,6 +205,12 @@ struct Innovations<const N: usize> {
     trusted: bool,
     zeros: [f32; N],
     each: [Sums; N],
+    windows: Windows,
+}
+
+fn moment<const N: usize>(tick: &Tick<N>, i: usize) -> Moment {
+    let [error, velocity, command] = [tick.error[i], tick.v_estimate[i], tick.commanded[i]].map(f64::from);
+    Moment { error, velocity, command }
 }
 
 #[derive(Clone, Copy, Default)]
@@ -198,9 +224,9 @@ struct Sums {
 }
 
 impl<const N: usize> Innovations<N> {
-    fn new(angle: [bool; N]) -> Self {
+    fn new(angle: [bool; N], windows: Windows) -> Self {
         let (before, last, zeros) = ([None; 2], None, [0.0; N]);
-        Self { angle, before, last, trusted: false, zeros, each: [Sums::default(); N] }
+        Self { angle, before, last, trusted: false, zeros, each: [Sums::default(); N], windows }
     }
 
     fn take(&mut self, tick: &Tick<N>, outcome: &Outcome<N>, elapsed: u32) {
@@ -215,6 +241,9 @@ impl<const N: usize> Innovations<N> {
                 self.each[i].take(innovation[i], self.last.map(|last| last[i]), straight);
             }
             self.last = Some(innovation);
+            self.windows.take((0..N).map(|i| moment(tick, i)));
+        } else {
+            self.windows.interrupt();
         }
         self.before = [Some(reading), self.before[0]];
         (self.trusted, self.zeros) = (tick.mode == Mode::Open, outcome.zeros);
@@ -241,6 +270,7 @@ impl<const N: usize> Innovations<N> {
             newton_iterations: newton.iterations,
             trace_hash: format!("{hash:016x}"),
             trace: PathBuf::new(),
+            drift: None,
         }
     }
 }
@@ -290,6 +320,7 @@ impl fmt::Display for ReplayReport {
         if let Some([median, most]) = self.tick_instructions {
             line(f, "instructions a tick", &format!("{median} (median), {most} at most"))?;
         }
-        line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))
+        line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))?;
+        self.drift.as_ref().map_or(Ok(()), |drift| drift.fmt(f))
     }
 }
