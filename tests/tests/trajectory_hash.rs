@@ -32,7 +32,9 @@ fn every_family_and_order_has_its_fingerprint() {
     std::thread::scope(|scope| {
         for ((family, order, expected), reference) in EXPECTED.into_iter().zip(Reference::all()) {
             assert_eq!((family, order), (reference.family, reference.order));
-            scope.spawn(move || assert_eq!(reference.hash(reference.steps()), Ok(expected), "{family} {order}"));
+            scope.spawn(move || {
+                assert_eq!(reference.hash(reference.steps()), Ok(expected), "{family} {order}")
+            });
         }
     });
 }

@@ -232,7 +232,12 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
             return None;
         }
         agreement.changed = self.changes.take(&agreement);
-        self.due = if agreement.changed { Due::Loosening } else { Due::Limits(MOVES) };
+        self.due = Due::Limits(MOVES);
+        if agreement.changed {
+            // The open windows began before the change, and are neither of what was nor of what is.
+            self.balance.drop_open();
+            self.due = Due::Loosening;
+        }
         Some(agreement)
     }
 

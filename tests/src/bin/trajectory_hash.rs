@@ -9,7 +9,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let steps: Option<u32> = std::env::args().nth(1).map(|steps| steps.parse()).transpose()?;
     println!("elementary 0 {:016x}", Fingerprint::of_elementary_functions().value());
     for reference in Reference::all() {
-        println!("{} {} {:016x}", reference.family, reference.order, reference.hash(steps.unwrap_or(reference.steps()))?);
+        println!(
+            "{} {} {:016x}",
+            reference.family,
+            reference.order,
+            reference.hash(steps.unwrap_or(reference.steps()))?
+        );
     }
     Ok(())
 }

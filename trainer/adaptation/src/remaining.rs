@@ -17,7 +17,8 @@ pub fn remaining(
     data: &Dataset,
     course: &Course,
 ) -> Result<Vec<Vec<f32>>, AdaptationError> {
-    let settings = AdapterSettings { numbers: Vec::new(), ..choice.settings.clone() };
+    // Nothing follows, and no change drops a window.
+    let settings = AdapterSettings { numbers: Vec::new(), change: f32::INFINITY, ..choice.settings.clone() };
     let mut entries = course.entries.iter().peekable();
     let (mut remaining, mut begun) = (Vec::new(), 0);
     for trajectory in &data.trajectories {
