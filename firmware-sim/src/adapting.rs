@@ -71,20 +71,16 @@ impl<'t, S: Tunable<N>, C, const N: usize, const P: usize, const T: usize> Adapt
     fn learn(&mut self, elapsed: u32, measured: &[Option<f32>; N], before: &[f32; N]) {
         self.agreement = None;
         let reading = (elapsed == 1 && !self.frozen).then(|| self.reading(measured, before)).flatten();
-        let Some(block) = self.blocks.take(reading.as_ref()) else {
-            if !self.frozen {
-                self.adapter.work(self.tuning);
-            }
-            return;
-        };
-        match block {
-            _ if self.frozen => return self.adapter.hold(),
-            Some(Block { q, v, force }) => {
+        match self.blocks.take(reading.as_ref()) {
+            None if self.frozen => return,
+            None => return self.adapter.work(self.tuning),
+            Some(_) if self.frozen => return self.adapter.hold(),
+            Some(Some(Block { q, v, force })) => {
                 let command = self.firmware.drive().command(&force);
                 let moment = Moment { q, v, command, force };
                 self.agreement = self.adapter.take(self.tuning, self.model.of_file(), &moment);
             }
-            None => self.adapter.skip(self.tuning),
+            Some(None) => self.adapter.skip(self.tuning),
         }
         self.model.set(&self.tuning.numbers, self.adapter.applied());
     }

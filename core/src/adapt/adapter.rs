@@ -205,8 +205,7 @@ impl<R: Real, const N: usize, const P: usize, const T: usize> Adapter<R, N, P, T
 
     /// Passes a tick while the numbers are frozen: those in use stay what they are, and what was seen of the open windows is dropped.
     pub fn hold(&mut self) {
-        self.balance.drop_open();
-        self.balance.pass(|_, _| {});
+        self.balance.pass();
         self.open = Agreement::none();
     }
 

@@ -145,10 +145,10 @@ impl<R: Real, const N: usize, const P: usize> Balance<R, N, P> {
         self.advance(ended);
     }
 
-    /// Passes a tick that no window takes; calls `ended` like [`take`](Self::take).
-    #[inline(always)]
-    pub fn pass(&mut self, ended: impl FnMut(usize, Option<Row<R, P>>)) {
-        self.advance(ended);
+    /// Passes a tick while all windows are dropped.
+    pub fn pass(&mut self) {
+        self.drop_open();
+        self.advance(|_, _| {});
     }
 
     /// Moves to the next tick.

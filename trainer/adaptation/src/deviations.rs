@@ -57,7 +57,11 @@ fn deviation(residuals: &[Vec<Vec<f32>>], i: usize) -> f64 {
         if count > 0 { sum / f64::from(count) } else { 0.0 }
     };
     let variance = product(0);
-    let longest = residuals.iter().map(Vec::len).max().unwrap_or(0) / 4;
-    let correlated = (1..=longest).map(product).take_while(|product| *product > 0.0).sum::<f64>();
-    (variance + 2.0 * correlated).sqrt()
+    let windows = residuals.iter().map(Vec::len).max().unwrap_or(0);
+    (variance + 2.0 * lasting(windows, product)).sqrt()
+}
+
+/// Sum of the covariances of values with those some windows later, over a quarter of the `windows`; it ends at the first that is not positive.
+pub(crate) fn lasting(windows: usize, covariance: impl Fn(usize) -> f64) -> f64 {
+    (1..=windows / 4).map(covariance).take_while(|covariance| *covariance > 0.0).sum()
 }

@@ -12,7 +12,7 @@ use crate::evaluation::{Evaluation, Log, LogReading, Tell};
 use leastaction_adaptation::{AdaptationError, Choice, Followed, Request};
 use leastaction_learning::atomic;
 use leastaction_models::Model;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A model whose numbers are to follow a log.
 pub struct Adaptation<'a> {
@@ -66,9 +66,8 @@ impl<'a> Adaptation<'a> {
 
     /// The log that the model learned from, if its configuration is known.
     fn training(&self, tell: Tell) -> Result<Option<Log>, Failure> {
-        let of_run = || Some(self.file.join("config.toml")).filter(|config| config.is_file());
-        let Some(config) = self.config.map(PathBuf::from).or_else(of_run) else { return Ok(None) };
-        self.read(&LogReading::new(Some(&config), None, self.file)?, tell).map(Some)
+        let reading = LogReading::of_training(self.config, self.file)?;
+        reading.map(|reading| self.read(&reading, tell)).transpose()
     }
 
     fn refused(&self, error: &AdaptationError, log: &Path) -> Failure {

@@ -31,6 +31,15 @@ impl LogReading {
         }
     }
 
+    /// The log that the `model` learned from: that of a configuration, or else of the run if `model` is its folder. `None` without either.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if the configuration cannot be read.
+    pub fn of_training(config: Option<&Path>, model: &Path) -> Result<Option<Self>, Failure> {
+        let config = config.map(PathBuf::from).or_else(|| config_of_run(model));
+        config.map(|config| Self::new(Some(&config), None, model)).transpose()
+    }
+
     /// A log that has leastaction's own names.
     #[must_use]
     pub fn native(file: LogFiles) -> Self {
@@ -43,10 +52,7 @@ impl LogReading {
 
     /// A log that is read as the logs of the run in this folder were. A model file says nothing about logs.
     fn as_of_run(file: LogFiles, model: &Path) -> Result<Self, Failure> {
-        let own = model.join("config.toml");
-        if !own.is_file() {
-            return Ok(Self::native(file));
-        }
+        let Some(own) = config_of_run(model) else { return Ok(Self::native(file)) };
         let config = DataConfig { file, ..Config::read(&own)?.data };
         let is_plain = config.reading() == DataConfig::new(config.file.clone()).reading();
         Ok(Self { config, of_run: (!is_plain).then_some(own) })
@@ -129,4 +135,9 @@ fn joint(column: &str) -> &str {
 fn refused(error: &DataError, own: &dyn std::fmt::Display) -> Failure {
     let remedy = "if this log is laid out otherwise, give a configuration with --config";
     Failure::Input(format!("{error} (read by [data] of {own}; {remedy})"))
+}
+
+/// The configuration in the folder of a run.
+fn config_of_run(model: &Path) -> Option<PathBuf> {
+    Some(model.join("config.toml")).filter(|config| config.is_file())
 }

@@ -2,6 +2,7 @@
 
 use super::mean;
 use super::windows::{Coordinate, Windows};
+use crate::deviations::lasting;
 
 /// Signs of a coordinate: mean, direction, command, windows, ticks.
 pub const SIGNS: usize = 5;
@@ -105,8 +106,7 @@ impl Sign {
             pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / values.len() as f64
         };
         let variance = product(0);
-        let correlated =
-            (1..=values.len() / 4).map(product).take_while(|product| *product > 0.0).sum::<f64>();
+        let correlated = lasting(values.len(), product);
         Self { mean, variance, time: if variance > 0.0 { 1.0 + 2.0 * correlated / variance } else { 1.0 } }
     }
 }

@@ -95,12 +95,10 @@ impl Comparison {
 
     /// How the reference is read: as it was named, or by the configuration that names the log of the training.
     fn reading(&self, replay: &Replay) -> Result<Option<LogReading>, Failure> {
-        if let Some(file) = &self.reference {
-            return LogReading::new(replay.config, Some(file.clone().into()), replay.file).map(Some);
+        match &self.reference {
+            Some(file) => LogReading::new(replay.config, Some(file.clone().into()), replay.file).map(Some),
+            None => LogReading::of_training(replay.config, replay.file),
         }
-        let of_run = || Some(replay.file.join("config.toml")).filter(|config| config.is_file());
-        let config = replay.config.map(PathBuf::from).or_else(of_run);
-        config.map(|config| LogReading::new(Some(&config), None, replay.file)).transpose()
     }
 }
 
