@@ -43,7 +43,7 @@ pub mod discrete;
 pub mod energy;
 mod expected;
 pub mod forces;
-mod frame;
+pub mod frame;
 pub mod guard;
 pub mod lagrangian;
 pub mod linear;

@@ -7,7 +7,8 @@
 //! is linear in many [numbers](Number) π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives — and
 //! contains no acceleration. [`Balance`] takes it over windows of a smooth weight, [`Filter`] estimates from it how far the numbers are from
 //! the model's, with their standard errors, and forgets only what is excited. An [`Adapter`] does both at every tick, in bounded time;
-//! [`Blocks`] give it the motion of a fast loop, and a [`Patch`] keeps what was found.
+//! [`Blocks`] give it the motion of a fast loop, a [`Patch`] keeps what was found, and a
+//! [`SettingsFile`] tells a controller which numbers follow, and how.
 
 mod adapter;
 mod balance;
@@ -17,6 +18,7 @@ mod limits;
 mod number;
 mod patch;
 mod possible;
+mod settings;
 mod tunable;
 mod unfit;
 mod verdict;
@@ -28,6 +30,7 @@ pub use filter::{Filter, Innovation, Measurement};
 pub use limits::Limits;
 pub use number::{Moment, Number};
 pub use patch::{PATCH_MAGIC, Patch, PatchError, Saved};
+pub use settings::{Following, SETTINGS_MAGIC, Settings, SettingsError, SettingsFile, StoredSettings};
 pub use tunable::Tunable;
 pub use unfit::Unfit;
 pub use verdict::{Announcement, Changes, Difference};

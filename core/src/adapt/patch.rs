@@ -1,6 +1,6 @@
 use super::Number;
 use super::adapter::{Adapter, Tuning};
-use crate::frame::{Framed, from_fault};
+use crate::frame::{FrameFault, Framed};
 use crate::model::{File, WriteError};
 use crate::scalar::Scalar;
 use core::fmt;
@@ -117,25 +117,8 @@ impl<const N: usize, const P: usize, const T: usize> Adapter<f32, N, P, T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PatchError {
-    /// Fewer bytes than the smallest patch has.
-    TooShort {
-        /// Bytes given.
-        bytes: usize,
-    },
-    /// The file does not begin with the magic letters.
-    Magic,
-    /// A format version that this build does not read.
-    Version {
-        /// The version in the file.
-        found: u8,
-    },
-    /// The checksum does not match: the file was damaged.
-    Checksum {
-        /// Checksum in the file.
-        stored: u32,
-        /// Checksum computed from the bytes.
-        computed: u32,
-    },
+    /// The file is no whole patch of this version.
+    Frame(FrameFault),
     /// The patch is not a postcard document of this format, or has more numbers than the program has places.
     Malformed,
     /// A distance is infinite or not a number, or its standard error is none.
@@ -152,19 +135,16 @@ pub enum PatchError {
     },
 }
 
-from_fault!(PatchError);
+impl From<FrameFault> for PatchError {
+    fn from(fault: FrameFault) -> Self {
+        Self::Frame(fault)
+    }
+}
 
 impl fmt::Display for PatchError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::TooShort { bytes } => write!(f, "only {bytes} bytes: not a whole patch"),
-            Self::Magic => write!(f, "not a patch of leastaction (it does not begin with LAPT)"),
-            Self::Version { found } => {
-                write!(f, "format version {found} is not {FORMAT_VERSION}, which this build reads")
-            }
-            Self::Checksum { stored, computed } => {
-                write!(f, "damaged: checksum {computed:08x}, but the file says {stored:08x}")
-            }
+            Self::Frame(fault) => fault.fmt(f),
             Self::Malformed => write!(f, "the patch is malformed, or has too many numbers"),
             Self::NotFinite { index } => {
                 write!(

@@ -1,6 +1,7 @@
 use super::adapter::Agreement;
 use super::filter::Filter;
 use crate::scalar::Real;
+use serde::{Deserialize, Serialize};
 
 /// A test, repeated at every window, whether a number differs from the model, with a stated rate of false alarms.
 ///
@@ -10,7 +11,7 @@ use crate::scalar::Real;
 ///
 /// Source: H. Robbins, "Statistical methods related to the law of the iterated logarithm", 1970 (mixture of normal distributions), with J.
 /// Ville's inequality.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Announcement<R> {
     /// Position of the number.
     pub number: u8,

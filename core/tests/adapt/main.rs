@@ -8,5 +8,6 @@ mod filter;
 mod limits;
 mod motion;
 mod patch;
+mod settings;
 mod tuned;
 mod verdict;

@@ -1,13 +1,13 @@
 //! Numbers that follow a machine, and what is known of them before.
 
 use crate::AdaptationError;
-use leastaction_core::adapt::{Announcement, Blocks, Number};
+use leastaction_core::adapt::{Announcement, Blocks, Following, Number};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, INERTIAL_PARAMETERS};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS, PLANAR_INERTIAL_PARAMETERS};
 use leastaction_core::forces::Coefficient;
 use leastaction_core::model::{Family, Layout};
 use leastaction_models::Model;
-use leastaction_replica::{AdapterSettings, Following};
+use leastaction_replica::AdapterSettings;
 
 /// Wishes of a user; what is not given follows from the model.
 #[derive(Clone, Copy, Debug, PartialEq)]

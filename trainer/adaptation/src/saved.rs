@@ -1,8 +1,8 @@
-//! Numbers that a machine found, as it saved them.
+//! Files for a controller and from it: settings of its adapter, and numbers that it found.
 
 use crate::names::labels;
-use crate::{AdaptationError, Followed, Label, with_distances};
-use leastaction_core::adapt::{Number, Patch, Saved};
+use crate::{AdaptationError, Choice, Followed, Label, with_distances};
+use leastaction_core::adapt::{Number, Patch, Saved, SettingsFile};
 use leastaction_core::model::{Layout, fingerprint};
 use leastaction_models::Model;
 use leastaction_replica::PLACES;
@@ -51,6 +51,23 @@ impl Patched {
             numbers: labels.into_iter().zip(&patch.numbers).map(of).collect(),
             model: with_distances(model, (&numbers, &distances))?,
         })
+    }
+}
+
+/// Bytes that hold the settings of as many numbers as there are places.
+const SETTINGS_BYTES: usize = 8192;
+
+impl Choice {
+    /// The settings as a file for a control loop over a model.
+    ///
+    /// # Errors
+    /// [`AdaptationError::Encoding`] and [`AdaptationError::Model`] for a model that cannot be written as a file.
+    pub fn settings_file(&self, model: &Model) -> Result<Vec<u8>, AdaptationError> {
+        let (settings, announcement) = (self.settings.clone(), self.announcement);
+        let file = SettingsFile { model: fingerprint_of(model)?, block: self.block, settings, announcement };
+        let mut memory = vec![0; SETTINGS_BYTES];
+        let bytes = file.write(&mut memory).map_err(|error| AdaptationError::Encoding(error.to_string()))?;
+        Ok(bytes.to_vec())
     }
 }
 

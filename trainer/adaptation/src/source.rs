@@ -1,8 +1,7 @@
 //! Settings of an adapter as constants of a firmware.
 
 use crate::Choice;
-use leastaction_core::adapt::Number;
-use leastaction_replica::Following;
+use leastaction_core::adapt::{Following, Number};
 use std::fmt::Write;
 
 /// First words of a module with the settings of an adapter.

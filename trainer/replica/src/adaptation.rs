@@ -2,8 +2,9 @@
 
 use crate::control::copied;
 use crate::{ParticleSystem, ReplicaError, SystemOf, Visitor};
-use leastaction_core::adapt::{Adapter, Agreement, Announcement, Difference, Limits, Moment, Number, Tuning};
-use leastaction_core::forces::Coefficient;
+use leastaction_core::adapt::{
+    Adapter, Agreement, Announcement, Difference, Following, Moment, Settings, Tuning,
+};
 
 /// Maximum number of numbers that follow a machine on the host.
 pub const PLACES: usize = 64;
@@ -14,41 +15,8 @@ pub type TuningOf<const N: usize> = Tuning<f32, N, PLACES>;
 /// An adapter with a place for every number of a model.
 pub type AdapterOf<const N: usize> = Adapter<f32, N, PLACES, PAIRS>;
 
-/// Settings of an adapter, as [`Tuning`] and [`Limits`] with the sizes of a model: lists have one entry for each coordinate or number.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AdapterSettings {
-    /// Ticks of half a window.
-    pub half: u16,
-    /// Tick, s.
-    pub h: f32,
-    /// Standard deviation of the balance of every coordinate, N or N m.
-    pub deviation: Vec<f32>,
-    /// Share that is forgotten in a window.
-    pub forgotten: f32,
-    /// Threshold of a change.
-    pub change: f32,
-    /// Dry friction of every coordinate.
-    pub dry: Option<(Coefficient, Vec<f32>)>,
-    /// Share of its own inertia that a body keeps.
-    pub kept: f32,
-    /// Numbers that follow, at most [`PLACES`].
-    pub numbers: Vec<Following>,
-}
-
-/// A number that follows the machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Following {
-    /// The number.
-    pub number: Number,
-    /// Value in the model.
-    pub model: f32,
-    /// Standard deviation of its distance from the model, before anything was seen.
-    pub prior: f32,
-    /// Variance that it gains in a second, up to that of the prior.
-    pub walk: f32,
-    /// Smallest and largest distance in use.
-    pub limits: [f32; 2],
-}
+/// Settings of an adapter with the sizes of a model.
+pub type AdapterSettings = Settings<Vec<f32>, Vec<Following>>;
 
 /// State of a machine and what its drives do, as [`Moment`] with the sizes of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,47 +120,12 @@ impl<'c> Visitor<'c> for Adapt<'_> {
     type Output = Result<Box<dyn Adaptation + 'c>, ReplicaError>;
 
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
-        let tuning = Box::new(self.0.tuning()?);
+        let tuning = Box::new(self.0.tuning().map_err(ReplicaError::Settings)?);
         let adapter = Box::new(Adapter::new(&tuning).map_err(ReplicaError::Unfit)?);
         Ok(Box::new(Running { system, tuning, adapter }))
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
         Err(ReplicaError::OfGraph { what: "adapter" })
-    }
-}
-
-impl AdapterSettings {
-    /// The settings for a model of N coordinates.
-    ///
-    /// # Errors
-    /// [`ReplicaError::Length`], [`ReplicaError::Numbers`].
-    pub fn tuning<const N: usize>(&self) -> Result<TuningOf<N>, ReplicaError> {
-        if self.numbers.len() > PLACES {
-            return Err(ReplicaError::Numbers { found: self.numbers.len() });
-        }
-        let each = |of: fn(&Following) -> f32| std::array::from_fn(|j| self.numbers.get(j).map_or(0.0, of));
-        let limits = Limits {
-            model: each(|number| number.model),
-            lower: each(|number| number.limits[0]),
-            upper: each(|number| number.limits[1]),
-            kept: self.kept,
-        };
-        let dry = self.dry.as_ref().map(|(coefficient, level)| {
-            Ok::<_, ReplicaError>((*coefficient, copied("the dry friction", level)?))
-        });
-        let number = |j: usize| self.numbers.get(j).map_or(Number::None, |following| following.number);
-        Ok(Tuning {
-            numbers: std::array::from_fn(number),
-            half: self.half,
-            h: self.h,
-            deviation: copied("the deviation", &self.deviation)?,
-            prior: each(|number| number.prior),
-            forgotten: self.forgotten,
-            walk: each(|number| number.walk),
-            change: self.change,
-            limits,
-            dry: dry.transpose()?,
-        })
     }
 }

@@ -1,5 +1,5 @@
 use crate::COORDINATES;
-use leastaction_core::adapt::Unfit;
+use leastaction_core::adapt::{SettingsError, Unfit};
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::StepError;
 use leastaction_core::linear::SolveError;
@@ -45,12 +45,9 @@ pub enum ReplicaError {
         /// Name of the missing feature.
         what: &'static str,
     },
-    /// More numbers were to follow a machine than this program has places for.
-    #[error("{found} numbers were to follow the machine; there are places for {}", crate::PLACES)]
-    Numbers {
-        /// Number of numbers.
-        found: usize,
-    },
+    /// Settings of an adapter do not fit the model, or are out of range.
+    #[error("{0}")]
+    Settings(SettingsError),
     /// Numbers cannot follow a machine together.
     #[error("{0}")]
     Unfit(Unfit),

@@ -33,9 +33,7 @@ mod tuned;
 mod watch;
 
 pub use actuators::Actuators;
-pub use adaptation::{
-    Adaptation, AdapterOf, AdapterSettings, Findings, Following, Instant, PAIRS, PLACES, TuningOf,
-};
+pub use adaptation::{Adaptation, AdapterOf, AdapterSettings, Findings, Instant, PAIRS, PLACES, TuningOf};
 pub use any::{AnyLagrangian, INERTIA_NETWORK_UNITS, LAYERS, SystemOf, UNITS};
 pub use control::{Control, Step};
 pub use error::ReplicaError;

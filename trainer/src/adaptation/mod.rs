@@ -100,15 +100,33 @@ impl Adapted<'_> {
         atomic::write(path, &patch).map_err(|error| Failure::file(path, error))
     }
 
-    /// Writes the settings of an adapter for a control loop with ticks of `tick` seconds, whose uncertainty is that measured here.
+    /// Settings of an adapter for a control loop with ticks of `tick` seconds, whose uncertainty is that measured here.
+    ///
+    /// # Errors
+    /// [`Failure`] if no number can follow.
+    fn of_loop(&self, tick: f64) -> Result<Choice, Failure> {
+        let choice = Choice::of_loop(self.of.model, tick, &self.of.request);
+        let mut choice = choice.map_err(|error| self.of.refused(&error, &self.log.file))?;
+        choice.settings.deviation.clone_from(&self.followed.choice.settings.deviation);
+        Ok(choice)
+    }
+
+    /// Writes the settings of an adapter for a control loop with ticks of `tick` seconds as Rust source.
     ///
     /// # Errors
     /// [`Failure`] if no number can follow, or the source cannot be written.
     pub fn write_source(&self, path: &Path, tick: f64) -> Result<(), Failure> {
-        let choice = Choice::of_loop(self.of.model, tick, &self.of.request);
-        let mut choice = choice.map_err(|error| self.of.refused(&error, &self.log.file))?;
-        choice.settings.deviation.clone_from(&self.followed.choice.settings.deviation);
-        let source = choice.source(self.of.model.n());
+        let source = self.of_loop(tick)?.source(self.of.model.n());
         atomic::write(path, source.as_bytes()).map_err(|error| Failure::file(path, error))
+    }
+
+    /// Writes the settings of an adapter for a control loop with ticks of `tick` seconds as a file that a controller reads.
+    ///
+    /// # Errors
+    /// [`Failure`] if no number can follow, or the file cannot be written.
+    pub fn write_settings(&self, path: &Path, tick: f64) -> Result<(), Failure> {
+        let file = self.of_loop(tick)?.settings_file(self.of.model);
+        let file = file.map_err(|error| self.of.refused(&error, &self.log.file))?;
+        atomic::write(path, &file).map_err(|error| Failure::file(path, error))
     }
 }

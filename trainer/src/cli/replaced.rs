@@ -20,8 +20,10 @@ pub enum FileKind {
     Plan,
     /// Numbers that a machine found.
     Patch,
-    /// Settings of an adapter, as a Rust module.
+    /// Settings of an adapter.
     Settings,
+    /// Settings of an adapter, as a Rust module.
+    SettingsSource,
     /// A Rust module with a model.
     RustModule,
     /// A C header with a model.
@@ -61,7 +63,8 @@ impl FileKind {
             Self::Model => "model file",
             Self::Plan => "plan",
             Self::Patch => "patch of a model",
-            Self::Settings => "Rust module of `leastaction adapt`",
+            Self::Settings => "file of settings of `leastaction adapt`",
+            Self::SettingsSource => "Rust module of `leastaction adapt`",
             Self::RustModule => "Rust module of `leastaction export`",
             Self::CHeader => "C header with a model",
             Self::Log => "log of motion",
@@ -82,7 +85,8 @@ impl FileKind {
             Self::Model => Some(&MAGIC),
             Self::Plan => Some(&leastaction_core::plan::MAGIC),
             Self::Patch => Some(&leastaction_core::adapt::PATCH_MAGIC),
-            Self::Settings => Some(SETTINGS_HEAD.as_bytes()),
+            Self::Settings => Some(&leastaction_core::adapt::SETTINGS_MAGIC),
+            Self::SettingsSource => Some(SETTINGS_HEAD.as_bytes()),
             Self::RustModule => Some(RUST_HEAD.as_bytes()),
             Self::CHeader => Some(C_HEAD.as_bytes()),
             Self::Configuration => Some(CONFIGURATION_HEAD.as_bytes()),

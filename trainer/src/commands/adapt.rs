@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Example: leastaction adapt arm.postcard --data loaded.csv --config arm.toml -o page.html
 #[derive(Args)]
+#[command(group = clap::ArgGroup::new("for_controller").multiple(true))]
 pub struct Adapt {
     /// The model file, or the folder of a training run.
     model: PathBuf,
@@ -55,11 +56,14 @@ pub struct Adapt {
     /// A patch with the numbers in use at the end of the log, a few bytes for a controller, `inspect --patch` and `convert --patch`.
     #[arg(long, value_name = "FILE")]
     patch: Option<PathBuf>,
-    /// A Rust module with the settings of the adapter, for a controller.
-    #[arg(long, value_name = "FILE.rs", requires = "tick")]
+    /// The settings of the adapter as a file that a controller reads, in Rust or C or behind `simulate --on`.
+    #[arg(long, value_name = "FILE", requires = "tick", group = "for_controller")]
+    settings: Option<PathBuf>,
+    /// The settings of the adapter as a Rust module, for a controller.
+    #[arg(long, value_name = "FILE.rs", requires = "tick", group = "for_controller")]
     rust: Option<PathBuf>,
     /// Tick of the controller, s.
-    #[arg(long, value_name = "S", value_parser = positive, requires = "rust")]
+    #[arg(long, value_name = "S", value_parser = positive, requires = "for_controller")]
     tick: Option<f64>,
 }
 
@@ -68,7 +72,8 @@ impl Adapt {
     pub fn run(self, output: Output) -> Done {
         let page = self.page()?;
         self.patch.iter().try_for_each(|file| replaceable(file, FileKind::Patch))?;
-        self.rust.iter().try_for_each(|file| replaceable(file, FileKind::Settings))?;
+        self.rust.iter().try_for_each(|file| replaceable(file, FileKind::SettingsSource))?;
+        self.settings.iter().try_for_each(|file| replaceable(file, FileKind::Settings))?;
         let model = of_file_or_run(&self.model, None)?;
         let reading = LogReading::new(self.config.as_deref(), Some(self.data.clone().into()), &self.model)?;
         let adaptation = Adaptation {
@@ -89,6 +94,10 @@ impl Adapt {
         }
         if let (Some(file), Some(tick)) = (&self.rust, self.tick) {
             adapted.write_source(file, tick)?;
+            output.note(&format!("settings for a controller in {}", file.display()));
+        }
+        if let (Some(file), Some(tick)) = (&self.settings, self.tick) {
+            adapted.write_settings(file, tick)?;
             output.note(&format!("settings for a controller in {}", file.display()));
         }
         output.report(&adapted.report)

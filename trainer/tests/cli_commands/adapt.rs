@@ -2,7 +2,9 @@
 
 use crate::changes::write_arm;
 use crate::support::Bench;
+use leastaction_core::adapt::StoredSettings;
 use leastaction_core::energy::inertia_network::Coordinate;
+use leastaction_core::model::fingerprint;
 use leastaction_models::change::PointMass;
 use leastaction_models::file::decode;
 use leastaction_models::inertia_network::InertiaNetworkArchitecture;
@@ -257,11 +259,11 @@ fn a_patch_is_shown_and_added() {
     damaged[20] ^= 1;
     fs::write(bench.at("bad.patch"), damaged).unwrap();
     bench.run("inspect arm.postcard --patch bad.patch").bad(2, &["bad.patch", "damaged"]);
-    bench.run("inspect arm.postcard --patch arm.postcard").bad(2, &["not a patch"]);
+    bench.run("inspect arm.postcard --patch arm.postcard").bad(2, &["LAPT"]);
     bench.run(&format!("{words} --patch load.csv")).bad(2, &["load.csv", "no patch"]);
 }
 
-/// Settings for a controller are Rust source; another file is not replaced.
+/// Settings for a controller are a file or Rust source; another file is not replaced.
 #[test]
 fn settings_for_a_controller_are_written() {
     let bench = arms();
@@ -272,6 +274,16 @@ fn settings_for_a_controller_are_written() {
         assert!(source.contains(part), "{part:?} is not in {source}");
     }
     bench.run(&format!("{words} --rust adapter.rs --tick 0.002")).good();
+    bench.run(&format!("{words} --settings arm.settings --tick 0.002")).good();
+    let (model, settings) = (bench.read("arm.postcard"), bench.read("arm.settings"));
+    let read = StoredSettings::<3, 16>::read(&settings, fingerprint(&model).unwrap()).unwrap();
+    assert_eq!((read.block, read.settings.h, read.settings.numbers.len()), (4, 0.008, 16));
+    bench.run(&format!("{words} --settings arm.settings --rust adapter.rs --tick 0.001")).good();
+    bench.run(&format!("{words} --tick 0.002")).bad(2, &["--settings"]);
+    bench.run(&format!("{words} --settings arm.settings")).bad(2, &["--tick"]);
+    bench
+        .run(&format!("{words} --settings adapter.rs --tick 0.002"))
+        .bad(2, &["adapter.rs", "no file of settings"]);
     bench.run(&format!("{words} --rust adapter.rs")).bad(2, &["--tick"]);
     bench.run(&format!("{words} --rust load.csv --tick 0.002")).bad(2, &["load.csv"]);
 }

@@ -60,7 +60,8 @@ impl<'a> Adaptive<'a> {
     {
         let (is_first, choice) = self.chosen(setup.tick, N)?;
         let tuned = TunedOf::<N>::new(&self.file).map_err(|error| refused(error.into()))?;
-        let tuning = choice.settings.tuning::<N>().map_err(|error| refused(error.into()))?;
+        let tuning =
+            choice.settings.tuning().map_err(|error| refused(ReplicaError::Settings(error).into()))?;
         let processor = Adapting::new(tuned, firmware, (choice.blocks(), &tuning));
         let processor = processor.map_err(|error| refused(ReplicaError::Unfit(error).into()))?;
         let mut run = Run::new(plant, processor, setup, trajectory).map_err(scenario::misused)?;
