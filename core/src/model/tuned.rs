@@ -5,7 +5,7 @@ use crate::energy::arm::{Bodies, BodyTree};
 use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
 
-/// A model of bodies whose numbers may be changed while it runs: its file, which stays what it is, and a block of K numbers in memory.
+/// A model of bodies whose numbers may be changed while it runs: its file, which stays what it is, and a block of at most K numbers in memory.
 ///
 /// `D`, `B` and `N` are those of [`Bodies`], `F` the laws of force that the program is compiled for; laws by networks cannot be changed, as
 /// they read their numbers where they lie.
@@ -25,14 +25,15 @@ where
     /// Creates the model of a file, with the numbers of the file; `tree` is that of its shape.
     ///
     /// # Errors
-    /// [`ModelError::WeightCount`] for a block that does not have K numbers, [`ModelError::Law`] for a law that the program does not have.
+    /// [`ModelError::WeightCount`] for a block of more than K numbers, [`ModelError::Law`] for a law that the program does not have.
     pub fn new<H: ShapeHeader<'f>>(
         parsed: &ParsedAs<'f, H, f32>,
         tree: BodyTree<N>,
     ) -> Result<Self, ModelError> {
         let (weights, laws) = (parsed.weights, parsed.laws);
         let wrong = ModelError::WeightCount { found: weights.len(), needed: K };
-        let block = *weights.first_chunk::<K>().filter(|_| weights.len() == K).ok_or(wrong)?;
+        let mut block = [0.0; K];
+        block.get_mut(..weights.len()).ok_or(wrong)?.copy_from_slice(weights);
         let mut rest = weights;
         let lagrangian = Bodies::take(&mut rest, tree).ok_or(wrong)?;
         let forces: F = forces_of_coordinates(laws, rest)?;
@@ -74,7 +75,7 @@ where
 
     fn set(&mut self, numbers: &[Number], distances: &[f32]) {
         self.layout.write(self.weights, (numbers, distances), &mut self.block);
-        let laws = self.block.get(self.layout.energies..).unwrap_or_default();
+        let laws = self.block.get(self.layout.energies..self.weights.len()).unwrap_or_default();
         if let Ok(forces) = forces_of_coordinates(self.layout.laws, laws) {
             self.forces = forces;
         }
