@@ -5,6 +5,7 @@
 pub mod adapted;
 
 use core::hint::black_box;
+use leastaction_core::adapt::Number;
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
@@ -16,7 +17,7 @@ use leastaction_core::forces::{
     Viscous,
 };
 use leastaction_core::guard::{Sweep, Voted};
-use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::lagrangian::{Column, Lagrangian};
 use leastaction_core::model::{Model, ModelError};
 use leastaction_core::plan::Plan;
 use leastaction_core::static_vectors;
@@ -51,6 +52,10 @@ where
     let _ = black_box(rk4_step(system, &state, u, 0.01));
     let _ = black_box(midpoint_step(system, &state, u, 0.01));
     black_box(system.energies(q, v));
+    let mut columns = [Column::zero(); 2];
+    let numbers = black_box([Number::Potential(3), Number::Dissipation(1)]);
+    system.forces.network_columns(q, v, &numbers, &mut columns);
+    black_box(columns);
     energy(&system.lagrangian, q, v)
 }
 

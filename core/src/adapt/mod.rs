@@ -4,11 +4,11 @@
 //!
 //! p(t₁) − p(t₀) = ∫ (L_q + Q + τ) dt
 //!
-//! is linear in many [numbers](Number) π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives — and
-//! contains no acceleration. [`Balance`] takes it over windows of a smooth weight, [`Filter`] estimates from it how far the numbers are from
-//! the model's, with their standard errors, and forgets only what is excited. An [`Adapter`] does both at every tick, in bounded time;
-//! [`Blocks`] give it the motion of a fast loop, a [`Patch`] keeps what was found, and a
-//! [`SettingsFile`] tells a controller which numbers follow, and how.
+//! is linear in many [numbers](Number) π of the model — the inertial numbers of a body, rotors, friction, offsets and gains of drives, the last
+//! layer of a potential's network, the strength of dissipation — and contains no acceleration. [`Balance`] takes it over windows of a smooth
+//! weight, [`Filter`] estimates from it how far the numbers are from the model's, with their standard errors, and forgets only what is excited.
+//! An [`Adapter`] does both at every tick, in bounded time; [`Blocks`] give it the motion of a fast loop, a [`Patch`] keeps what was found, and
+//! a [`SettingsFile`] tells a controller which numbers follow, and how.
 
 mod adapter;
 mod balance;

@@ -28,6 +28,11 @@ pub enum Number {
     Offset(u8),
     /// Gain g of a coordinate's drive, τ = gu + o. It is known only while some inertia is.
     Gain(u8),
+    /// Weight of a unit in the last layer of the network of [`PotentialCorrection`](crate::forces::PotentialCorrection), J; units count from 0.
+    Potential(u8),
+    /// Strength of a column of the factor L that the network of [`Dissipation`](crate::forces::Dissipation) returns, 1 in the model:
+    /// Q = −L diag(1 + δ) Lᵀv. Columns count from 0.
+    Dissipation(u8),
 }
 
 /// State of a machine between two steps, and what its drives do.
@@ -61,7 +66,7 @@ where
     let mut slopes = [R::zero(); N];
     for (column, number) in columns.iter_mut().zip(numbers) {
         match *number {
-            Number::None => {}
+            Number::None | Number::Potential(_) | Number::Dissipation(_) => {}
             Number::Inertia { body: of, index } => {
                 if body != Some(of) {
                     inertial = [Column::zero(); INERTIAL];
@@ -82,6 +87,7 @@ where
             Number::Gain(i) => own(&mut column.force, i, &moment.command),
         }
     }
+    system.forces.network_columns(&moment.q, &moment.v, numbers, &mut columns);
     columns
 }
 

@@ -7,9 +7,9 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unfit {
-    /// A coordinate or a body that the model does not have.
+    /// A coordinate, a body or a column of dissipation that the model does not have.
     NoSuch {
-        /// The coordinate or body, from 0.
+        /// The coordinate, body or column, from 0.
         found: u8,
         /// How many there are.
         count: u8,
@@ -30,7 +30,7 @@ impl fmt::Display for Unfit {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::NoSuch { found, count } => {
-                write!(f, "coordinate or body {found} of a model that has {count}, counted from 0")
+                write!(f, "coordinate, body or column {found} of a model that has {count}, counted from 0")
             }
             Self::PartOfBody { body } => {
                 write!(
@@ -84,9 +84,14 @@ fn body_of(number: Number) -> Option<u8> {
 
 fn in_model(number: Number, n: usize) -> Result<(), Unfit> {
     let found = match number {
-        Number::None => return Ok(()),
+        // Only the model says how many units it has.
+        Number::None | Number::Potential(_) => return Ok(()),
         Number::Inertia { body, .. } => body,
-        Number::Rotor(i) | Number::Friction(_, i) | Number::Offset(i) | Number::Gain(i) => i,
+        Number::Rotor(i)
+        | Number::Friction(_, i)
+        | Number::Offset(i)
+        | Number::Gain(i)
+        | Number::Dissipation(i) => i,
     };
     if usize::from(found) < n { Ok(()) } else { Err(Unfit::NoSuch { found, count: n as u8 }) }
 }

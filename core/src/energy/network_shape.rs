@@ -36,6 +36,12 @@ impl NetworkShape {
         (self.widths.map(usize::from), depth)
     }
 
+    /// Number of inputs of the output layer.
+    pub fn last_inputs(&self) -> usize {
+        let last = self.widths.iter().take_while(|width| **width != 0).last();
+        last.map_or(self.inputs.into(), |width| usize::from(*width))
+    }
+
     /// Length of the weight block, in numbers; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         let (widths, depth) = self.widths();

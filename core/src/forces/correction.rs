@@ -1,8 +1,10 @@
 use super::{Forces, Seen};
+use crate::adapt::Number;
 use crate::energy::inertia_network::Features;
 use crate::energy::{NetworkShape, SizeError};
 use crate::expected::{first, first_mut};
-use crate::linear::Matrix;
+use crate::lagrangian::Column;
+use crate::linear::{Matrix, add_scaled};
 use crate::network::{Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 
@@ -15,6 +17,8 @@ use crate::scalar::{Scalar, WeightFormat};
 ///
 /// Inputs of the network are the positions of the seen coordinates: lengths, then the cosines of all angles, then
 /// their sines. The network has at most `L` hidden layers of at most `H` units.
+///
+/// V_c = Σ_j w_j φ_j(q) + b is linear in the weights of the last layer: ∂Q/∂w_j = −∂φ_j/∂q is the column of [`Number::Potential`].
 #[derive(Clone, Copy, Debug)]
 pub struct PotentialCorrection<'a, W, const N: usize, const H: usize, const L: usize> {
     of: Option<Acting<'a, W, N, H, L>>,
@@ -67,6 +71,25 @@ impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting<'_,
         features.adjoint(slots, &[]).map(|slope| slope.value)
     }
 
+    /// Adds −∂φ_j/∂q to the columns of the weights w_j.
+    #[inline(never)]
+    fn columns<S: Scalar<Weight = W::Wide>>(
+        &self,
+        q: &[S; N],
+        numbers: &[Number],
+        columns: &mut [Column<S, N>],
+    ) {
+        let axes = Jet::along_axes(&[S::zero(); N], 0).map(|axis| axis.tangent);
+        let (x, count) = Features::new(self.seen.kinds(), q).jets::<N>(&axes);
+        self.network.with_units(first(x.as_flattened(), count), |units| {
+            for (number, Column { force, .. }) in numbers.iter().zip(columns) {
+                let Number::Potential(j) = *number else { continue };
+                let slope = units.jet(j.into()).map_or([S::zero(); N], |unit| unit.tangent);
+                *force = add_scaled(force, -S::one(), &slope);
+            }
+        });
+    }
+
     /// ∂²V_c/∂q²: the part of the network, and the part of the features.
     #[inline(never)]
     fn hessian<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> Matrix<S, N> {
@@ -101,6 +124,14 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
 
     fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {
         [[S::zero(); N]; N]
+    }
+
+    fn network_columns(&self, q: &[S; N], _: &[S; N], numbers: &[Number], columns: &mut [Column<S, N>]) {
+        if let Some(of) = &self.of
+            && numbers.iter().any(|number| matches!(number, Number::Potential(_)))
+        {
+            of.columns(q, numbers, columns);
+        }
     }
 
     fn potential(&self, q: &[S; N]) -> S {

@@ -1,7 +1,9 @@
 use super::{Forces, Seen};
+use crate::adapt::Number;
 use crate::energy::inertia_network::Features;
 use crate::energy::{NetworkShape, SizeError};
 use crate::expected::{expected, first, first_mut};
+use crate::lagrangian::Column;
 use crate::linear::Matrix;
 use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
@@ -14,6 +16,9 @@ use crate::scalar::{Scalar, WeightFormat};
 /// triangular, √(N s/m) or √(N m s/rad). It does not stick: Q = 0 at rest.
 ///
 /// The network has at most `L` hidden layers of at most `H` units.
+///
+/// The strength of a column l_j of L may change: Q = −Σ_j (1 + δ_j) l_j (l_jᵀv) is linear in δ_j, and takes energy away as long as δ_j ≥ −1.
+/// ∂Q/∂δ_j = −l_j (l_jᵀv) is the column of [`Number::Dissipation`].
 #[derive(Clone, Copy, Debug)]
 pub struct Dissipation<'a, W, const N: usize, const H: usize, const L: usize> {
     of: Option<Acting<'a, W, N, H, L>>,
@@ -79,6 +84,23 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting
         features: &[Jet<S, T>],
         v: &Jets<S, T, N>,
     ) -> Jets<S, T, N> {
+        let mut force = [Jet::zero(); N];
+        self.each_part(features, v, |i, _, part| {
+            if let Some(force) = force.get_mut(i) {
+                *force = force.plus(&part);
+            }
+        });
+        force
+    }
+
+    /// Visits the parts −l_ij (l_jᵀv) of Q, each with its coordinate and with the column j of L.
+    #[inline(always)]
+    fn each_part<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        features: &[Jet<S, T>],
+        v: &Jets<S, T, N>,
+        mut visit: impl FnMut(usize, usize, Jet<S, T>),
+    ) {
         let (mut x, mut o) = ([[Jet::zero(); N]; 3], [[Jet::zero(); N]; N]);
         let scaled = self
             .seen
@@ -90,18 +112,36 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Acting
         let (m, inputs) = (self.seen.count(), features.len() + self.seen.count());
         let o = first_mut(o.as_flattened_mut(), m * (m + 1) / 2);
         self.network.evaluate::<S, T>(first(x.as_flattened(), inputs), o);
-        let (mut y, mut force) = ([Jet::zero(); N], [Jet::zero(); N]);
+        let mut y = [Jet::zero(); N];
         self.each_entry(o, |i, j, l| {
             if let (Some(y), Some(v)) = (y.get_mut(j), v.get(i)) {
                 *y = y.plus(&l.times(v));
             }
         });
         self.each_entry(o, |i, j, l| {
-            if let (Some(force), Some(y)) = (force.get_mut(i), y.get(j)) {
-                *force = force.plus(&l.times(y).scaled(-S::one()));
+            if let Some(y) = y.get(j) {
+                visit(i, j, l.times(y).scaled(-S::one()));
             }
         });
-        force
+    }
+
+    /// Adds −l_j (l_jᵀv) to the columns of the strengths δ_j.
+    #[inline(never)]
+    fn columns<S: Scalar<Weight = W::Wide>>(
+        &self,
+        (q, v): (&[S; N], &[S; N]),
+        numbers: &[Number],
+        columns: &mut [Column<S, N>],
+    ) {
+        let (features, count) = Features::new(self.seen.kinds(), q).jets::<0>(&[]);
+        self.each_part(first(features.as_flattened(), count), &v.map(Jet::constant), |i, j, part| {
+            for (number, column) in numbers.iter().zip(columns.iter_mut()) {
+                let own = matches!(*number, Number::Dissipation(of) if usize::from(of) == j);
+                if let (true, Some(force)) = (own, column.force.get_mut(i)) {
+                    *force += part.value;
+                }
+            }
+        });
     }
 
     /// (∂Q/∂q, ∂Q/∂v): one pass with moving positions and one with moving velocities.
@@ -134,6 +174,14 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     fn derivatives(&self, q: &[S; N], v: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         let zero = [[S::zero(); N]; N];
         self.of.as_ref().map_or((zero, zero), |of| of.derivatives(q, v))
+    }
+
+    fn network_columns(&self, q: &[S; N], v: &[S; N], numbers: &[Number], columns: &mut [Column<S, N>]) {
+        if let Some(of) = &self.of
+            && numbers.iter().any(|number| matches!(number, Number::Dissipation(_)))
+        {
+            of.columns((q, v), numbers, columns);
+        }
     }
 
     fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {

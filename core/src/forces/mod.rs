@@ -37,7 +37,8 @@ pub use sticking::{Grip, Sticking, StickingFriction};
 pub use stops::{Stop, Stops};
 pub use viscous::Viscous;
 
-use crate::lagrangian::{Energies, Lagrangian};
+use crate::adapt::Number;
+use crate::lagrangian::{Column, Energies, Lagrangian};
 use crate::linear::{Matrix, add_scaled};
 use crate::scalar::{Real, Scalar};
 
@@ -99,6 +100,10 @@ pub trait Forces<S: Scalar, const N: usize> {
     fn slopes(&self, _coefficient: Coefficient, _v: &[S; N]) -> [S; N] {
         [S::zero(); N]
     }
+
+    /// Adds ∂Q/∂π to the columns of those [numbers](Number) π that belong to networks of these laws.
+    #[inline(always)]
+    fn network_columns(&self, _q: &[S; N], _v: &[S; N], _numbers: &[Number], _columns: &mut [Column<S, N>]) {}
 
     /// Potential energy that the force stores, J: V for a force Q = −∂V/∂q, 0 for any other force.
     #[inline(always)]
@@ -182,6 +187,11 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
     #[inline(always)]
     fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
         (**self).slopes(coefficient, v)
+    }
+
+    #[inline(always)]
+    fn network_columns(&self, q: &[S; N], v: &[S; N], numbers: &[Number], columns: &mut [Column<S, N>]) {
+        (**self).network_columns(q, v, numbers, columns);
     }
 
     #[inline(always)]

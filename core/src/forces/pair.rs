@@ -1,4 +1,6 @@
 use super::{Coefficient, Forces, Grip, Stop, smaller};
+use crate::adapt::Number;
+use crate::lagrangian::Column;
 use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
 use crate::scalar::{Real, Scalar};
 
@@ -61,6 +63,12 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
     fn slopes(&self, coefficient: Coefficient, v: &[S; N]) -> [S; N] {
         let (a, b) = self;
         add_scaled(&a.slopes(coefficient, v), S::one(), &b.slopes(coefficient, v))
+    }
+
+    #[inline(always)]
+    fn network_columns(&self, q: &[S; N], v: &[S; N], numbers: &[Number], columns: &mut [Column<S, N>]) {
+        self.0.network_columns(q, v, numbers, columns);
+        self.1.network_columns(q, v, numbers, columns);
     }
 
     #[inline(always)]

@@ -74,7 +74,7 @@ where
     }
 
     fn set(&mut self, numbers: &[Number], distances: &[f32]) {
-        self.layout.write(self.weights, (numbers, distances), &mut self.block);
+        self.layout.write_knowing(self.weights, (numbers, distances), &mut self.block, F::knows);
         let laws = self.block.get(self.layout.energies..self.weights.len()).unwrap_or_default();
         if let Ok(forces) = forces_of_coordinates(self.layout.laws, laws) {
             self.forces = forces;

@@ -26,7 +26,7 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape
 
 /// Vectors with tangents on one side of a layer: a network's inputs or outputs, or the units of a hidden layer.
 #[derive(Debug)]
-pub(super) enum Vectors<'v, S, const T: usize, const H: usize> {
+pub(crate) enum Vectors<'v, S, const T: usize, const H: usize> {
     /// Inputs or outputs of the network.
     Jets(&'v [Jet<S, T>]),
     /// Units of a hidden layer.
@@ -40,6 +40,17 @@ impl<S, const T: usize, const H: usize> Clone for Vectors<'_, S, T, H> {
 }
 
 impl<S, const T: usize, const H: usize> Copy for Vectors<'_, S, T, H> {}
+
+impl<S: Scalar, const T: usize, const H: usize> Vectors<'_, S, T, H> {
+    /// Number j with its tangents.
+    #[inline(always)]
+    pub(crate) fn jet(&self, j: usize) -> Option<Jet<S, T>> {
+        match self {
+            Self::Jets(jets) => jets.get(j).copied(),
+            Self::Units(units) => units.jet(j),
+        }
+    }
+}
 
 impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` if the block is too short,
@@ -151,6 +162,28 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         y: &mut [Jet<S, T>],
         apply: impl Fn(&mut Units<S, T, H>),
     ) {
+        self.below_output(x, apply, |below| self.output.forward_from(below, y));
+    }
+
+    /// Calls `with` with the inputs of the output layer, in which the outputs are linear: the units of the last hidden layer with tangents along
+    /// those of x, or the inputs of a network without a hidden layer.
+    #[inline(always)]
+    pub(crate) fn with_units<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        x: &[Jet<S, T>],
+        with: impl FnOnce(Vectors<S, T, H>),
+    ) {
+        self.below_output(x, |units| self.activation.apply_forward(units), with);
+    }
+
+    /// [`Mlp::with_units`] with `apply` as the activation.
+    #[inline(always)]
+    fn below_output<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        x: &[Jet<S, T>],
+        apply: impl Fn(&mut Units<S, T, H>),
+        with: impl FnOnce(Vectors<S, T, H>),
+    ) {
         let (mut units, mut others) = (Units::<S, T, H>::new(), Units::new());
         let (mut units, mut others) = (&mut units, &mut others);
         let mut below = Vectors::Jets(x);
@@ -160,7 +193,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
             core::mem::swap(&mut units, &mut others);
             below = Vectors::Units(units);
         }
-        self.output.forward_from(below, y);
+        with(below);
     }
 
     /// x̄ = (∂y/∂x)ᵀȳ with tangents: the tangents of ȳ, together with those on the tape, give the rows of a Hessian.

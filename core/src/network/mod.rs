@@ -14,7 +14,7 @@ pub(crate) use activation::softplus_jets;
 pub use activation::{Activation, Curve};
 pub use dense::Dense;
 pub use jet::Jet;
-use mlp::Vectors;
+pub(crate) use mlp::Vectors;
 pub use mlp::{Mlp, Tape};
 pub use second_order::SecondOrderTape;
 pub use units::Units;

@@ -54,6 +54,14 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
         (&mut self.value, &mut self.tangents)
     }
 
+    /// Unit j as a jet.
+    #[inline(always)]
+    pub(super) fn jet(&self, j: usize) -> Option<Jet<S, T>> {
+        let value = *self.value.get(j)?;
+        let tangent = self.tangents.each_ref().map(|tangent| expected(tangent.get(j).copied(), S::zero()));
+        Some(Jet { value, tangent })
+    }
+
     /// Every unit as a jet.
     #[inline(always)]
     pub(super) fn jets(&self) -> impl Iterator<Item = Jet<S, T>> {

@@ -7,6 +7,7 @@ mod blocks;
 mod filter;
 mod limits;
 mod motion;
+mod networks;
 mod patch;
 mod settings;
 mod tuned;

@@ -1,6 +1,7 @@
 //! Numbers that are known exactly, found from the motion of a simulated arm.
 
 use crate::common::arms::{self, Arm};
+use crate::common::network_laws::NetworkLaws;
 use leastaction_core::adapt::{Adapter, Limits, Moment, Number, Tuning};
 use leastaction_core::continuous::{ContinuousState, rk4_step};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, INERTIAL_PARAMETERS};
@@ -121,5 +122,35 @@ fn rotors_offsets_and_gains_are_found() {
     for (j, expected) in [0.07, 0.2, -0.1, 0.05, 0.0].into_iter().enumerate() {
         let found = adapter.filter().estimate()[j];
         assert!((found - expected).abs() < 1e-3, "number {j}: {found} instead of {expected}");
+    }
+}
+
+#[test]
+fn weights_of_a_potential_and_strengths_of_dissipation_are_found() {
+    let arm = &arms::of_three()[0];
+    let model_laws = NetworkLaws::of(N, 5);
+    let numbers: [Number; 6] = core::array::from_fn(|j| match j {
+        0..4 => Number::Potential(j as u8),
+        _ => Number::Dissipation(j as u8 - 4),
+    });
+    let expected = [0.3, -0.2, 0.1, 0.4, 0.25, -0.4];
+    let mut changed = NetworkLaws::of(N, 5);
+    let last = changed.of_potential.len() - 5;
+    changed.of_potential[last..].iter_mut().zip(expected).take(4).for_each(|(own, more)| *own += more);
+    // Output i of three is the row of four weights, then come the biases; the entries of L are (0, 0), (1, 0) and (1, 1).
+    let first = changed.of_dissipation.len() - 15;
+    let factors = [1.25_f64, 1.25, 0.6].map(f64::sqrt);
+    for (i, factor) in factors.into_iter().enumerate() {
+        let own = &mut changed.of_dissipation[first..];
+        own[4 * i..][..4].iter_mut().for_each(|weight| *weight *= factor);
+        own[12 + i] *= factor;
+    }
+    let machine = System { lagrangian: arm.in_f64(), forces: changed.in_f64::<N>() };
+    let model = System { lagrangian: arm.in_f64(), forces: model_laws.in_f64::<N>() };
+    let tuning = tuning(numbers, [1.0; 6]);
+    let mut adapter = Adapter::<_, N, 6, 15>::new(&tuning).unwrap();
+    run((&machine, &model), (&mut adapter, &tuning), 3_000, |u| u);
+    for (j, (found, expected)) in adapter.filter().estimate().iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() < 5e-3, "number {j}: {found} instead of {expected}");
     }
 }

@@ -79,6 +79,11 @@ impl NetworkLaws {
 
     /// −LLᵀv, written down with a matrix.
     pub fn naive_force(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        self.force_of(q, v, &vec![1.0; self.dissipation.count()])
+    }
+
+    /// −L diag(s) Lᵀv for strengths s of the columns, written down with a matrix.
+    pub fn force_of(&self, q: &[f64], v: &[f64], strengths: &[f64]) -> Vec<f64> {
         let seen: Vec<usize> = seen(&self.dissipation).collect();
         let (scales, numbers) = self.of_dissipation.split_at(seen.len());
         let mut x = features(&self.dissipation, q);
@@ -89,7 +94,7 @@ impl NetworkLaws {
         let mut force = vec![0.0; q.len()];
         for (i, row) in seen.iter().enumerate() {
             for (k, column) in seen.iter().enumerate() {
-                let d: f64 = (0..seen.len()).map(|j| entry(i, j) * entry(k, j)).sum();
+                let d: f64 = (0..seen.len()).map(|j| strengths[j] * entry(i, j) * entry(k, j)).sum();
                 force[*row] -= d * v[*column];
             }
         }

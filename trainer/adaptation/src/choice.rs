@@ -18,6 +18,8 @@ pub struct Request {
     pub mass: Option<f64>,
     /// Whether friction follows, too.
     pub friction: bool,
+    /// Whether the last layer of the correcting potential's network and the strength of the network's dissipation follow, too, where there are any.
+    pub networks: bool,
     /// Length of a window, s: at least 40 ticks, and .2 s, if not given.
     pub window: Option<f64>,
     /// Time that is remembered, s.
@@ -28,7 +30,15 @@ pub struct Request {
 
 impl Default for Request {
     fn default() -> Self {
-        Self { body: None, mass: None, friction: true, window: None, memory: 20.0, false_alarms: 1e-3 }
+        Self {
+            body: None,
+            mass: None,
+            friction: true,
+            networks: false,
+            window: None,
+            memory: 20.0,
+            false_alarms: 1e-3,
+        }
     }
 }
 
@@ -49,10 +59,12 @@ const KEPT: f64 = 0.1;
 const LARGEST: f64 = 4.0;
 /// Largest distance of an attached mass from the joint, in reaches of the mechanism.
 const FARTHEST: f64 = 2.0;
-/// Deviation of friction, as a share of the friction itself; it may at most be doubled twice, or vanish.
+/// Deviation of friction and of a dissipation's strength, as a share of itself; it may at most be doubled twice, or vanish.
 const FRICTION: f64 = 0.3;
 /// Time in which friction goes as far as the deviation, s: grease that warms up.
 const WARMS: f32 = 120.0;
+/// Deviation of a weight in the last layer of a potential's network, as a share of their root mean square; it may go as far as that.
+const POTENTIAL: f64 = 0.1;
 /// Smallest mass worth announcing, in standard deviations of the prior.
 const LEAST: f64 = 0.02;
 /// Length of a block, s.
@@ -89,6 +101,9 @@ impl Choice {
                 if let Some((coefficient, levels)) = &dry {
                     follow(&mut numbers, *coefficient, levels.clone());
                 }
+            }
+            if request.networks {
+                numbers.extend(networks(&layout, &weights));
             }
             if numbers.is_empty() {
                 return Err(AdaptationError::Nothing);
@@ -172,14 +187,35 @@ fn friction(layout: &Layout, weights: &[f32], coefficient: Coefficient, n: usize
 
 /// Lets the friction of all coordinates follow.
 fn follow(numbers: &mut Vec<Following>, coefficient: Coefficient, levels: Vec<f32>) {
-    let of = |(i, model): (usize, f32)| Following {
-        number: Number::Friction(coefficient, i as u8),
+    let of = |(i, model): (usize, f32)| warming(Number::Friction(coefficient, i as u8), model);
+    numbers.extend(levels.into_iter().enumerate().map(of));
+}
+
+/// Lets a number of friction or damping follow.
+fn warming(number: Number, model: f32) -> Following {
+    Following {
+        number,
         model,
         prior: FRICTION as f32 * model,
         walk: (FRICTION * f64::from(model)).powi(2) as f32 / WARMS,
         limits: [-model, 3.0 * model],
+    }
+}
+
+/// Lets the last layer of a potential's network, and the strength of a network's dissipation, follow.
+fn networks(layout: &Layout, weights: &[f32]) -> impl Iterator<Item = Following> {
+    let all = |number: fn(u8) -> Number| {
+        let value = move |number| Some((number, layout.value(weights, number)?));
+        (0..=u8::MAX).map_while(move |j| value(number(j)))
     };
-    numbers.extend(levels.into_iter().enumerate().map(of));
+    let units: Vec<(Number, f32)> = all(Number::Potential).collect();
+    let squares: f64 = units.iter().map(|(_, weight)| f64::from(*weight).powi(2)).sum();
+    let largest = (squares / units.len().max(1) as f64).sqrt() as f32;
+    let prior = POTENTIAL as f32 * largest;
+    let unit =
+        move |(number, model)| Following { number, model, prior, walk: 0.0, limits: [-largest, largest] };
+    let columns = all(Number::Dissipation).map(|(number, model)| warming(number, model));
+    units.into_iter().map(unit).chain(columns)
 }
 
 /// Size of a mechanism of bodies.

@@ -25,6 +25,10 @@ pub enum Group {
     Dry,
     /// Rotors, offsets and gains of drives.
     Drives,
+    /// Last layer of a potential's network.
+    Potential,
+    /// Strengths of a network's dissipation.
+    Dissipation,
 }
 
 /// Label of a number.
@@ -32,7 +36,7 @@ pub enum Group {
 pub struct Label {
     /// Symbol.
     pub symbol: &'static str,
-    /// The body or the coordinate, from 0.
+    /// The body, the coordinate, the unit of the potential's network or the column of dissipation, from 0.
     pub place: u8,
     /// Kind of number.
     pub group: Group,
@@ -41,17 +45,32 @@ pub struct Label {
 }
 
 impl Group {
-    /// Whether numbers of the kind are those of a body.
-    pub fn is_of_body(self) -> bool {
-        matches!(self, Self::Mass | Self::Moments | Self::Inertias)
+    /// Kind of thing that has such a number.
+    fn owner(self) -> &'static str {
+        match self {
+            Self::Mass | Self::Moments | Self::Inertias => "body",
+            Self::Viscous | Self::Dry | Self::Drives => "coordinate",
+            Self::Potential => "potential unit",
+            Self::Dissipation => "dissipation column",
+        }
     }
 }
 
 impl Label {
-    /// Symbol, and the body or the coordinate.
+    /// Symbol, and what has the number.
     pub fn name(&self) -> String {
         let Self { symbol, place, group, .. } = self;
-        format!("{symbol} of {} {place}", if group.is_of_body() { "body" } else { "coordinate" })
+        format!("{symbol} of {} {place}", group.owner())
+    }
+
+    /// Name among numbers of its group, of which one body at most has some.
+    pub fn short_name(&self) -> String {
+        let Self { symbol, place, group, .. } = self;
+        match group {
+            Group::Mass | Group::Moments | Group::Inertias => (*symbol).to_owned(),
+            Group::Viscous | Group::Dry | Group::Drives => format!("{symbol} of q{place}"),
+            Group::Potential | Group::Dissipation => format!("{symbol}{place}"),
+        }
     }
 }
 
@@ -97,6 +116,8 @@ fn of_coordinate(number: Number, letter: impl Fn(u8) -> u8) -> Label {
         Number::Rotor(i) => ("J", i, Group::Drives, ["kg", "kg m²", "kg or kg m²"]),
         Number::Offset(i) => ("o", i, Group::Drives, force),
         Number::Gain(i) => ("g", i, Group::Drives, [""; 3]),
+        Number::Potential(j) => ("w", j, Group::Potential, ["J"; 3]),
+        Number::Dissipation(j) => ("s", j, Group::Dissipation, [""; 3]),
         Number::None | Number::Inertia { .. } => ("", 0, Group::Drives, [""; 3]),
     };
     let unit = match letter(place) {

@@ -24,6 +24,8 @@ pub struct Wishes {
     #[pyo3(item)]
     friction: bool,
     #[pyo3(item)]
+    networks: bool,
+    #[pyo3(item)]
     window: Option<f64>,
     #[pyo3(item)]
     memory: f64,
@@ -33,7 +35,7 @@ pub struct Wishes {
 
 impl Wishes {
     fn request(&self) -> PyResult<Request> {
-        let Self { body, mass, friction, window, memory, false_alarms } = *self;
+        let Self { body, mass, friction, networks, window, memory, false_alarms } = *self;
         let given = [
             ("mass", mass),
             ("window", window),
@@ -43,7 +45,7 @@ impl Wishes {
         let is_wrong = |value: f64| !(value > 0.0 && value.is_finite());
         match given.into_iter().find(|(_, value)| value.is_some_and(is_wrong)) {
             Some((name, _)) => Err(input(format!("{name} must be a number above 0"))),
-            None => Ok(Request { body, mass, friction, window, memory, false_alarms }),
+            None => Ok(Request { body, mass, friction, networks, window, memory, false_alarms }),
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Forces of a file, in addition to its Lagrangian.
 
 use crate::{LAYERS, UNITS};
+use leastaction_core::adapt::Number;
 use leastaction_core::forces::{
     Coefficient, Coulomb, Directional, Dissipation, Forces, Grip, PotentialCorrection, Servo, Sticking, Stop,
     Stops, Viscous,
 };
+use leastaction_core::lagrangian::Column;
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{Law, LawNumbers, LoadForces, ModelError};
 use std::f32::consts::FRAC_PI_2;
@@ -191,6 +193,16 @@ impl<const N: usize> Forces<f32, N> for ForcesOf<'_, N> {
 
     fn slopes(&self, coefficient: Coefficient, v: &[f32; N]) -> [f32; N] {
         with_law!(self, law => law.slopes(coefficient, v))
+    }
+
+    fn network_columns(
+        &self,
+        q: &[f32; N],
+        v: &[f32; N],
+        numbers: &[Number],
+        columns: &mut [Column<f32, N>],
+    ) {
+        with_law!(self, law => law.network_columns(q, v, numbers, columns));
     }
 
     fn potential(&self, q: &[f32; N]) -> f32 {

@@ -29,11 +29,11 @@ const DISTANCE: Scale = Scale { offset: 0.0, factor: 1.0 };
 
 impl Page<'_> {
     /// Picture of the numbers of these groups, a panel each; empty without such numbers.
-    pub(super) fn inertia(&self, title: &str, groups: &[Group]) -> Result<String, NotDrawn> {
+    pub(super) fn of_groups(&self, title: &str, groups: &[Group]) -> Result<String, NotDrawn> {
         let labels = self.labels.iter().enumerate().filter(|(_, label)| groups.contains(&label.group));
         let panel = |(j, label): (usize, &Label)| {
             (
-                format!("{} ({})", label.symbol, label.unit),
+                with_unit(&label.short_name(), label.unit),
                 self.framed(&[(j, ["estimate", "in use"], DISTANCE)]),
             )
         };
@@ -83,11 +83,13 @@ impl Page<'_> {
 
     /// Picture of the standard errors as shares of what they were before the log, a panel for each kind of number.
     pub(super) fn certainty(&self) -> Result<String, NotDrawn> {
-        let kinds: [(&str, &[Group]); 4] = [
+        let kinds: [(&str, &[Group]); 6] = [
             ("mass, moments", &[Group::Mass, Group::Moments]),
             ("inertias", &[Group::Inertias]),
             ("viscous friction", &[Group::Viscous]),
             ("dry friction", &[Group::Dry]),
+            ("potential", &[Group::Potential]),
+            ("dissipation", &[Group::Dissipation]),
         ];
         let panel = |(kind, groups): (&str, &[Group])| {
             let curves = self.shares(groups);
@@ -103,10 +105,7 @@ impl Page<'_> {
         let mut curves: Vec<Series> = chosen
             .map(|(j, (label, of))| {
                 let share = |entry: &Entry| f64::from(entry.estimates[j].error / of.prior);
-                let Label { symbol, place, group, .. } = label;
-                let name =
-                    if group.is_of_body() { (*symbol).to_owned() } else { format!("{symbol} of q{place}") };
-                Series::new(name, self.points(share))
+                Series::new(label.short_name(), self.points(share))
             })
             .collect();
         curves.extend(self.marks(&curves));
@@ -191,6 +190,10 @@ fn at(entry: &Entry, j: usize, Scale { offset, factor }: Scale, errors: f64) -> 
 fn cut(curve: Series, [low, high]: [f64; 2]) -> Series {
     let point = |(t, y): &(f64, f64)| (*t, if (low..=high).contains(y) { *y } else { f64::NAN });
     Series { points: curve.points.iter().map(point).collect(), ..curve }
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 fn drawn(title: &str, panels: &Panels, vertical: Vertical) -> Result<String, NotDrawn> {

@@ -14,6 +14,9 @@ use leastaction_learning::atomic;
 use leastaction_models::Model;
 use std::path::Path;
 
+const NO_NETWORKS: &str = "the model has no network whose numbers can follow the machine: neither a correcting potential nor dissipation by \
+                           a network";
+
 /// A model whose numbers are to follow a log.
 pub struct Adaptation<'a> {
     /// File of the model, or folder of its run.
@@ -43,6 +46,9 @@ impl<'a> Adaptation<'a> {
     /// # Errors
     /// [`Failure::Input`] if a log cannot be read, or if no number can follow it.
     pub fn along(self, reading: &LogReading, tell: Tell) -> Result<Adapted<'a>, Failure> {
+        if self.request.networks && self.model.architecture.corrections.is_none() {
+            return Err(Failure::input(self.file, NO_NETWORKS));
+        }
         let log = self.read(reading, tell)?;
         let training = self.training(tell)?;
         if training.is_none() {

@@ -30,16 +30,23 @@ impl<'a> Page<'a> {
     pub fn html(&self) -> Result<String, NotDrawn> {
         let report = &self.of.report;
         let title = format!("{} along {}", report.model.display(), report.log.display());
-        let inertias = self.inertia("Inertias", &[Group::Inertias])?;
+        let inertias = self.of_groups("Inertias", &[Group::Inertias])?;
         let inertias =
             if inertias.is_empty() { inertias } else { folded("moments and products of inertia", &inertias) };
-        let attached = [self.inertia("Mass and moments", &[Group::Mass, Group::Moments])?, inertias];
+        let attached = [self.of_groups("Mass and moments", &[Group::Mass, Group::Moments])?, inertias];
+        let weights = self.of_groups("Potential: last layer of its network", &[Group::Potential])?;
+        let weights =
+            if weights.is_empty() { weights } else { folded("weights of the potential's network", &weights) };
+        let strengths =
+            self.of_groups("Dissipation: changed strength of its columns", &[Group::Dissipation])?;
+        let networks = [strengths, weights];
         let body = [
             verdict::sentences(report, &self.followed.course),
             self.facts(),
             verdict::about_charts(),
             section("What is attached", &attached),
             section("Friction", &[self.friction()?]),
+            section("Networks", &networks),
             section("What the model does not explain", &self.unexplained()?),
             section("What the log shows", &[self.shown(), self.certainty()?]),
             section("Numbers at the end of the log", &[self.numbers()]),

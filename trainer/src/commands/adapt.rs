@@ -41,6 +41,9 @@ pub struct Adapt {
     /// Friction stays what it is.
     #[arg(long)]
     no_friction: bool,
+    /// Networks follow, too: the last layer of the potential's network, and the strength of the network's dissipation.
+    #[arg(long)]
+    networks: bool,
     /// Length of a window, s [default: .2, and at least 40 samples].
     #[arg(long, value_name = "S", value_parser = positive)]
     window: Option<f64>,
@@ -109,7 +112,7 @@ impl Adapt {
     }
 
     fn request(&self) -> Request {
-        let Self { body, mass, window, memory, false_alarms, .. } = *self;
-        Request { body, mass, window, memory, false_alarms, friction: !self.no_friction }
+        let Self { body, mass, networks, window, memory, false_alarms, .. } = *self;
+        Request { body, mass, networks, window, memory, false_alarms, friction: !self.no_friction }
     }
 }

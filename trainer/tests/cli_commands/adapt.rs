@@ -5,11 +5,14 @@ use crate::support::Bench;
 use leastaction_core::adapt::StoredSettings;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::fingerprint;
+use leastaction_core::network::Activation;
 use leastaction_models::change::PointMass;
 use leastaction_models::file::decode;
 use leastaction_models::inertia_network::InertiaNetworkArchitecture;
 use leastaction_models::urdf::{Inertias, parse};
-use leastaction_models::{Architecture, GroupLaws, Model, Number};
+use leastaction_models::{
+    Architecture, CorrectionNetwork, Corrections, DissipationNetwork, GroupLaws, Model, Number,
+};
 use std::fmt::Write;
 use std::fs;
 
@@ -219,6 +222,57 @@ fn friction_alone_follows_and_is_shown() {
     let outcome = bench.run("adapt cart.postcard --data rest.csv -o page.html").good();
     assert!(outcome.stdout.contains("the log shows 0 of 4") && !outcome.stdout.contains("announced"));
     assert!(bench.text("page.html").contains("THE LOG SHOWS NOTHING"));
+}
+
+/// A cart-pole with a potential and a dissipation by networks; `stiffness` multiplies the output of the first.
+fn cart_with_networks(stiffness: f64) -> Model {
+    let network = |width| CorrectionNetwork {
+        coordinates: "ta".to_owned(),
+        widths: vec![width],
+        activation: Activation::Tanh,
+    };
+    let dissipation = DissipationNetwork { network: network(3), scales: vec![2.0, 3.0] };
+    let corrections = Corrections { dissipation: Some(dissipation), potential: Some(network(4)) };
+    let energies = InertiaNetworkArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 4);
+    let architecture = Architecture { corrections, ..energies.into() };
+    let mut weights = architecture.initial_weights(0);
+    let networks = weights.iter_mut().skip(architecture.corrections_start() + 2);
+    networks.enumerate().for_each(|(k, weight)| *weight = (1.3 * k as f64).sin());
+    weights.iter_mut().rev().take(1 + 4).for_each(|weight| *weight *= 3.0 * stiffness);
+    Model::new(architecture, weights)
+}
+
+#[test]
+fn networks_follow_and_are_shown() {
+    let bench = Bench::new();
+    fs::write(bench.at("cart.postcard"), cart_with_networks(1.0).to_bytes().unwrap()).unwrap();
+    write_log(&bench, "stiff.csv", &cart_with_networks(1.2), (motion, 20.0), |_| 1.0);
+    let words = "adapt cart.postcard --data stiff.csv";
+    bench.run(words).bad(2, &["no number that can follow"]);
+    let report =
+        bench.run(&format!("{words} --networks -o page.html --patch cart.patch --json")).good().json();
+    let numbers = report["numbers"].as_array().unwrap();
+    let names: Vec<_> = numbers.iter().map(|of| of["name"].as_str().unwrap().to_owned()).collect();
+    let units = (0..4).map(|j| format!("w of potential unit {j}"));
+    let columns = (0..2).map(|j| format!("s of dissipation column {j}"));
+    assert_eq!(names, units.chain(columns).collect::<Vec<_>>());
+    let [before, after] = ["nmse_before", "nmse_after"].map(|name| report[name].as_f64().unwrap());
+    assert!(after < 0.1 * before, "{after} of {before}");
+    let page = bench.text("page.html");
+    assert!(page.contains("Networks") && page.contains("last layer of its network"));
+    let shown = bench.run("inspect cart.postcard --patch cart.patch").good().stdout;
+    assert!(
+        shown.contains("w of potential unit 3") && shown.contains("s of dissipation column 1"),
+        "{shown}"
+    );
+    bench.run("convert cart.postcard --patch cart.patch -o stiff.postcard").good();
+    let (cart, stiff) =
+        (decode(&bench.read("cart.postcard")).unwrap(), decode(&bench.read("stiff.postcard")).unwrap());
+    let changed = cart.weights.iter().zip(&stiff.weights).filter(|(before, after)| before != after).count();
+    // Four weights of the potential, and the rows of the three entries of the dissipation's factor.
+    assert_eq!(changed, 4 + 3 * (3 + 1));
+    let arms = arms();
+    arms.run("adapt arm.postcard --data load.csv --networks").bad(2, &["arm.postcard", "no network"]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use leastaction_core::continuous::{ContinuousState, rk4_step};
 use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, BodyTree};
-use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
+use leastaction_core::forces::{Coulomb, DryFriction, Forces, System, Viscous};
 use leastaction_core::model::{ArmHeader, Family, Header, Laws, write};
 use leastaction_data::{Dataset, Rows, Trajectory};
 use leastaction_models::Model;
@@ -85,6 +85,13 @@ impl Machine {
 
     /// Readings while all friction grows by `growth` times its own, linearly.
     pub fn wearing(self, seconds: f64, seed: u64, growth: f64) -> Dataset {
+        self.under(seconds, seed, |t| {
+            Machine { friction: self.friction * (1.0 + growth * t / seconds), ..self }.forces()
+        })
+    }
+
+    /// Readings under forces that depend on the time.
+    pub fn under<F: Forces<f64, N>>(self, seconds: f64, seed: u64, forces: impl Fn(f64) -> F) -> Dataset {
         let weights = self.weights();
         let mut block = weights.as_slice();
         let tree = BodyTree::new(ArmHeader { bodies: TREE }.bodies().flatten()).expect("a tree");
@@ -95,8 +102,7 @@ impl Machine {
             let command = drive(&state, k as f64 * H, &mut random);
             q.push(state.q.map(|q| (q * GRID).round() / GRID));
             u.push(command);
-            let friction = self.friction * (1.0 + growth * k as f64 * H / seconds);
-            let system = System { lagrangian, forces: Machine { friction, ..self }.forces() };
+            let system = System { lagrangian, forces: forces(k as f64 * H) };
             for _ in 0..4 {
                 state = rk4_step(&system, &state, &command, H / 4.0).expect("a step");
             }
@@ -122,8 +128,13 @@ fn drive(state: &ContinuousState<f64, N>, t: f64, random: &mut u64) -> [f64; N] 
 }
 
 pub fn model() -> Model {
-    let header = Header { laws: Laws::FRICTION, ..Header::new(Family::Arm(ArmHeader { bodies: TREE })) };
-    let weights = [&AS_LEARNED.weights()[..], &VISCOUS, DRY.as_flattened()].concat();
+    model_with(Laws::FRICTION, &[])
+}
+
+/// The model with laws beside friction, and their numbers.
+pub fn model_with(laws: Laws, numbers: &[f64]) -> Model {
+    let header = Header { laws, ..Header::new(Family::Arm(ArmHeader { bodies: TREE })) };
+    let weights = [&AS_LEARNED.weights()[..], &VISCOUS, DRY.as_flattened(), numbers].concat();
     let bytes: Vec<u8> = weights.iter().flat_map(|w| (*w as f32).to_le_bytes()).collect();
     let mut memory = vec![0; 4096];
     let file = write(&header, &bytes, &mut memory).expect("a file");

@@ -96,6 +96,7 @@ def adapt(
     body: int | None = None,
     mass: float | None = None,
     friction: bool = True,
+    networks: bool = False,
     window: float | None = None,
     memory: float = 20.0,
     false_alarms: float = 1e-3,
@@ -115,6 +116,7 @@ def adapt(
     body          body to which something may be attached, from 0; by default the last one
     mass          standard deviation of what may be attached, kg; by default a quarter of the mechanism
     friction      False: friction stays what it is
+    networks      True: the last layer of the potential's network and the strength of the network's dissipation follow, too
     window        length of a window, s; by default 0.2, and at least 40 samples
     memory        time that is remembered, s
     false_alarms  false alarms in an hour
@@ -124,6 +126,7 @@ def adapt(
         "body": body,
         "mass": mass,
         "friction": friction,
+        "networks": networks,
         "window": window,
         "memory": memory,
         "false_alarms": false_alarms,

@@ -42,12 +42,12 @@ impl fmt::Display for PatchReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(
             f,
-            "\npatch of {} bytes{:>17} {:>12} {:>12}",
+            "\npatch of {} bytes{:>21} {:>12} {:>12}",
             self.bytes, "model", "distance", "std. error"
         )?;
         self.numbers.iter().try_for_each(|NumberReport { name, unit, model, distance, standard_error }| {
             let model = model.map_or("–".to_owned(), |model| format!("{model:.5}"));
-            writeln!(f, "{name:<22} {model:>12} {distance:>12.5} {standard_error:>12.5} {unit}")
+            writeln!(f, "{name:<26} {model:>12} {distance:>12.5} {standard_error:>12.5} {unit}")
         })
     }
 }
