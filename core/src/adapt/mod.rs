@@ -13,7 +13,9 @@
 mod adapter;
 mod balance;
 mod blocks;
+mod catalogue;
 mod filter;
+mod follow;
 mod limits;
 mod number;
 mod patch;
@@ -26,6 +28,7 @@ mod verdict;
 pub use adapter::{Adapter, Agreement, Tuning};
 pub use balance::{Balance, Row, Terms};
 pub use blocks::{Block, Blocks, Reading};
+pub use catalogue::CATALOGUE;
 pub use filter::{Filter, Innovation, Measurement};
 pub use limits::Limits;
 pub use number::{Moment, Number};

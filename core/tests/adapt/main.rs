@@ -4,6 +4,7 @@
 mod common;
 
 mod blocks;
+mod catalogue;
 mod filter;
 mod limits;
 mod motion;
