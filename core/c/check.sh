@@ -32,6 +32,7 @@ fail() {
 }
 
 sources=(example/main.c example/trace.c example/errors.c example/follow.c example/plan_errors.c example/model.S)
+adapting=(example/adapt.c example/adapt_errors.c)
 warnings=(-Wall -Wextra -Wconversion -Wsign-conversion -Wpedantic -Werror)
 strict=(-std=c11 -O2 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -ffunction-sections -fdata-sections -Wl,--gc-sections)
 m4=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16)
@@ -52,7 +53,7 @@ other_compilers() {
     local file compilers=(g++)
     if command -v clang++ >/dev/null; then
         compilers+=(clang++)
-        for file in example/{main,trace,errors,follow,plan_errors,host}.c; do
+        for file in "${sources[@]/%model.S/host.c}"; do
             clang -std=c11 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -fsyntax-only "$@" "$file"
         done
     fi
@@ -110,12 +111,19 @@ check() {
     tool header "${features[@]}" >"$work/$family-include/leastaction.h"
     # shellcheck disable=SC2086
     hashes=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name" "$work/$golden-plan.bin" $start)
-    local expected="${hashes%%$'\n'*}"$'\n''errors as they should be'$'\n'"${hashes#*$'\n'}"$'\n''plans as they should be'
+    mapfile -t lines <<<"$hashes"
+    local expected="${lines[0]}"$'\n''errors as they should be'$'\n'"${lines[1]}"$'\n''plans as they should be'
+    local sources=("${sources[@]}")
     local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=$(floats "$start")"
         "-DPLAN_FILE=\"$work/$golden-plan.bin\"")
     if [ "$golden" = cartpole ]; then
         tool bytes "${features[@]}" <../tests/golden/cartpole-whole.hex >"$work/cartpole-whole.bin"
         defines+=("-DWHOLE_FILE=\"$work/cartpole-whole.bin\"")
+    fi
+    if [[ $family == *adapt* ]]; then
+        expected+=$'\n'"${lines[2]}"$'\n''adapters as they should be'
+        sources+=("${adapting[@]}")
+        defines+=("-DSETTINGS_FILE=\"$work/$golden-plan.settings\"" "-DMACHINE_FILE=\"$work/$golden-plan.machine\"")
     fi
     [ -z "$name" ] || defines+=("-DMODEL_NAME=\"$name\"")
     [ "$name" != ring ] || defines+=(-DRING)
@@ -184,11 +192,16 @@ tool header | diff include/leastaction.h - ||
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 checked=${families/ graph / graph graph,rods }
-checked=${checked/ bodies / bodies bodies,friction bodies,networks,servo }
-checked=${checked/ arm / arm arm,friction arm,networks }
+checked=${checked/ bodies / bodies bodies,friction bodies,networks,servo bodies,adapt }
+checked=${checked/ arm / arm arm,friction arm,networks arm,friction,servo,axes,adapt }
 for family in ${checked/ inertia-network / inertia-network inertia-network,friction inertia-network,axes inertia-network,friction,networks,axes }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
+    # Whatever their sizes, contents fit their structs where pointers have 32 bits.
+    for size in 2 8 64; do
+        LEASTACTION_COORDINATES=$size LEASTACTION_NUMBERS=$size CARGO_TARGET_DIR="$out/chip" \
+            "${cargo[@]}" check --quiet --lib --target "$target" "${features[@]}"
+    done
     "${host[@]}" clippy --version >/dev/null 2>&1 || continue
     "${host[@]}" clippy --quiet "${features[@]}" -- -D warnings
     "${host[@]}" clippy --quiet --manifest-path tools/Cargo.toml "${features[@]}" -- -D warnings
@@ -219,6 +232,12 @@ check bodies crane "" "$arm" LEASTACTION_COORDINATES=3
 check bodies,friction crane-friction "" "$arm" LEASTACTION_COORDINATES=3
 check arm manipulator "" "$arm" LEASTACTION_COORDINATES=3
 check arm,friction manipulator-friction "" "$arm" LEASTACTION_COORDINATES=3
+# Numbers that follow: the inertia of the last body and all frictions.
+check bodies,adapt crane "" "$arm" LEASTACTION_COORDINATES=3
+check bodies,friction,adapt crane-friction "" "$arm" LEASTACTION_COORDINATES=3
+for golden in manipulator manipulator-friction; do
+    check arm,friction,adapt $golden "" "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_NUMBERS=16
+done
 for with in graph graph,rods; do
     check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
         LEASTACTION_NETWORKS=6

@@ -25,6 +25,11 @@ extern const uint8_t model_file[], model_file_end[];
 extern const uint8_t plan_file[], plan_file_end[];
 #endif
 
+#ifdef SETTINGS_FILE
+/* Settings of an adapter for the model, and the model of a machine that carries a load, in flash: model.S. */
+extern const uint8_t settings_file[], settings_file_end[], machine_file[], machine_file_end[];
+#endif
+
 /* Start of an FNV-1a hash. */
 #define HASH 0xcbf29ce484222325u
 
@@ -57,5 +62,11 @@ int follow(void);
 
 /* Provokes errors of plans like errors(). */
 int plan_errors(void);
+
+/* Lets the model follow a machine and prints a hash of all results; returns 0 if all went well. */
+int adapt(void);
+
+/* Provokes errors of adapters like errors(). */
+int adapt_errors(void);
 
 #endif

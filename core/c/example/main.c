@@ -16,5 +16,9 @@ int main(void) {
     failed |= errors();
     failed |= follow();
     failed |= plan_errors();
+#ifdef SETTINGS_FILE
+    failed |= adapt();
+    failed |= adapt_errors();
+#endif
     return failed;
 }

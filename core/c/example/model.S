@@ -19,4 +19,14 @@ plan_file:
     .incbin PLAN_FILE
 plan_file_end:
 #endif
+#ifdef SETTINGS_FILE
+    .balign 4
+    .global settings_file, settings_file_end, machine_file, machine_file_end
+machine_file:
+    .incbin MACHINE_FILE
+machine_file_end:
+settings_file:
+    .incbin SETTINGS_FILE
+settings_file_end:
+#endif
     .section .note.GNU-stack, "", %progbits

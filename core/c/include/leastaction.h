@@ -36,7 +36,7 @@
 
 /* Family and sizes that the library was built for. */
 #define LEASTACTION_INERTIA_NETWORK 1
-#define LEASTACTION_ABI 3
+#define LEASTACTION_ABI 4
 #define LEASTACTION_COORDINATES 2
 #define LEASTACTION_HIDDEN 32
 #define LEASTACTION_LAYERS 2
@@ -117,6 +117,18 @@ enum leastaction_status
      * The storage holds no plan: none was loaded there, or it was moved or copied.
      */
     LEASTACTION_STATUS_NO_PLAN = 14,
+    /**
+     * The storage holds no adapter: none has begun there, or it was moved or copied.
+     */
+    LEASTACTION_STATUS_NO_ADAPTER = 15,
+    /**
+     * No number that follows has this index. `numbers`: the index, number of numbers.
+     */
+    LEASTACTION_STATUS_NO_NUMBER = 16,
+    /**
+     * The settings of an adapter were made for ticks of another length. `numbers`: the bits of that tick and of `h` as floats.
+     */
+    LEASTACTION_STATUS_OTHER_TICK = 17,
     /**
      * The file has fewer bytes than the smallest model file. `numbers`: bytes given.
      */
@@ -375,6 +387,86 @@ enum leastaction_status
      * The plan was made for another model. `numbers`: fingerprint of the model that it was made for, of the model given.
      */
     LEASTACTION_STATUS_PLAN_OTHER_MODEL = 93,
+    /**
+     * The settings have fewer bytes than the smallest file. `numbers`: bytes given.
+     */
+    LEASTACTION_STATUS_SETTINGS_TOO_SHORT = 100,
+    /**
+     * The settings do not begin with the magic letters.
+     */
+    LEASTACTION_STATUS_NOT_SETTINGS = 101,
+    /**
+     * The settings have a format version that this library does not read. `numbers`: the version.
+     */
+    LEASTACTION_STATUS_SETTINGS_VERSION = 102,
+    /**
+     * The settings were damaged. `numbers`: checksum in the file, checksum of its bytes.
+     */
+    LEASTACTION_STATUS_SETTINGS_CHECKSUM = 103,
+    /**
+     * The settings are no document of this format, or have more numbers or coordinates than the library was built for.
+     */
+    LEASTACTION_STATUS_SETTINGS_MALFORMED = 104,
+    /**
+     * The settings are for another number of coordinates. `numbers`: coordinates of the settings, built in.
+     */
+    LEASTACTION_STATUS_SETTINGS_COORDINATES = 105,
+    /**
+     * More numbers follow than the library was built for. `numbers`: numbers that follow, LEASTACTION_NUMBERS.
+     */
+    LEASTACTION_STATUS_SETTINGS_PLACES = 106,
+    /**
+     * A setting is not finite, or out of its range.
+     */
+    LEASTACTION_STATUS_SETTINGS_OUT_OF_RANGE = 107,
+    /**
+     * A value of a number that follows is not finite, or out of its range. `numbers`: its index.
+     */
+    LEASTACTION_STATUS_SETTINGS_NUMBER = 108,
+    /**
+     * A number of a coordinate or a body that the model does not have follows. `numbers`: the coordinate or body, how many there are.
+     */
+    LEASTACTION_STATUS_SETTINGS_NO_SUCH = 109,
+    /**
+     * The numbers of a body must all follow, one after the other. `numbers`: the body.
+     */
+    LEASTACTION_STATUS_SETTINGS_PART_OF_BODY = 110,
+    /**
+     * A gain cannot follow beside the inertias of all bodies. `numbers`: the coordinate of the gain.
+     */
+    LEASTACTION_STATUS_SETTINGS_GAUGE = 111,
+    /**
+     * The settings were made for another model. `numbers`: fingerprint of the model that they were made for, of the model given.
+     */
+    LEASTACTION_STATUS_SETTINGS_OTHER_MODEL = 112,
+    /**
+     * The patch has fewer bytes than the smallest patch. `numbers`: bytes given.
+     */
+    LEASTACTION_STATUS_PATCH_TOO_SHORT = 120,
+    /**
+     * The patch does not begin with the magic letters.
+     */
+    LEASTACTION_STATUS_NOT_A_PATCH = 121,
+    /**
+     * The patch has a format version that this library does not read. `numbers`: the version.
+     */
+    LEASTACTION_STATUS_PATCH_VERSION = 122,
+    /**
+     * The patch was damaged. `numbers`: checksum in the file, checksum of its bytes.
+     */
+    LEASTACTION_STATUS_PATCH_CHECKSUM = 123,
+    /**
+     * The patch is no document of this format, or has more numbers than the library was built for.
+     */
+    LEASTACTION_STATUS_PATCH_MALFORMED = 124,
+    /**
+     * A number of the patch is not finite, or its standard error is none. `numbers`: its index.
+     */
+    LEASTACTION_STATUS_PATCH_NOT_FINITE = 125,
+    /**
+     * The patch was saved for another model. `numbers`: fingerprint of the model that it was saved for, of the model given.
+     */
+    LEASTACTION_STATUS_PATCH_OTHER_MODEL = 126,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

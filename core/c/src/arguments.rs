@@ -2,9 +2,13 @@
 
 use crate::config::LEASTACTION_COORDINATES;
 use crate::contents::{CorePlan, Loaded, Planned, STARTED, Started, loaded_tag, planned_tag};
+#[cfg(feature = "adapt")]
+use crate::contents::{Following, following_tag};
 use crate::error::Error;
 use crate::family::Mechanism;
 use crate::status::Status;
+#[cfg(feature = "adapt")]
+use crate::storage::Adapter;
 use crate::storage::{Model, Plan, State};
 use core::ptr::NonNull;
 
@@ -133,6 +137,43 @@ pub(crate) unsafe fn planned<'a>(plan: *const Plan) -> Result<&'a CorePlan, Erro
     }
     // SAFETY: the tag is written last, when a plan is there.
     Ok(unsafe { &(*pointer).plan })
+}
+
+/// The adapter that has begun in a storage.
+///
+/// # Safety
+/// `adapter` is storage as the header requires, and nothing else uses it meanwhile.
+#[cfg(feature = "adapt")]
+pub(crate) unsafe fn following<'a>(adapter: *const Adapter) -> Result<&'a Following, Error> {
+    // SAFETY: this function's promise.
+    unsafe { begun(adapter).map(|place| &*place) }
+}
+
+/// The adapter that has begun in a storage, to be changed.
+///
+/// # Safety
+/// See [`following`].
+#[cfg(feature = "adapt")]
+pub(crate) unsafe fn following_mut<'a>(adapter: *mut Adapter) -> Result<&'a mut Following, Error> {
+    // SAFETY: this function's promise.
+    unsafe { begun(adapter).map(|place| &mut *place) }
+}
+
+/// Place of the adapter that has begun in a storage.
+///
+/// # Safety
+/// See [`following`].
+#[cfg(feature = "adapt")]
+unsafe fn begun(adapter: *const Adapter) -> Result<*mut Following, Error> {
+    let place = Given::new(adapter, 1)?.pointer();
+    // SAFETY: part of the caller's storage.
+    let pointer = unsafe { &raw mut (*place).opaque }.cast::<Following>();
+    // SAFETY: a word of the caller's storage, which is larger and as aligned.
+    let tag = unsafe { (&raw const (*pointer).tag).read() };
+    if tag != following_tag(pointer) {
+        return Err(Status::NoAdapter.into());
+    }
+    Ok(pointer)
 }
 
 /// Address of the started state in a storage.

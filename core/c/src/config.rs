@@ -14,7 +14,7 @@ macro_rules! size {
 }
 
 /// Number of the binary interface; it changes with any struct or function that a program was compiled with.
-pub const LEASTACTION_ABI: u32 = 3;
+pub const LEASTACTION_ABI: u32 = 4;
 /// Number of coordinates of the mechanism.
 pub const LEASTACTION_COORDINATES: usize = size!("LEASTACTION_COORDINATES", 2, 1..=64);
 /// Maximum number of units of a hidden layer.
@@ -48,6 +48,10 @@ pub const LEASTACTION_RODS: usize = size!("LEASTACTION_RODS", 4, 1..=64);
 #[cfg(all(feature = "graph", not(feature = "rods")))]
 pub const LEASTACTION_RODS: usize = 0;
 
+/// Maximum number of numbers that follow the machine.
+#[cfg(feature = "adapt")]
+pub const LEASTACTION_NUMBERS: usize = size!("LEASTACTION_NUMBERS", 24, 1..=64);
+
 /// Words of a network: weights, biases and number of inputs, layer by layer.
 #[cfg(not(any(feature = "bodies", feature = "arm")))]
 const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
@@ -55,11 +59,13 @@ const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 // The sizes fit a model with 2 words to spare where pointers have 32 bits; where they have 64 bits, a model takes
 // fewer words. The build fails if a model no longer fits (`contents.rs`).
 
-/// Words that dry friction takes, four numbers per coordinate, and the laws of axes, fourteen.
+/// Words that dry friction takes, four numbers per coordinate, servos, one, and the laws of axes, fourteen.
 #[cfg(not(feature = "graph"))]
 const FRICTION: usize = {
-    let each = if cfg!(feature = "friction") { 4 } else { 0 } + if cfg!(feature = "axes") { 14 } else { 0 };
-    each * LEASTACTION_COORDINATES
+    let friction = if cfg!(feature = "friction") { 4 } else { 0 };
+    let servo = if cfg!(feature = "servo") { 1 } else { 0 };
+    let axes = if cfg!(feature = "axes") { 14 } else { 0 };
+    (friction + servo + axes) * LEASTACTION_COORDINATES
 };
 
 /// Words that both laws with networks take: the network, the coordinates that it sees, and scales.
@@ -93,6 +99,35 @@ const LIST_OF_RODS: usize =
 
 /// Pointer-sized words of a loaded plan: exactly what it takes where pointers have 32 bits, of any size of plan.
 pub const LEASTACTION_PLAN_WORDS: usize = 13;
+
+/// Numbers of the laws of force in a model of bodies, at most: viscous friction of every coordinate, and the laws beside it.
+#[cfg(feature = "adapt")]
+const LAW_NUMBERS: usize = LEASTACTION_COORDINATES + FRICTION;
+
+/// Length of the largest weight block of a model of bodies: gravity, the bodies, the laws of force.
+#[cfg(feature = "adapt")]
+pub const BLOCK: usize = {
+    let (gravity, body) = if cfg!(feature = "arm") { (3, 26) } else { (2, 9) };
+    gravity + body * LEASTACTION_COORDINATES + LAW_NUMBERS
+};
+
+/// Pointer-sized words of an adapter beside its model. The model's numbers: those of the file stay in flash, those in use are a block of their
+/// own. The settings: six numbers for each that follows, two for each coordinate. The estimate with its covariance; two windows of the balance
+/// for every coordinate; the sums of three blocks.
+#[cfg(feature = "adapt")]
+pub const LEASTACTION_ADAPTER_WORDS: usize = {
+    let (n, p) = (LEASTACTION_COORDINATES, LEASTACTION_NUMBERS);
+    let model = BLOCK + 2 * LAW_NUMBERS + (3 * n).div_ceil(4) + 12;
+    let settings = 5 * p + (3 * p).div_ceil(4) + 2 * n + 10;
+    let estimate = p * p.saturating_sub(1) / 2 + 4 * p + 2 * n + 12;
+    let balance = n * (2 * p + 5) + 8;
+    let blocks = 5 * n + 6;
+    model + settings + estimate + balance + blocks + 2 * n + 8
+};
+
+/// Bytes of a saved patch, at most.
+#[cfg(feature = "adapt")]
+pub const LEASTACTION_PATCH_BYTES: usize = 16 + 11 * LEASTACTION_NUMBERS;
 
 /// Words of 32 bits of a state: 12 numbers per coordinate, and 2.
 #[cfg(not(feature = "rods"))]

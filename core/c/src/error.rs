@@ -2,6 +2,8 @@
 use crate::config::LEASTACTION_DIMENSIONS;
 use crate::status::Status;
 use core::ffi::c_char;
+#[cfg(feature = "adapt")]
+use leastaction_core::adapt::{PatchError, SettingsError, Unfit};
 #[cfg(feature = "rods")]
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::StepError;
@@ -75,6 +77,27 @@ impl From<GraphError> for Error {
 
 impl From<PlanError> for Error {
     fn from(error: PlanError) -> Self {
+        error.coded().into()
+    }
+}
+
+#[cfg(feature = "adapt")]
+impl From<Unfit> for Error {
+    fn from(error: Unfit) -> Self {
+        error.coded().into()
+    }
+}
+
+#[cfg(feature = "adapt")]
+impl From<SettingsError> for Error {
+    fn from(error: SettingsError) -> Self {
+        error.coded().into()
+    }
+}
+
+#[cfg(feature = "adapt")]
+impl From<PatchError> for Error {
+    fn from(error: PatchError) -> Self {
         error.coded().into()
     }
 }

@@ -30,6 +30,16 @@ compile_error!(
     "graphs have no such laws: --no-default-features --features inertia-network,networks, modular,networks, bodies,networks or arm,networks"
 );
 
+#[cfg(all(
+    feature = "adapt",
+    any(not(any(feature = "bodies", feature = "arm")), feature = "networks", feature = "half")
+))]
+compile_error!(
+    "numbers follow in models of bodies in single precision, without networks: --no-default-features --features bodies,adapt or arm,adapt"
+);
+
+#[cfg(feature = "adapt")]
+mod adapter;
 mod arguments;
 mod config;
 mod contents;
@@ -37,9 +47,13 @@ mod error;
 mod evaluate;
 mod family;
 mod follow;
+#[cfg(feature = "adapt")]
+mod found;
 mod load;
 mod messages;
 mod motion;
+#[cfg(feature = "adapt")]
+mod patch;
 mod plan;
 #[cfg(feature = "rods")]
 mod rods;

@@ -2,7 +2,7 @@ use crate::arguments::{Given, call, check_length};
 use crate::config::LEASTACTION_ABI;
 use crate::contents::{Loaded, loaded_tag};
 use crate::error::Error;
-use crate::family::{self, FAMILY, Lists};
+use crate::family::{self, FAMILY, Lists, Mechanism};
 use crate::status::Status;
 use crate::storage::Model;
 use core::ffi::{CStr, c_char};
@@ -37,15 +37,11 @@ pub unsafe extern "C" fn leastaction_load(
         // SAFETY: the caller's storage, which is large enough for its contents and as aligned.
         let lists = unsafe { cleared(place) };
         // SAFETY: the caller's promise.
-        let bytes = unsafe { whole(file, file_bytes) }?;
+        let bytes = unsafe { whole(file, file_bytes, 4) }?;
         // SAFETY: the caller's promise.
         let mechanism = unsafe { family::load(bytes, name, lists) }?;
         // SAFETY: as above; the lists that the mechanism refers to are another part of the storage.
-        unsafe {
-            (&raw mut (*place).mechanism).write(mechanism);
-            (&raw mut (*place).fingerprint).write(stored_fingerprint(bytes).unwrap_or(0));
-            (&raw mut (*place).tag).write(loaded_tag(place));
-        }
+        unsafe { keep(place, mechanism, stored_fingerprint(bytes).unwrap_or(0)) };
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -61,7 +57,7 @@ pub(crate) fn check_abi(given: u32) -> Result<(), Error> {
 ///
 /// # Safety
 /// `place` can be written to, and the memory handed out is used before it is cleared again.
-unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
+pub(crate) unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
     // SAFETY: this function's promise; lists are written before they are referred to.
     unsafe {
         (&raw mut (*place).tag).write(0);
@@ -71,12 +67,29 @@ unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
     }
 }
 
-/// The bytes of a file.
+/// Writes a loaded mechanism beside its lists, and marks the storage as loaded.
+///
+/// # Safety
+/// `place` can be written to.
+pub(crate) unsafe fn keep(place: *mut Loaded, mechanism: Mechanism, fingerprint: u32) {
+    // SAFETY: this function's promise.
+    unsafe {
+        (&raw mut (*place).mechanism).write(mechanism);
+        (&raw mut (*place).fingerprint).write(fingerprint);
+        (&raw mut (*place).tag).write(loaded_tag(place));
+    }
+}
+
+/// The bytes of a file, whose pointer is at position `argument` among the arguments.
 ///
 /// # Safety
 /// `file` points to `file_bytes` bytes for as long as they are used.
-pub(crate) unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Error> {
-    let file = Given::new(file, 4)?;
+pub(crate) unsafe fn whole(
+    file: *const u8,
+    file_bytes: usize,
+    argument: usize,
+) -> Result<&'static [u8], Error> {
+    let file = Given::new(file, argument)?;
     let most = isize::MAX as usize;
     if file_bytes > most {
         return Err(Error::new(Status::WrongLength, [most, file_bytes]));

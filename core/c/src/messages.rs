@@ -1,10 +1,11 @@
 use crate::status::Status;
 use core::ffi::{CStr, c_char, c_int};
+use leastaction_core::adapt;
 use leastaction_core::model::entry_of;
 use leastaction_core::plan;
 
 /// Messages of this library's own statuses; those of files are in core's catalogue.
-const MESSAGES: [(Status, &CStr); 20] = [
+const MESSAGES: [(Status, &CStr); 23] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
     (Status::Misaligned, c"a pointer is not aligned as its type asks"),
@@ -19,6 +20,9 @@ const MESSAGES: [(Status, &CStr); 20] = [
     (Status::OtherStep, c"the step h is not the one that the model was trained with"),
     (Status::NoRange, c"the file does not say what the training data covered"),
     (Status::NoPlan, c"the storage holds no plan: none was loaded there, or it was moved or copied"),
+    (Status::NoAdapter, c"the storage holds no adapter: none has begun there, or it was moved or copied"),
+    (Status::NoNumber, c"no number that follows has this index"),
+    (Status::OtherTick, c"the settings were made for ticks of another length"),
     (Status::Singular, c"the matrix of the equations has no usable pivot"),
     (Status::NotFinite, c"a number is infinite or not a number"),
     (Status::NotConverged, c"the step was not solved: h is too long for this motion"),
@@ -31,8 +35,11 @@ const MESSAGES: [(Status, &CStr); 20] = [
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "message"))]
 pub extern "C" fn leastaction_message(status: c_int) -> *const c_char {
     let own = MESSAGES.iter().find(|(known, _)| *known as c_int == status).map(|(_, message)| *message);
-    let of_plan = |code| plan::CATALOGUE.iter().find(|entry| entry.code == code);
-    let of_file = || u8::try_from(status).ok().and_then(|code| entry_of(code).or_else(|| of_plan(code)));
+    // A library that follows no numbers has no texts about them.
+    let adapts = |_: &&_| cfg!(any(feature = "adapt", test));
+    let others = || plan::CATALOGUE.iter().chain(adapt::CATALOGUE.iter().filter(adapts));
+    let of_other = |code| others().find(|entry| entry.code == code);
+    let of_file = || u8::try_from(status).ok().and_then(|code| entry_of(code).or_else(|| of_other(code)));
     let of_file = || of_file().map(|entry| entry.message);
     own.or_else(of_file).unwrap_or(c"unknown status").as_ptr()
 }
@@ -47,7 +54,8 @@ mod tests {
         let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
         let numbers = source.filter_map(|(_, number)| number.trim_end_matches(',').parse::<c_int>().ok());
         let mut known: Vec<c_int> = MESSAGES.iter().map(|(status, _)| *status as c_int).collect();
-        let reasons = leastaction_core::model::CATALOGUE.iter().chain(&plan::CATALOGUE);
+        let reasons =
+            leastaction_core::model::CATALOGUE.iter().chain(&plan::CATALOGUE).chain(&adapt::CATALOGUE);
         known.extend(reasons.map(|entry| c_int::from(entry.code)));
         known.sort_unstable();
         assert!(numbers.eq(known));
@@ -61,6 +69,7 @@ mod tests {
         assert_eq!(text(72), "the step was not solved: h is too long for this motion");
         assert_eq!(text(23), "the file is damaged: another checksum");
         assert_eq!(text(83), "the plan is damaged: another checksum");
+        assert_eq!(text(103), "the settings are damaged: another checksum");
         assert_eq!(text(76), "unknown status");
         assert_eq!(text(256 + 23), "unknown status");
         assert_eq!(text(-1), "unknown status");

@@ -38,7 +38,7 @@ pub unsafe extern "C" fn leastaction_plan_load(
         // SAFETY: the caller's storage, which is large enough for its contents and as aligned.
         unsafe { (&raw mut (*place).tag).write(0) };
         // SAFETY: the caller's promise.
-        let (bytes, model) = unsafe { (whole(file, file_bytes)?, contents(model, 6)?) };
+        let (bytes, model) = unsafe { (whole(file, file_bytes, 4)?, contents(model, 6)?) };
         let file = PlanFile::parse(bytes)?;
         file.check_model(model.fingerprint)?;
         let plan = CorePlan::at_most(file)?;

@@ -112,7 +112,10 @@ pub unsafe extern "C" fn leastaction_check_range(
 }
 
 /// The number of whole steps of h seconds by which the file's actuator is late, and the actuator with the rest of its delay.
-fn actuator(mechanism: &Mechanism, h: f32) -> Result<(u16, Actuator<f32, LEASTACTION_COORDINATES>), Error> {
+pub(crate) fn actuator(
+    mechanism: &Mechanism,
+    h: f32,
+) -> Result<(u16, Actuator<f32, LEASTACTION_COORDINATES>), Error> {
     check_step(h)?;
     match mechanism.actuator()? {
         Some(actuator) => Ok(actuator.at_step(h)?),

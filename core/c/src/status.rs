@@ -1,3 +1,4 @@
+use leastaction_core::adapt;
 use leastaction_core::model::CATALOGUE;
 use leastaction_core::plan;
 
@@ -40,6 +41,12 @@ pub enum Status {
     NoRange = 13,
     /// The storage holds no plan: none was loaded there, or it was moved or copied.
     NoPlan = 14,
+    /// The storage holds no adapter: none has begun there, or it was moved or copied.
+    NoAdapter = 15,
+    /// No number that follows has this index. `numbers`: the index, number of numbers.
+    NoNumber = 16,
+    /// The settings of an adapter were made for ticks of another length. `numbers`: the bits of that tick and of `h` as floats.
+    OtherTick = 17,
 
     /// The file has fewer bytes than the smallest model file. `numbers`: bytes given.
     TooShort = 20,
@@ -177,6 +184,48 @@ pub enum Status {
     PlanShape = 92,
     /// The plan was made for another model. `numbers`: fingerprint of the model that it was made for, of the model given.
     PlanOtherModel = 93,
+
+    /// The settings have fewer bytes than the smallest file. `numbers`: bytes given.
+    SettingsTooShort = 100,
+    /// The settings do not begin with the magic letters.
+    NotSettings = 101,
+    /// The settings have a format version that this library does not read. `numbers`: the version.
+    SettingsVersion = 102,
+    /// The settings were damaged. `numbers`: checksum in the file, checksum of its bytes.
+    SettingsChecksum = 103,
+    /// The settings are no document of this format, or have more numbers or coordinates than the library was built for.
+    SettingsMalformed = 104,
+    /// The settings are for another number of coordinates. `numbers`: coordinates of the settings, built in.
+    SettingsCoordinates = 105,
+    /// More numbers follow than the library was built for. `numbers`: numbers that follow, LEASTACTION_NUMBERS.
+    SettingsPlaces = 106,
+    /// A setting is not finite, or out of its range.
+    SettingsOutOfRange = 107,
+    /// A value of a number that follows is not finite, or out of its range. `numbers`: its index.
+    SettingsNumber = 108,
+    /// A number of a coordinate or a body that the model does not have follows. `numbers`: the coordinate or body, how many there are.
+    SettingsNoSuch = 109,
+    /// The numbers of a body must all follow, one after the other. `numbers`: the body.
+    SettingsPartOfBody = 110,
+    /// A gain cannot follow beside the inertias of all bodies. `numbers`: the coordinate of the gain.
+    SettingsGauge = 111,
+    /// The settings were made for another model. `numbers`: fingerprint of the model that they were made for, of the model given.
+    SettingsOtherModel = 112,
+
+    /// The patch has fewer bytes than the smallest patch. `numbers`: bytes given.
+    PatchTooShort = 120,
+    /// The patch does not begin with the magic letters.
+    NotAPatch = 121,
+    /// The patch has a format version that this library does not read. `numbers`: the version.
+    PatchVersion = 122,
+    /// The patch was damaged. `numbers`: checksum in the file, checksum of its bytes.
+    PatchChecksum = 123,
+    /// The patch is no document of this format, or has more numbers than the library was built for.
+    PatchMalformed = 124,
+    /// A number of the patch is not finite, or its standard error is none. `numbers`: its index.
+    PatchNotFinite = 125,
+    /// The patch was saved for another model. `numbers`: fingerprint of the model that it was saved for, of the model given.
+    PatchOtherModel = 126,
 }
 
 /// Reasons for refusing a file, in the order of core's catalogue.
@@ -245,12 +294,43 @@ const OF_PLANS: [Status; plan::CATALOGUE.len()] = [
     Status::PlanOtherModel,
 ];
 
+/// Reasons for refusing settings and patches of an adapter, in the order of core's catalogue.
+const OF_ADAPTERS: [Status; adapt::CATALOGUE.len()] = [
+    Status::SettingsTooShort,
+    Status::NotSettings,
+    Status::SettingsVersion,
+    Status::SettingsChecksum,
+    Status::SettingsMalformed,
+    Status::SettingsCoordinates,
+    Status::SettingsPlaces,
+    Status::SettingsOutOfRange,
+    Status::SettingsNumber,
+    Status::SettingsNoSuch,
+    Status::SettingsPartOfBody,
+    Status::SettingsGauge,
+    Status::SettingsOtherModel,
+    Status::PatchTooShort,
+    Status::NotAPatch,
+    Status::PatchVersion,
+    Status::PatchChecksum,
+    Status::PatchMalformed,
+    Status::PatchNotFinite,
+    Status::PatchOtherModel,
+];
+
+/// Reasons for refusing a file that this library reads.
+fn of_files() -> impl Iterator<Item = Status> {
+    let adapts = cfg!(any(feature = "adapt", test));
+    let of_adapters = OF_ADAPTERS.iter().filter(move |_| adapts);
+    OF_FILES.iter().chain(&OF_PLANS).chain(of_adapters).copied()
+}
+
 impl Status {
     /// The status with the given number in one of core's catalogues.
     pub(crate) fn of_file(code: u8) -> Self {
-        let found = OF_FILES.iter().chain(&OF_PLANS).find(|status| **status as i32 == i32::from(code));
+        let found = of_files().find(|status| *status as i32 == i32::from(code));
         debug_assert!(found.is_some(), "a reason without a status");
-        found.copied().unwrap_or(Self::OtherFileError)
+        found.unwrap_or(Self::OtherFileError)
     }
 }
 
@@ -272,10 +352,9 @@ mod tests {
 
     #[test]
     fn statuses_of_files_are_the_catalogue() {
-        let reasons = || CATALOGUE.iter().chain(&plan::CATALOGUE);
+        let reasons = || CATALOGUE.iter().chain(&plan::CATALOGUE).chain(&adapt::CATALOGUE);
         let catalogue = reasons().map(|entry| (i32::from(entry.code), entry.name.to_string()));
-        let statuses =
-            OF_FILES.iter().chain(&OF_PLANS).map(|status| (*status as i32, snake(&format!("{status:?}"))));
+        let statuses = of_files().map(|status| (status as i32, snake(&format!("{status:?}"))));
         assert!(catalogue.eq(statuses));
         // No other status has a number in these ranges.
         let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
@@ -286,7 +365,7 @@ mod tests {
 
     #[test]
     fn codes_are_statuses() {
-        for entry in CATALOGUE.iter().chain(&plan::CATALOGUE) {
+        for entry in CATALOGUE.iter().chain(&plan::CATALOGUE).chain(&adapt::CATALOGUE) {
             assert_eq!(Status::of_file(entry.code) as i32, i32::from(entry.code));
         }
     }

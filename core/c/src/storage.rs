@@ -1,5 +1,7 @@
 //! The caller's storage as C sees it.
 
+#[cfg(feature = "adapt")]
+use crate::config::LEASTACTION_ADAPTER_WORDS;
 use crate::config::{LEASTACTION_MODEL_WORDS, LEASTACTION_PLAN_WORDS, LEASTACTION_STATE_WORDS};
 
 /// Storage of a loaded model, whose contents only this library knows. It must start as zeros, as static storage does, and must not be moved
@@ -21,4 +23,16 @@ pub struct State {
 #[repr(C)]
 pub struct Plan {
     opaque: [usize; LEASTACTION_PLAN_WORDS],
+}
+
+/// Storage of an adapter, whose contents only this library knows, with the model whose numbers follow the machine. It must start as zeros, as
+/// static storage does, and must not be moved or copied once an adapter has begun. It refers to the model's file, which must stay in place,
+/// unchanged.
+#[cfg(feature = "adapt")]
+#[repr(C)]
+pub struct Adapter {
+    /// The model with the numbers in use, for every function that takes a model. leastaction_adapter_begin loads it, and nothing else may; ticks
+    /// of the adapter change its numbers.
+    pub model: Model,
+    pub(crate) opaque: [usize; LEASTACTION_ADAPTER_WORDS],
 }

@@ -15,8 +15,12 @@ mod no_lists;
 
 #[cfg(feature = "arm")]
 pub(crate) use arm::{Energy, FAMILY, Mechanism};
+#[cfg(all(feature = "adapt", feature = "arm"))]
+pub(crate) use arm::{Shape, Tuned};
 #[cfg(feature = "bodies")]
 pub(crate) use bodies::{Energy, FAMILY, Mechanism};
+#[cfg(all(feature = "adapt", feature = "bodies"))]
+pub(crate) use bodies::{Shape, Tuned};
 #[cfg(all(feature = "graph", not(feature = "rods")))]
 pub(crate) use graph::system;
 #[cfg(feature = "rods")]

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 const INTRODUCTION: &str = include_str!("../introduction.h");
 
 /// C names of the types.
-const NAMES: [(&str, &str); 9] = [
+const NAMES: [(&str, &str); 12] = [
     ("Model", "leastaction_model"),
     ("State", "leastaction_state"),
     ("Status", "leastaction_status"),
@@ -23,6 +23,9 @@ const NAMES: [(&str, &str); 9] = [
     ("Outside", "leastaction_outside"),
     ("Plan", "leastaction_plan"),
     ("PlanDescription", "leastaction_plan_description"),
+    ("Adapter", "leastaction_adapter"),
+    ("Found", "leastaction_found"),
+    ("Number", "leastaction_number"),
 ];
 
 /// Sizes that this program was built for.
@@ -51,6 +54,12 @@ fn sizes() -> Vec<(&'static str, usize)> {
     ]);
     #[cfg(feature = "rods")]
     sizes.push(("LEASTACTION_RODS", config::LEASTACTION_RODS));
+    #[cfg(feature = "adapt")]
+    sizes.extend([
+        ("LEASTACTION_NUMBERS", config::LEASTACTION_NUMBERS),
+        ("LEASTACTION_ADAPTER_WORDS", config::LEASTACTION_ADAPTER_WORDS),
+        ("LEASTACTION_PATCH_BYTES", config::LEASTACTION_PATCH_BYTES),
+    ]);
     sizes.push(("LEASTACTION_MODEL_WORDS", config::LEASTACTION_MODEL_WORDS));
     sizes.push(("LEASTACTION_STATE_WORDS", config::LEASTACTION_STATE_WORDS));
     sizes.push(("LEASTACTION_PLAN_WORDS", config::LEASTACTION_PLAN_WORDS));
@@ -133,7 +142,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         "follow",
     ];
     let beside = if cfg!(feature = "rods") { "rods" } else { "terms" };
-    for file in files.into_iter().chain([beside]) {
+    let adapts: &[_] = if cfg!(feature = "adapt") { &["adapter", "found", "patch"] } else { &[] };
+    for file in files.into_iter().chain([beside]).chain(adapts.iter().copied()) {
         let copy = copies.join(file).with_extension("rs");
         std::fs::write(&copy, written_out(&sources.join(file).with_extension("rs"))?)?;
         builder = builder.with_src(copy);

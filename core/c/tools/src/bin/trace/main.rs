@@ -1,8 +1,11 @@
-//! Counterpart of `example/trace.c` and `example/follow.c` on leastaction-core alone: both must print the same hashes.
+//! Counterpart of `example/trace.c`, `example/follow.c` and `example/adapt.c` on leastaction-core alone: both must print the same hashes.
 //!
 //! `cargo run --bin trace FILE NAME PLAN POSITION …`, with the features and sizes of the library; NAME may be empty. A plan for the model is
-//! written to PLAN and followed, unless that is empty, too.
+//! written to PLAN and followed, unless that is empty, too. With the feature `adapt` the settings of an adapter are written to PLAN with the
+//! ending `.settings`, a machine that carries a load to `.machine`.
 
+#[cfg(feature = "adapt")]
+mod adapt;
 #[allow(dead_code, reason = "sizes of the storage")]
 #[path = "../../../../src/config.rs"]
 mod config;
@@ -178,7 +181,20 @@ fn trace(
     let bytes = follow::written(mechanism, file, h, q)?;
     std::fs::write(plan, &bytes).map_err(|error| format!("{plan}: {error}"))?;
     println!("follow {:x}", follow::follow(mechanism, in_place(&aligned(&bytes), bytes.len()), h, q)?);
+    #[cfg(feature = "adapt")]
+    println!("adapt {:x}", adapted(file, h, plan, q)?);
     Ok(())
+}
+
+/// Writes the settings and the machine beside the plan, and lets the model follow the machine.
+#[cfg(feature = "adapt")]
+fn adapted(file: &[u8], h: f32, plan: &str, q: &Vector) -> Result<u64, String> {
+    let (settings, machine) = (adapt::settings(file, h)?, adapt::machine(file)?);
+    for (bytes, ending) in [(&settings, "settings"), (&machine, "machine")] {
+        let path = std::path::Path::new(plan).with_extension(ending);
+        std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    adapt::adapt(file, &machine, &settings, h, q)
 }
 
 fn motion(mechanism: &impl Mechanism, h: f32, q: &Vector) -> Result<u64, String> {
