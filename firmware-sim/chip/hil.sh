@@ -2,7 +2,8 @@
 # Runs the controller on emulated boards against the plant on this machine; every trace must equal, bit for bit, that of a run on this
 # machine alone. Scenarios: swing-up and tracking of the learned cart-pole; the swing-up of a cart-pole with friction, a weak and late drive
 # and encoder offsets, by a model of its own logs (docs/book/src/swing-up.md), and a plan of one; decisions at every tick for both, and for a
-# pendulum, an acrobot and a pendubot; and seven joints that follow a motion at 1 kHz. Prints one JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
+# pendulum, an acrobot and a pendubot; and seven joints that follow a motion at 1 kHz, also while numbers of their
+# model follow what they take up. Prints one JSON line per board, model and scenario. `LEASTACTION` names the command if it is already built; `STARTS=20 hil.sh` swings up the
 # cart-pole with friction from 20 starts instead of 1 on the first board.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -70,3 +71,6 @@ done
 arm=(--scenario track --plant firmware-sim/chip/models/arm.postcard --trajectory firmware-sim/chip/models/arm-motion.toml --bandwidth 30)
 on_boards "${boards[0]}" arm "${arm[@]}" --seconds 1
 on_boards "${boards[*]:1}" arm "${arm[@]}" --seconds 0.1
+# Numbers that follow: the board must save those of this machine, too. The motion begins after half a second.
+carrying=("${arm[@]}" --payload 1.5@0.6s)
+on_boards "${boards[0]}" arm "${carrying[@]}" --seconds 1.2 --adapt

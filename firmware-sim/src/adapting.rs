@@ -1,5 +1,6 @@
 use crate::control::{Controller, Target};
 use crate::firmware::{Firmware, Outcome};
+use crate::mechanism::InUse;
 use crate::processor::Processor;
 use core::convert::Infallible;
 use leastaction_core::adapt::{
@@ -107,7 +108,10 @@ where
         target: &Target<N>,
     ) -> Result<Outcome<N>, Infallible> {
         let before = self.firmware.force().end;
-        let outcome = self.firmware.run(&self.model.in_use(), elapsed, measured, target);
+        let outcome = {
+            let model = InUse { used: self.model.in_use(), of_file: self.model.of_file() };
+            self.firmware.run(&model, elapsed, measured, target)
+        };
         self.learn(elapsed, measured, &before);
         Ok(outcome)
     }

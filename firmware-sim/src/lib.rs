@@ -56,7 +56,7 @@ pub use angle::{wrap, wrap_where};
 pub use error::{Range, SetupError};
 pub use firmware::{Firmware, Outcome};
 pub use guarded::{Input, Swept, Voting};
-pub use mechanism::{Mechanism, Trained, require_quadratic};
+pub use mechanism::{InUse, Mechanism, Trained, require_quadratic};
 pub use processor::{InPlace, Processor};
 pub use program::{Program, Task};
 pub use summary::{Goal, Incidents, Summary};

@@ -28,6 +28,11 @@ pub trait Mechanism<const N: usize> {
         None
     }
 
+    /// The model as it was learned, if its numbers follow the machine: plans were made for it.
+    fn of_file(&self) -> Option<&System<Self::Lagrangian, Self::Forces>> {
+        None
+    }
+
     /// T(q, v) and V(q), J, including the potentials that forces store.
     fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
         self.system().energies(q, v)
@@ -104,6 +109,32 @@ where
 
     fn trained_step(&self) -> Option<TrainedStep> {
         self.step
+    }
+}
+
+/// A model whose numbers follow the machine, with those in use.
+#[derive(Clone, Copy, Debug)]
+pub struct InUse<'a, L, F> {
+    /// The model with the numbers in use.
+    pub used: System<L, F>,
+    /// The model as it was learned.
+    pub of_file: &'a System<L, F>,
+}
+
+impl<L, F, const N: usize> Mechanism<N> for InUse<'_, L, F>
+where
+    L: Lagrangian<f32, N>,
+    F: Forces<f32, N>,
+{
+    type Lagrangian = L;
+    type Forces = F;
+
+    fn system(&self) -> &System<L, F> {
+        &self.used
+    }
+
+    fn of_file(&self) -> Option<&System<L, F>> {
+        Some(self.of_file)
     }
 }
 

@@ -10,6 +10,7 @@ use crate::frame::{FrameFault, Framed};
 use crate::model::{File, WriteError};
 use core::fmt;
 use heapless::Vec;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// The first four bytes of every file of settings.
@@ -79,6 +80,24 @@ impl<const N: usize, const P: usize> StoredSettings<N, P> {
     /// # Errors
     /// See [`SettingsError`].
     pub fn read(bytes: &[u8], fingerprint: u32) -> Result<Self, SettingsError> {
+        Self::open::<N, P>(bytes, fingerprint)
+    }
+}
+
+impl<V, F> SettingsFile<V, F>
+where
+    V: AsRef<[f32]> + DeserializeOwned,
+    F: AsRef<[Following]> + DeserializeOwned,
+{
+    /// Reads into lists of any kind, and validates the settings for N coordinates and places for P numbers, of the model with this
+    /// [fingerprint](crate::model::fingerprint).
+    ///
+    /// # Errors
+    /// See [`SettingsError`].
+    pub fn open<const N: usize, const P: usize>(
+        bytes: &[u8],
+        fingerprint: u32,
+    ) -> Result<Self, SettingsError> {
         let Framed { contents, .. } = Framed::open(bytes, SETTINGS_MAGIC, FORMAT_VERSION)?;
         let read = postcard::take_from_bytes::<Self>(contents).map_err(|_| SettingsError::Malformed)?;
         let (file, []) = read else { return Err(SettingsError::Malformed) };
@@ -86,19 +105,35 @@ impl<const N: usize, const P: usize> StoredSettings<N, P> {
         if saved != given {
             return Err(SettingsError::OtherModel { saved, given });
         }
-        file.validate()?;
+        file.validate::<N, P>()?;
         Ok(file)
     }
 
-    fn validate(&self) -> Result<(), SettingsError> {
+    fn validate<const N: usize, const P: usize>(&self) -> Result<(), SettingsError> {
         let tuning: Tuning<f32, N, P> = self.settings.tuning()?;
         check(&tuning.numbers, N).map_err(SettingsError::Unfit)?;
         let announced = |of: &Announcement<f32>| {
             let positive = [of.threshold, of.prior].iter().all(|x| x.is_finite() && *x > 0.0);
-            positive && of.least >= 0.0 && usize::from(of.number) < self.settings.numbers.len()
+            let count = self.settings.numbers.as_ref().len();
+            positive && of.least >= 0.0 && usize::from(of.number) < count
         };
         let good = self.block >= 1 && self.announcement.as_ref().is_none_or(announced);
         if good { Ok(()) } else { Err(SettingsError::OutOfRange) }
+    }
+}
+
+/// Largest difference of a tick from that of the settings, as a share: decimals round.
+const OTHER_TICK: f32 = 1e-4;
+
+impl<V, F> SettingsFile<V, F> {
+    /// Checks that the settings are for a loop with ticks of h seconds.
+    ///
+    /// # Errors
+    /// [`SettingsError::OtherTick`].
+    pub fn check_tick(&self, h: f32) -> Result<(), SettingsError> {
+        let made_for = self.settings.h / f32::from(self.block.max(1));
+        let fits = (h - made_for).abs() <= OTHER_TICK * made_for;
+        if fits { Ok(()) } else { Err(SettingsError::OtherTick { made_for, given: h }) }
     }
 }
 
@@ -219,6 +254,13 @@ pub enum SettingsError {
     },
     /// The numbers cannot follow the machine together.
     Unfit(Unfit),
+    /// The settings are for a loop with other ticks.
+    OtherTick {
+        /// Tick that the settings were made for, s.
+        made_for: f32,
+        /// Tick of the loop, s.
+        given: f32,
+    },
     /// The settings were written for another model.
     OtherModel {
         /// Fingerprint of the model that the settings were written for.
@@ -250,6 +292,9 @@ impl fmt::Display for SettingsError {
                 write!(f, "a value of number {index}, counted from 0, is not finite, or out of its range")
             }
             Self::Unfit(unfit) => unfit.fmt(f),
+            Self::OtherTick { made_for, given } => {
+                write!(f, "made for ticks of {made_for} s, but the loop has {given} s")
+            }
             Self::OtherModel { saved, given } => {
                 write!(f, "made for the model with fingerprint {saved:08x}, but the model has {given:08x}")
             }

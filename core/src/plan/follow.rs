@@ -152,6 +152,25 @@ impl<'a, const N: usize, const M: usize> Plan<'a, N, M> {
         Ok(self.spread(&self.command(tick, q, v)?))
     }
 
+    /// [`Plan::force`] about another planned command, which is ū + `added` (N or N m, one for every coordinate): where the model that the plan
+    /// was made for is not the machine any more.
+    ///
+    /// # Errors
+    /// See [`Plan::command`].
+    pub fn force_with(
+        &self,
+        tick: u32,
+        q: &[f32; N],
+        v: &[f32; N],
+        added: &[f32; N],
+    ) -> Result<[f32; N], CommandError> {
+        let mut reference = self.reference(tick);
+        for (u, coordinate) in reference.u.iter_mut().zip(self.file.header().driven) {
+            *u += added.get(usize::from(*coordinate)).copied().unwrap_or(0.0);
+        }
+        Ok(self.spread(&self.feedback(reference, q, v)?))
+    }
+
     /// [`Plan::force`] at the time t after the start, s, about [`Plan::reference_at`].
     ///
     /// # Errors

@@ -106,6 +106,10 @@ fn settings_for_something_else_are_refused() {
     assert_eq!(StoredSettings::<4, P>::read(&whole, MODEL), Err(needed));
     let places = SettingsError::Places { found: 5, places: 4 };
     assert_eq!(written().settings.tuning::<N, 4>(), Err(places));
+    let own = read(&written()).unwrap();
+    assert_eq!(own.check_tick(1e-3), Ok(()));
+    assert_eq!(own.check_tick(2e-3), Err(SettingsError::OtherTick { made_for: 1e-3, given: 2e-3 }));
+    assert!(own.check_tick(f32::NAN).is_err());
     let mut two = written();
     two.settings.numbers.remove(1);
     assert_eq!(read(&two), Err(SettingsError::Unfit(Unfit::PartOfBody { body: 2 })));

@@ -5,21 +5,25 @@ use crate::devices::Drive;
 use crate::error::SetupError;
 use crate::observer::same_step;
 use crate::tick::Mode;
-use leastaction_core::continuous::ContinuousState;
+use leastaction_core::continuous::{ContinuousState, inverse_dynamics};
 use leastaction_core::discrete::StepError;
+use leastaction_core::linear::add_scaled;
 use leastaction_core::plan::Plan;
 
 /// Follows a [plan](leastaction_core::plan): u = ū − K(x − x̄) within the plan's limits, from the first command on.
 ///
 /// The plan's ticks are counted from the tick in which the estimate is first trusted; missed ticks count, and so do ticks without a trusted
 /// estimate after that, in which nothing is commanded. A command is that of the estimate where it takes effect, so a delay moves the motion
-/// as a whole. From the plan's end on its last record is held. A mechanism that is not at the plan's start is not refused: the law is a
+/// as a whole. Where the model's numbers follow the machine, ū is that of the numbers in use: it changes by what inverse dynamics along the
+/// planned motion ask for more than those of the learned model. From the plan's end on its last record is held. A mechanism that is not at the plan's start is not refused: the law is a
 /// feedback, and brings it to the plan from as far as its gains and limits reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Follow<'p, const N: usize> {
     plan: Plan<'p, N, N>,
     drive: Drive<N>,
     angle: [bool; N],
+    /// Tick, s.
+    h: f32,
     begun: Option<Begun<N>>,
 }
 
@@ -41,7 +45,17 @@ impl<'p, const N: usize> Follow<'p, N> {
         program: &Program<N>,
     ) -> Result<Self, SetupError> {
         check_plan(&plan, program)?;
-        Ok(Self { plan, drive, angle: program.angle, begun: None })
+        Ok(Self { plan, drive, angle: program.angle, h: program.tick, begun: None })
+    }
+
+    /// Command that the numbers in use ask for beside the planned one, in the middle of a tick of the plan; `None` for a model that stays what
+    /// it is.
+    fn added<M: Mechanism<N>>(&self, model: &M, tick: u32) -> Option<Result<[f32; N], StepError<f32>>> {
+        let [q, v, a] = self.plan.motion((tick as f32 + 0.5) * self.h);
+        let force = |system| inverse_dynamics(system, &q, &v, &a);
+        let of_file = model.of_file()?;
+        let more = force(model.system()).and_then(|used| Ok(add_scaled(&used, -1.0, &force(of_file)?)));
+        Some(more.map(|more| core::array::from_fn(|i| more[i] / self.drive.gain[i])))
     }
 
     /// Begins the plan, if it has not begun. Encoders of angles forget whole turns, of which the plan knows the right ones.
@@ -76,13 +90,17 @@ impl<const N: usize> Controller<N> for Follow<'_, N> {
 
     fn command<M: Mechanism<N>>(
         &mut self,
-        _: &M,
+        model: &M,
         _: &Target<N>,
         state: &ContinuousState<f32, N>,
     ) -> Result<Command<N>, StepError<f32>> {
         let Begun { tick, turns } = self.begun(&state.q);
         let q = core::array::from_fn(|i| state.q[i] - turns[i]);
-        let command = self.plan.force(tick, &q, &state.v).map_err(|_| StepError::NotFinite)?;
+        let command = match self.added(model, tick) {
+            None => self.plan.force(tick, &q, &state.v),
+            Some(added) => self.plan.force_with(tick, &q, &state.v, &added?),
+        };
+        let command = command.map_err(|_| StepError::NotFinite)?;
         let mode = if tick < self.plan.ticks() { Mode::Track } else { Mode::Hold };
         Ok(Command { u: self.drive.force(&command), mode })
     }

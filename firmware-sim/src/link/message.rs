@@ -7,7 +7,7 @@ use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 8;
+pub const VERSION: u8 = 9;
 
 /// Request from the world to a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,13 @@ pub enum Request<const N: usize> {
     End,
     /// Runs a tick of a log.
     Log(LoggedSamples<N>),
+    /// Begins like [`Request::Begin`], and lets numbers of the model follow the machine, by the settings in the processor's flash.
+    Adapt(Program<N>),
+    /// Gives a part of the [patch](leastaction_core::adapt::Patch) with the numbers in use.
+    Save {
+        /// The part, from 0.
+        part: u8,
+    },
 }
 
 /// Input of the firmware at the beginning of a tick of a log.
@@ -63,7 +70,17 @@ pub enum Answer<'a, const N: usize> {
     Done(Done<N>),
     /// The request was refused.
     Refused(Refusal),
+    /// A part of a patch.
+    Saved {
+        /// Number of parts.
+        parts: u8,
+        /// Bytes of this one.
+        bytes: &'a [u8],
+    },
 }
+
+/// Largest number of bytes of a part of a patch.
+pub const PART: usize = 128;
 
 /// Result of a tick that was run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -12,8 +12,9 @@ mod slot;
 
 pub use frame::{Broken, Frame, MAX_FRAME, Receiver};
 pub use message::{
-    Answer, Done, LoggedSamples, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
+    Answer, Done, LoggedSamples, PART, Request, Samples, VERSION, answer, parse_answer, parse_request,
+    request,
 };
-pub use refusal::{ModelRefusal, PlanFault, ProgramFault, Refusal};
-pub use serve::{Port, Workspace, serve, serve_arm};
+pub use refusal::{ModelRefusal, PlanFault, ProgramFault, Refusal, SettingsFault};
+pub use serve::{PLACES, Port, Workspace, serve, serve_arm};
 pub use slot::{Files, Flash};

@@ -1,5 +1,6 @@
 use crate::error::SetupError;
 use core::fmt;
+use leastaction_core::adapt::SettingsError;
 use leastaction_core::model::{Coded, ModelError, entry_of};
 use leastaction_core::plan::PlanError;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,12 @@ pub enum Refusal {
     NoPlan,
     /// The plan in the processor's flash is refused.
     Plan(PlanFault),
+    /// The processor has no settings of an adapter in its flash.
+    NoSettings,
+    /// The settings in the processor's flash are refused.
+    Settings(SettingsFault),
+    /// No numbers follow the machine, so none can be saved.
+    NotAdapting,
 }
 
 /// Refusal of a model file: a reason of core's [catalogue](leastaction_core::model::CATALOGUE).
@@ -62,6 +69,8 @@ pub enum ProgramFault {
     NoSwingUp,
     /// The program decides at every tick, and the image does not.
     NoMpc,
+    /// Numbers of models of this family cannot follow.
+    NoAdaptation,
 }
 
 /// Kinds of reasons against a plan, without their details.
@@ -77,6 +86,33 @@ pub enum PlanFault {
     Tick,
     /// The plan takes a coordinate as an angle, but the coordinate's encoder does not.
     Angle,
+}
+
+/// Kinds of reasons against settings, without their details.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SettingsFault {
+    /// The bytes are not a whole file of settings of a format that the image reads, or there are more numbers than its places.
+    Unreadable,
+    /// The settings were made for another model.
+    OtherModel,
+    /// The settings have another number of coordinates, or numbers that cannot follow together.
+    Shape,
+    /// The settings were made for ticks of another length.
+    Tick,
+    /// A setting is out of range.
+    OutOfRange,
+}
+
+impl From<SettingsError> for Refusal {
+    fn from(error: SettingsError) -> Self {
+        Self::Settings(match error {
+            SettingsError::OtherModel { .. } => SettingsFault::OtherModel,
+            SettingsError::Coordinates { .. } | SettingsError::Unfit(_) => SettingsFault::Shape,
+            SettingsError::OtherTick { .. } => SettingsFault::Tick,
+            SettingsError::OutOfRange | SettingsError::Number { .. } => SettingsFault::OutOfRange,
+            _ => SettingsFault::Unreadable,
+        })
+    }
 }
 
 impl From<PlanError> for PlanFault {
@@ -127,6 +163,9 @@ impl fmt::Display for Refusal {
             Self::Program(fault) => write!(f, "the program: {fault}"),
             Self::NoPlan => write!(f, "there is no plan in its flash"),
             Self::Plan(fault) => write!(f, "the plan in its flash: {fault}"),
+            Self::NoSettings => write!(f, "there are no settings of an adapter in its flash"),
+            Self::Settings(fault) => write!(f, "the settings in its flash: {fault}"),
+            Self::NotAdapting => write!(f, "no numbers follow the machine"),
         }
     }
 }
@@ -147,6 +186,19 @@ impl fmt::Display for ProgramFault {
             Self::NotStabilisable => "no feedback holds the model upright",
             Self::NoSwingUp => "only a pendulum and a pole on a cart are brought upright",
             Self::NoMpc => "its image has no memory for decisions at every tick",
+            Self::NoAdaptation => "only numbers of rigid bodies follow the machine",
+        })
+    }
+}
+
+impl fmt::Display for SettingsFault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unreadable => "not a whole file of settings, of a format that its image does not read, or of too many numbers",
+            Self::OtherModel => "made for another model: measure anew",
+            Self::Shape => "not of the model's coordinates, or numbers that cannot follow together",
+            Self::Tick => "made for ticks of another length than the program's",
+            Self::OutOfRange => "a setting is out of range",
         })
     }
 }

@@ -1,13 +1,20 @@
 use super::frame::{Frame, Receiver};
-use super::message::{Answer, Done, LoggedSamples, Request, Samples, answer, parse_request};
-use super::refusal::Refusal;
+use super::message::{Answer, Done, LoggedSamples, PART, Request, Samples, answer, parse_request};
+use super::refusal::{ProgramFault, Refusal};
 use super::slot::Flash;
 use crate::control::{Controller, Nodes, blank_nodes};
 use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
-use crate::{Mechanism, Trained};
+use crate::{Adapting, InPlace, Mechanism, Processor, Trained};
+use core::convert::Infallible;
+use heapless::Vec;
+use leastaction_core::adapt::{Blocks, Patch, SettingsError, StoredSettings, Tunable};
+use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS};
+use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS};
 use leastaction_core::forces::{Dissipation, PotentialCorrection};
-use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelError};
+use leastaction_core::model::{
+    ArmHeader, ArmModel, BodiesHeader, BodiesModel, InertiaNetworkModel, ModelError, Tuned, parse_as,
+};
 
 /// A board's end of a link.
 pub trait Port {
@@ -89,6 +96,48 @@ macro_rules! over {
     }};
 }
 
+/// Maximum number of numbers that follow.
+pub const PLACES: usize = 32;
+const PAIRS: usize = PLACES * (PLACES - 1) / 2;
+
+/// Runs the program that `$start` begins over a model of `$header` whose numbers may be changed, and lets them follow by the settings in the flash.
+macro_rules! adapt {
+    ($link:ident, $flash:ident, $program:ident, $header:ty, $tuned:ty, |$model:ident| $start:expr) => {{
+        let loaded = $flash.model().ok_or(Refusal::NoModel).and_then(|file| {
+            let parsed = parse_as::<$header, f32>(file)?;
+            Ok((<$tuned>::new(&parsed, parsed.shape.tree()?)?, parsed.trained_step))
+        });
+        let begun = loaded.map_err(without_numbers).and_then(|(model, step)| {
+            let settings = $flash.settings::<_, PLACES>($program.tick)?;
+            let $model = &Trained { system: model.of_file(), step };
+            let firmware: Result<_, Refusal> = $start;
+            let firmware = firmware?;
+            Ok((model, firmware, settings))
+        });
+        match begun {
+            Ok((model, firmware, settings)) => $link.following(model, firmware, &settings)?,
+            Err(refusal) => $link.refuse(refusal)?,
+        }
+    }};
+}
+
+/// Numbers of a model of one body and of two bodies, with at most five numbers of friction for each.
+const ONE: usize = GRAVITY_PARAMETERS + BODY_PARAMETERS + 5;
+const TWO: usize = GRAVITY_PARAMETERS + 2 * (BODY_PARAMETERS + 5);
+
+/// A model of bodies in the plane whose numbers may be changed.
+type TunedBodies<'f, const N: usize, const K: usize> =
+    Tuned<'f, Friction<N>, GRAVITY_PARAMETERS, BODY_PARAMETERS, N, K>;
+/// An arm whose numbers may be changed.
+type TunedArm<'f, const N: usize, const K: usize> =
+    Tuned<'f, Friction<N>, ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, N, K>;
+
+/// Numbers of other families than bodies do not follow.
+fn without_numbers(refusal: Refusal) -> Refusal {
+    let other = Refusal::from(ModelError::OtherFamily { found: "" });
+    if refusal == other { Refusal::Program(ProgramFault::NoAdaptation) } else { refusal }
+}
+
 /// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an inertia
 /// network of 1 or 2 coordinates with at most `D` hidden layers of at most `H` units, or over 1 or 2 rigid bodies,
 /// optionally with laws of force whose networks have these sizes. Model and plan are borrowed in place; decisions at every tick work in
@@ -109,9 +158,13 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
             (Ok(Request::Begin(program)), _) => run!(link, flash, program, 1, &mut workspace.one),
             (_, Ok(Request::Begin(program))) => run!(link, flash, program, 2, &mut workspace.two),
-            (Ok(Request::Tick(_) | Request::Log(_)), _) | (_, Ok(Request::Tick(_) | Request::Log(_))) => {
-                link.refuse(Refusal::NotBegun)?
+            (Ok(Request::Adapt(program)), _) => {
+                adapt!(link, flash, program, BodiesHeader, TunedBodies<1, ONE>, |model| program.start_with(model, || flash.plans(), &mut workspace.one))
             }
+            (_, Ok(Request::Adapt(program))) => {
+                adapt!(link, flash, program, BodiesHeader, TunedBodies<2, TWO>, |model| program.start_with(model, || flash.plans(), &mut workspace.two))
+            }
+            (Ok(_), _) | (_, Ok(_)) => link.refuse(Refusal::NotBegun)?,
             (Err(Refusal::Coordinates { .. }), Err(refusal)) | (Err(refusal), Err(_)) => {
                 link.refuse(refusal)?
             }
@@ -121,11 +174,11 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
 
 /// Serves requests, as the processor named `processor`, until one ends the program. Programs run over an arm of N
 /// joints, optionally with damping and dry friction; model and plan are borrowed in place. Programs follow
-/// targets and plans; they bring nothing upright, and decide nothing.
+/// targets and plans; they bring nothing upright, and decide nothing. Numbers follow in models of at most K numbers.
 ///
 /// # Errors
 /// Errors of the port.
-pub fn serve_arm<P: Port, const N: usize>(
+pub fn serve_arm<P: Port, const N: usize, const K: usize>(
     port: &mut P,
     flash: Flash,
     processor: &str,
@@ -139,7 +192,11 @@ pub fn serve_arm<P: Port, const N: usize>(
                 let loaded = flash.model().map(ArmModel::<N, f32, Friction<N>>::load);
                 over!(link, loaded, |model| program.follow_with(model, || flash.plan()))
             }
-            Ok(Request::Tick(_) | Request::Log(_)) => link.refuse(Refusal::NotBegun)?,
+            Ok(Request::Adapt(program)) => {
+                adapt!(link, flash, program, ArmHeader, TunedArm<N, K>, |model| program
+                    .follow_with(model, || flash.plan()))
+            }
+            Ok(_) => link.refuse(Refusal::NotBegun)?,
             Err(refusal) => link.refuse(refusal)?,
         };
     }
@@ -189,30 +246,66 @@ impl<P: Port> Link<'_, P> {
     ) -> Result<Frame, P::Error> {
         let begun = model.map_err(|refusal| *refusal).and_then(|model| Ok((model, start(model)?)));
         match begun {
-            Ok((model, firmware)) => self.ticks(model, firmware),
+            Ok((model, firmware)) => self.ticks(InPlace { model, firmware }, |_, _| None),
             Err(refusal) => self.refuse(refusal),
         }
     }
 
-    fn ticks<M: Mechanism<N>, C: Controller<N>, const N: usize>(
+    /// Runs a firmware whose model's numbers follow by the settings.
+    fn following<S: Tunable<N>, C: Controller<N>, const N: usize>(
         &mut self,
-        model: &M,
-        mut firmware: Firmware<C, N>,
+        model: S,
+        firmware: Firmware<C, N>,
+        settings: &StoredSettings<N, PLACES>,
+    ) -> Result<Frame, P::Error> {
+        let tuning = match settings.settings.tuning() {
+            Ok(tuning) => tuning,
+            Err(error) => return self.refuse(error.into()),
+        };
+        let blocks = Blocks::new(settings.block, settings.settings.h / f32::from(settings.block));
+        match Adapting::<_, _, N, PLACES, PAIRS>::new(model, firmware, (blocks, &tuning)) {
+            Err(unfit) => self.refuse(SettingsError::Unfit(unfit).into()),
+            Ok(adapting) => self.ticks(adapting, |adapting, part| {
+                let mut memory = [0; Patch::<PLACES>::MAX_BYTES];
+                let patch = adapting.patch(settings.model);
+                let bytes = patch.write(&mut memory).ok()?;
+                Some((bytes.len().div_ceil(PART) as u8, list(bytes.chunks(PART).nth(part)?)?))
+            }),
+        }
+    }
+
+    /// Runs ticks up to the first frame that is no tick; `save` gives a part of a patch, and how many there are.
+    fn ticks<R: Processor<N, Error = Infallible>, const N: usize>(
+        &mut self,
+        mut processor: R,
+        save: impl Fn(&R, usize) -> Option<(u8, Vec<u8, PART>)>,
     ) -> Result<Frame, P::Error> {
         let ready: Answer<'_, N> = Answer::Ready { processor: self.processor };
         self.send(&ready)?;
         loop {
             let frame = self.receive()?;
-            let (sequence, (instructions, outcome)) = match parse_request::<N>(&frame) {
+            let (sequence, (instructions, Ok(outcome))) = match parse_request::<N>(&frame) {
                 Ok(Request::Tick(Samples { sequence, elapsed, measured, target })) => {
-                    (sequence, self.port.count(|| firmware.run(model, elapsed, &measured, &target)))
+                    (sequence, self.port.count(|| processor.run(elapsed, &measured, &target)))
                 }
                 Ok(Request::Log(LoggedSamples { sequence, elapsed, measured, command })) => {
-                    (sequence, self.port.count(|| firmware.replay(model, elapsed, &measured, command)))
+                    (sequence, self.port.count(|| processor.replay(elapsed, &measured, command)))
+                }
+                Ok(Request::Save { part }) => {
+                    match save(&processor, part.into()) {
+                        Some((parts, bytes)) => self.send::<N>(&Answer::Saved { parts, bytes: &bytes })?,
+                        None => self.send::<N>(&Answer::Refused(Refusal::NotAdapting))?,
+                    }
+                    continue;
                 }
                 _ => return Ok(frame),
             };
             self.send(&Answer::Done(Done { sequence, outcome, instructions }))?;
         }
     }
+}
+
+/// Bytes in a list of their own.
+fn list(bytes: &[u8]) -> Option<Vec<u8, PART>> {
+    Vec::from_slice(bytes).ok()
 }

@@ -1,6 +1,7 @@
 use super::Refusal;
 use crate::control::{Plans, collected};
 use crate::error::SetupError;
+use leastaction_core::adapt::{SETTINGS_MAGIC, StoredSettings};
 use leastaction_core::model::fingerprint;
 use leastaction_core::plan::{Plan, PlanFile};
 
@@ -37,7 +38,8 @@ impl<'a> Iterator for Files<'a> {
     }
 }
 
-/// The files that programs use: a model, then plans for it, which the tasks [`Follow`](crate::Task::Follow) and [`Mpc`](crate::Task::Mpc) read.
+/// The files that programs use: a model, then plans for it, which the tasks [`Follow`](crate::Task::Follow) and [`Mpc`](crate::Task::Mpc) read,
+/// and settings of an adapter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flash<'a>(pub Files<'a>);
 
@@ -50,13 +52,32 @@ impl<'a> Flash<'a> {
     /// The plans, checked against the model.
     pub(super) fn plans<const N: usize>(self) -> Result<Plans<'a, N>, Refusal> {
         let model = fingerprint(self.model().ok_or(Refusal::NoModel)?)?;
-        collected(self.0.skip(1).map(|file| read_plan(file, model)))
+        let plans = self.0.skip(1).filter(|file| !are_settings(file));
+        collected(plans.map(|file| read_plan(file, model)))
     }
 
     /// The plan to follow, checked against the model.
     pub(super) fn plan<const N: usize>(self) -> Result<Plan<'a, N, N>, Refusal> {
         self.plans()?.first().copied().ok_or(Refusal::NoPlan)
     }
+}
+
+impl Flash<'_> {
+    /// The settings of an adapter for a loop with ticks of h seconds, checked against the model.
+    pub(super) fn settings<const N: usize, const P: usize>(
+        self,
+        h: f32,
+    ) -> Result<StoredSettings<N, P>, Refusal> {
+        let model = fingerprint(self.model().ok_or(Refusal::NoModel)?)?;
+        let file = self.0.skip(1).find(|file| are_settings(file)).ok_or(Refusal::NoSettings)?;
+        let settings = StoredSettings::read(file, model)?;
+        settings.check_tick(h)?;
+        Ok(settings)
+    }
+}
+
+fn are_settings(file: &[u8]) -> bool {
+    file.starts_with(&SETTINGS_MAGIC)
 }
 
 /// Reads and validates a plan of N coordinates, of which any are driven, for the model with this fingerprint.

@@ -2,16 +2,19 @@
 
 use super::Motion;
 use super::reference::newton;
+use crate::Program;
 use crate::control::{NoMpc, NoPump, Reference, Target, TaskController, Trajectory};
 use crate::devices::EncoderConfig;
 use crate::scenario::TrackConfig;
 use crate::{Adapting, InPlace, Mechanism, Outcome, Processor};
 use core::convert::Infallible;
-use leastaction_core::adapt::{Blocks, Limits, Number, Tunable, Tuning};
+use leastaction_core::adapt::{
+    Announcement, Blocks, Following, Limits, Number, Settings, SettingsFile, StoredSettings, Tunable, Tuning,
+};
 use leastaction_core::discrete::{Control, Del, Midpoint, Report, State, StepError};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, INERTIAL_PARAMETERS};
 use leastaction_core::forces::{Coefficient, Viscous};
-use leastaction_core::model::{ArmHeader, ModelError, Tuned, parse_as};
+use leastaction_core::model::{ArmHeader, ModelError, Tuned, fingerprint, parse_as};
 
 /// Number of joints.
 const N: usize = 7;
@@ -101,6 +104,38 @@ pub fn tuning(file: &[u8]) -> Result<ArmTuning, NoArm> {
     })
 }
 
+/// The settings as a file, of the arm in a file.
+///
+/// # Errors
+/// [`NoArm::Model`].
+pub fn settings(file: &[u8]) -> Result<StoredSettings<N, P>, NoArm> {
+    let tuning = tuning(file)?;
+    let following = |j| Following {
+        number: tuning.numbers[j],
+        model: tuning.limits.model[j],
+        prior: tuning.prior[j],
+        walk: tuning.walk[j],
+        limits: [tuning.limits.lower[j], tuning.limits.upper[j]],
+    };
+    let settings = Settings {
+        half: tuning.half,
+        h: tuning.h,
+        deviation: tuning.deviation.into_iter().collect(),
+        forgotten: tuning.forgotten,
+        change: tuning.change,
+        dry: None,
+        kept: tuning.limits.kept,
+        numbers: (0..P).map(following).collect(),
+    };
+    let announcement = Announcement { number: 0, threshold: 20.0, least: 0.1, prior: 16.0 };
+    Ok(SettingsFile { model: fingerprint(file)?, block: BLOCK, settings, announcement: Some(announcement) })
+}
+
+/// Program of the firmware.
+pub fn program() -> Program<N> {
+    config().program()
+}
+
 /// A motion of all joints.
 fn reference() -> Reference<N> {
     let centre = [0.0, -0.75, 0.0, -2.25, 0.0, 1.5, 0.75];
@@ -150,7 +185,7 @@ fn tuned(file: &[u8]) -> Result<TunedArm<'_>, ModelError> {
 /// # Errors
 /// [`NoArm::Program`].
 pub fn plain<M: Mechanism<N>>(model: &M) -> Result<PlainArm<'_, M>, NoArm> {
-    let firmware = config().program().follow(model).map_err(|_| NoArm::Program)?;
+    let firmware = program().follow(model).map_err(|_| NoArm::Program)?;
     Ok(InPlace { model, firmware })
 }
 
@@ -160,7 +195,7 @@ pub fn plain<M: Mechanism<N>>(model: &M) -> Result<PlainArm<'_, M>, NoArm> {
 /// See [`NoArm`].
 pub fn adapting<'f>(file: &'f [u8], tuning: &'f ArmTuning) -> Result<AdaptingArm<'f>, NoArm> {
     let model = tuned(file)?;
-    let firmware = config().program().follow(model.of_file()).map_err(|_| NoArm::Program)?;
+    let firmware = program().follow(model.of_file()).map_err(|_| NoArm::Program)?;
     Adapting::new(model, firmware, (Blocks::new(BLOCK, TICK), tuning)).map_err(|_| NoArm::Program)
 }
 

@@ -9,7 +9,7 @@ use leastaction_core::plan::PlanError;
 use leastaction_firmware_sim::control::Target;
 use leastaction_firmware_sim::devices::{Drive, EncoderConfig};
 use leastaction_firmware_sim::scenario::{FollowConfig, Followed, follow};
-use leastaction_firmware_sim::{Mode, Program, SetupError, Summary, Tick};
+use leastaction_firmware_sim::{InUse, Mode, Program, SetupError, Summary, Tick};
 
 const ROTARY: [EncoderConfig; 1] = [EncoderConfig::rotary()];
 const CART_AND_POLE: [EncoderConfig; 2] = [EncoderConfig::linear(), EncoderConfig::rotary()];
@@ -69,6 +69,24 @@ fn ordinary_and_bad_devices_and_a_wrong_model_are_borne() {
         let (summary, followed) = follow(&plant, &model.system(), &plan, &config, |_| {}).unwrap();
         assert!(summary.incidents.missed > 0 && summary.incidents.dropped > 0);
         assert!(summary.success, "{seed}: {summary:?} {followed:?}");
+    }
+}
+
+/// A pendulum is not what its plan was made for, and numbers of the firmware's model have followed it: without those numbers in ū, feedback alone
+/// would make up for the difference.
+#[test]
+fn plans_are_followed_by_the_numbers_in_use() {
+    let written = PENDULUM_UP.plan::<2>();
+    let config = perfect(&written, ROTARY);
+    for seed in 0..4 {
+        let changed = Perturbed::new(&PENDULUM, 0.1, seed);
+        let (plant, learned) = (changed.system(), System::conservative(PENDULUM));
+        let deviation = |of_file| {
+            let model = InUse { used: plant, of_file };
+            follow(&plant, &model, &written.plan(), &config, |_| {}).unwrap().1.deviation[0]
+        };
+        let (kept, followed) = (deviation(&plant), deviation(&learned));
+        assert!(followed < 0.2 * kept, "{seed}: {followed} and {kept}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! Frames of the link, whole and damaged, and the answers of the processor's end.
 
+mod adapting;
 mod plans;
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError, fingerprint};
@@ -296,7 +297,10 @@ fn an_arm_runs_tick_by_tick_as_it_does_in_place() {
     heard.extend(bytes(&request(&Request::Begin(program())).unwrap()));
     heard.extend(bytes(&request::<7>(&Request::End).unwrap()));
     let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
-    assert_eq!(serve_arm::<_, 7>(&mut script, Flash(Files(&in_flash(&[&ARM_FILE.0]))), "tester"), Ok(()));
+    assert_eq!(
+        serve_arm::<_, 7, 256>(&mut script, Flash(Files(&in_flash(&[&ARM_FILE.0]))), "tester"),
+        Ok(())
+    );
     let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
     assert_eq!((said.len(), parse_answer::<7>(&said[0])), (22, Ok(Answer::Ready { processor: "tester" })));
     for (i, frame) in (0..).zip(&said[1..21]) {
@@ -314,7 +318,7 @@ fn arm_refusal(task: Task<7>) -> Refusal {
     let sent = bytes(&request(&Request::Begin(program)).unwrap());
     let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
     assert_eq!(
-        serve_arm::<_, 7>(&mut script, Flash(Files(&in_flash(&[&ARM_FILE.0]))), "tester"),
+        serve_arm::<_, 7, 256>(&mut script, Flash(Files(&in_flash(&[&ARM_FILE.0]))), "tester"),
         Err(Silence)
     );
     let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();

@@ -48,7 +48,7 @@ pub fn link(input: &[u8]) {
     let (mut memory, kind) = ([0; 1 << 14], usize::from(mode & 3));
     let flash = Flash(Files::put(&mut memory, files[kind]).expect("the files fit"));
     let end = match kind {
-        2 => serve_arm::<_, 7>(&mut line, flash, "fuzz"),
+        2 => serve_arm::<_, 7, 256>(&mut line, flash, "fuzz"),
         _ => serve::<_, 32, 2>(&mut line, flash, &mut Workspace::new(), "fuzz"),
     };
     assert!(end.is_ok() || line.heard.len() == 0);

@@ -1,4 +1,4 @@
-use leastaction_core::adapt::PatchError;
+use leastaction_core::adapt::{PatchError, SettingsError};
 use leastaction_core::model::ModelError;
 use leastaction_replica::ReplicaError;
 use thiserror::Error;
@@ -28,6 +28,9 @@ pub enum AdaptationError {
     /// The patch is damaged, or of another model.
     #[error("{0}")]
     Patch(#[from] PatchError),
+    /// The settings are damaged, or of another model or loop.
+    #[error("{0}")]
+    Settings(#[from] SettingsError),
     /// The chip's arithmetic refused the model or the numbers.
     #[error("{0}")]
     Replica(#[from] ReplicaError),

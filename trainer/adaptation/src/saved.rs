@@ -2,7 +2,7 @@
 
 use crate::names::labels;
 use crate::{AdaptationError, Choice, Followed, Label, with_distances};
-use leastaction_core::adapt::{Number, Patch, Saved, SettingsFile};
+use leastaction_core::adapt::{Following, Number, Patch, Saved, SettingsFile};
 use leastaction_core::model::{Layout, fingerprint};
 use leastaction_models::Model;
 use leastaction_replica::PLACES;
@@ -58,6 +58,18 @@ impl Patched {
 const SETTINGS_BYTES: usize = 8192;
 
 impl Choice {
+    /// Reads the settings for a control loop over a model of N coordinates, with ticks of h seconds.
+    ///
+    /// # Errors
+    /// [`AdaptationError::Settings`] for settings that are damaged, or of another model or loop.
+    pub fn read<const N: usize>(model: &Model, settings: &[u8], h: f32) -> Result<Self, AdaptationError> {
+        let file =
+            SettingsFile::<Vec<f32>, Vec<Following>>::open::<N, PLACES>(settings, fingerprint_of(model)?)?;
+        file.check_tick(h)?;
+        let SettingsFile { block, settings, announcement, .. } = file;
+        Ok(Self { settings, announcement, block })
+    }
+
     /// The settings as a file for a control loop over a model.
     ///
     /// # Errors
@@ -87,14 +99,25 @@ impl Followed {
                 error: found.error,
             }));
         }
-        let mut memory = vec![0; Patch::<PLACES>::MAX_BYTES];
-        let bytes = patch.write(&mut memory).map_err(|error| AdaptationError::Encoding(error.to_string()))?;
-        Ok(bytes.to_vec())
+        patch_file(&patch)
     }
 }
 
+/// A patch as a file.
+///
+/// # Errors
+/// [`AdaptationError::Encoding`] if it is longer than its own bound.
+pub fn patch_file(patch: &Patch<PLACES>) -> Result<Vec<u8>, AdaptationError> {
+    let mut memory = vec![0; Patch::<PLACES>::MAX_BYTES];
+    let bytes = patch.write(&mut memory).map_err(|error| AdaptationError::Encoding(error.to_string()))?;
+    Ok(bytes.to_vec())
+}
+
 /// Fingerprint of a model's file.
-fn fingerprint_of(model: &Model) -> Result<u32, AdaptationError> {
+///
+/// # Errors
+/// [`AdaptationError::Encoding`] and [`AdaptationError::Model`] for a model that cannot be written as a file.
+pub fn fingerprint_of(model: &Model) -> Result<u32, AdaptationError> {
     let bytes = model.to_bytes().map_err(|error| AdaptationError::Encoding(error.to_string()))?;
     Ok(fingerprint(&bytes)?)
 }

@@ -48,6 +48,11 @@ pub enum LinkError {
     /// The processor refused the request.
     #[error("the processor refuses: {0}")]
     Refused(Refusal),
+    /// An outcome does not have the bits of this machine.
+    #[error(
+        "its outcome does not have the bits of this machine: the image is of another version, or its memory is damaged"
+    )]
+    Differs,
     /// The run was interrupted.
     #[error("interrupted")]
     Interrupted,

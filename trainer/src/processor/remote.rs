@@ -23,8 +23,20 @@ impl<L: Line, const N: usize> Remote<L, N> {
     /// # Errors
     /// [`LinkError`] if it does not answer, or refuses the program or its model.
     pub fn begin(line: L, program: &Program<N>, patience: Duration) -> Result<Self, LinkError> {
+        Self::start(line, &Request::Begin(*program), patience)
+    }
+
+    /// Begins a program like [`Remote::begin`]; numbers of its model follow by the settings in the processor's flash.
+    ///
+    /// # Errors
+    /// [`LinkError`] if it does not answer, or refuses the program, its model or its settings.
+    pub fn adapt(line: L, program: &Program<N>, patience: Duration) -> Result<Self, LinkError> {
+        Self::start(line, &Request::Adapt(*program), patience)
+    }
+
+    fn start(line: L, beginning: &Request<N>, patience: Duration) -> Result<Self, LinkError> {
         let mut messenger = Messenger { line, receiver: Receiver::default(), patience };
-        let frame = messenger.ask(&Request::Begin(*program))?;
+        let frame = messenger.ask(beginning)?;
         let name = match answer::<N>(&frame)? {
             Answer::Ready { processor } => processor.to_owned(),
             _ => return Err(LinkError::OutOfStep),
@@ -53,6 +65,25 @@ impl<L: Line, const N: usize> Remote<L, N> {
                 Ok(outcome)
             }
             _ => Err(LinkError::OutOfStep),
+        }
+    }
+
+    /// Asks for the [patch](leastaction_core::adapt::Patch) with the numbers in use, part by part.
+    ///
+    /// # Errors
+    /// [`LinkError`] if the processor does not answer, or no numbers follow there.
+    pub fn saved(&mut self) -> Result<Vec<u8>, LinkError> {
+        let (mut patch, mut part) = (Vec::new(), 0);
+        loop {
+            let frame = self.messenger.ask::<N>(&Request::Save { part })?;
+            let Answer::Saved { parts, bytes } = answer::<N>(&frame)? else {
+                return Err(LinkError::OutOfStep);
+            };
+            patch.extend(bytes);
+            part += 1;
+            if part >= parts {
+                return Ok(patch);
+            }
         }
     }
 

@@ -307,9 +307,40 @@ fn the_firmware_carries_what_the_mechanism_took_up() {
     assert!(rms(&with) < 0.7 * rms(&without), "{} and {} rad", rms(&with), rms(&without));
     let again = run(&bench, &format!("{words} --adapt"));
     assert_eq!(again["trace_hash"], with["trace_hash"]);
+    let patch = bench.read("out/adapter.patch");
+    fs::copy(bench.at("out/adapter.settings"), bench.at("arm.settings")).unwrap();
+    let known = run(&bench, &format!("{words} --settings arm.settings"));
+    assert_eq!((&known["trace_hash"], bench.read("out/adapter.patch")), (&with["trace_hash"], patch));
+    assert_eq!(known["adapted"]["settings"], "arm.settings");
+    bench.run(&format!("{words} --settings arm.postcard")).bad(2, &["arm.postcard", "LATU"]);
+    bench.run(&format!("{words} --settings arm.settings --tick 0.004")).bad(2, &["arm.settings", "0.002"]);
+    bench.run(&format!("{words} --settings nowhere.settings")).bad(2, &["nowhere.settings"]);
+    bench.run("inspect arm.postcard --patch out/adapter.patch").good();
 }
 
-/// Without a load nothing is found; models without bodies, and boards, are refused.
+/// Along a log, numbers follow by settings as they do in a loop; the model that follows is not compared for drift.
+#[test]
+fn numbers_follow_along_a_log_by_settings() {
+    let bench = Bench::new();
+    write_arm(&bench, "arm.postcard", &tree(), [0.5, 0.4]);
+    fs::write(bench.at("motion.toml"), MOTION).unwrap();
+    let words = "simulate arm.postcard --scenario track --plant arm.postcard --trajectory motion.toml --tick 0.002 --seconds 6 --json \
+                 -o out --payload 2@3s@0.05,0.1,0.2 --adapt";
+    let live = run(&bench, words);
+    let columns = "[data]\nfile = \"out/trace.csv\"\n[data.columns]\nt = \"time\"\nq = [\"measured0\", \"measured1\"]\n\
+                   u = [\"commanded0\", \"commanded1\"]\n[model]\ncoordinates = \"aa\"\n";
+    bench.write("c.toml", columns);
+    let report = run(
+        &bench,
+        "simulate arm.postcard --replay out/trace.csv --config c.toml --settings out/adapter.settings --json -o along",
+    );
+    let mass = |report: &Value| report["adapted"]["mass"].as_f64().unwrap();
+    assert!((mass(&report) - mass(&live)).abs() < 0.2, "{} and {} kg", mass(&report), mass(&live));
+    assert!(report.get("drift").is_none_or(Value::is_null));
+    assert!(bench.at("along/adapter.patch").is_file());
+}
+
+/// Without a load nothing is found; models without bodies are refused.
 #[test]
 fn the_firmware_finds_nothing_where_nothing_was_taken_up() {
     let bench = Bench::new();
@@ -320,7 +351,7 @@ fn the_firmware_finds_nothing_where_nothing_was_taken_up() {
     let found = run(&bench, words)["adapted"].clone();
     let (mass, error) = (found["mass"].as_f64().unwrap(), found["standard_error"].as_f64().unwrap());
     assert!(found["announced_at"].is_null() && mass.abs() < 4.0 * error, "{found}");
-    bench.run(&format!("{words} --on cortex-m4")).bad(2, &["--on"]);
+    bench.run(&format!("{words} --settings out/adapter.settings")).bad(2, &["--settings"]);
     bench
         .run("simulate arm.postcard --scenario predict --plant arm.postcard --adapt")
         .bad(2, &["predict", "--adapt"]);

@@ -6,11 +6,17 @@
 
 use leastaction_chip::serial::Serial;
 use leastaction_chip::{board, image};
+use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS};
 use leastaction_firmware_sim::link::serve_arm;
+
+/// Number of joints.
+const N: usize = 7;
+/// Numbers of a model: those of gravity and of bodies, and at most five of friction for each joint.
+const NUMBERS: usize = ARM_GRAVITY_PARAMETERS + N * (ARM_PARAMETERS + 5);
 
 fn run() -> Result<(), &'static [u8]> {
     let name = str::from_utf8(board::name()).unwrap_or("");
-    serve_arm::<_, 7>(&mut Serial::new(), board::flash(), name).map_err(|_| b"nobody speaks".as_slice())
+    serve_arm::<_, N, NUMBERS>(&mut Serial::new(), board::flash(), name).map_err(|_| b"nobody speaks".as_slice())
 }
 
 image!(run);

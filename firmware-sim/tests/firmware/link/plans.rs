@@ -57,7 +57,7 @@ fn a_plan_is_followed_as_it_is_in_place() {
     let plan = || Ok::<_, SetupError>(written.plan());
     let mut firmware = program.follow_with(&loaded.system, plan).unwrap();
     let serve = |script: &mut Script| {
-        assert_eq!(serve_arm::<_, 7>(script, Flash(Files(&words)), "tester"), Err(Silence))
+        assert_eq!(serve_arm::<_, 7, 256>(script, Flash(Files(&words)), "tester"), Err(Silence))
     };
     check_followed(program, serve, |measured, target| firmware.run(&loaded.system, 1, measured, target));
     assert!(firmware.last().command.u.iter().all(|u| *u != 0.0));

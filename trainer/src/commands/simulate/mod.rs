@@ -10,6 +10,7 @@ mod mpc;
 mod over_time;
 mod picture;
 mod plant;
+mod recorded;
 mod reference;
 mod remote;
 mod replay;
@@ -128,8 +129,11 @@ pub struct Simulate {
     tick: Option<f32>,
     /// Let numbers of the firmware's model follow the mechanism: what its last body carries, and its friction. A first run, in which the
     /// mechanism stays as it is, measures how well the model explains it.
-    #[arg(long, conflicts_with_all = ["on", "replay"])]
+    #[arg(long, conflicts_with = "replay")]
     adapt: bool,
+    /// Let numbers of the firmware's model follow by these settings of `leastaction adapt --settings`, without a first run.
+    #[arg(long, value_name = "FILE", conflicts_with = "adapt")]
+    settings: Option<PathBuf>,
     /// Run the controller on an emulated board.
     #[arg(long, value_enum, value_name = "BOARD")]
     on: Option<Emulated>,
@@ -171,6 +175,8 @@ impl Simulate {
         let target = self.target()?;
         let (config, on) = (self.config.as_deref(), target.as_ref());
         let learn_zeros = self.world.only_zeros()?;
+        folder(&self.output)?;
+        let adaptive = self.adaptive(&model)?;
         let replay = Replay {
             model: &model,
             file: &self.model,
@@ -180,8 +186,8 @@ impl Simulate {
             tick: self.tick,
             learn_zeros,
             on,
+            adaptive: adaptive.as_ref(),
         };
-        folder(&self.output)?;
         let file = self.output.join("trace.csv");
         replaceable(&file, FileKind::Table(trace::BEGINNING))?;
         let mut rows = Trace::default();
@@ -209,7 +215,8 @@ impl Simulate {
         let Self { seed, seconds, tick, .. } = *self;
         let target = self.target()?;
         let on = target.as_ref();
-        let adaptive = self.adapt.then(|| Adaptive::new(&model)).transpose()?;
+        folder(&self.output)?;
+        let adaptive = self.adaptive(&model)?;
         let (world, motion, floats) = (&self.world, &self.motion, &self.floats);
         let config = self.config.as_deref();
         let request = Request {
@@ -229,7 +236,6 @@ impl Simulate {
             on,
             adaptive: adaptive.as_ref(),
         };
-        folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;
         replaceable(&files[1], FileKind::Picture)?;
@@ -237,6 +243,12 @@ impl Simulate {
         let (report, _) = simulate(&self.model, &request, files)?;
         output.report(&report)?;
         report.judge()
+    }
+
+    /// The numbers that follow, if any do.
+    fn adaptive<'m>(&self, model: &'m Model) -> Result<Option<Adaptive<'m>>, Failure> {
+        let wanted = self.adapt || self.settings.is_some();
+        wanted.then(|| Adaptive::new(model, self.settings.as_deref(), &self.output)).transpose()
     }
 
     fn target(&self) -> Result<Option<Target>, Failure> {

@@ -1,6 +1,8 @@
 //! `leastaction simulate --replay`: the firmware along a log.
 
+use super::adapting::{Adaptive, AdaptiveReport};
 use super::drift::{Comparison, DriftReport, Reference};
+use super::recorded::Recorded;
 use super::remote::{Ran, Target};
 use super::scenario::misused;
 use super::world::known_actuator;
@@ -9,6 +11,7 @@ use leastaction::cli::{Failure, Output};
 use leastaction::evaluation::LogReading;
 use leastaction::models::{chip_file, meant};
 use leastaction_adaptation::drift::{Moment, Windows};
+use leastaction_firmware_sim::control::Listen;
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{Logged, replay};
@@ -38,6 +41,8 @@ pub struct Replay<'a> {
     pub learn_zeros: Option<f32>,
     /// Processor that runs the firmware; `None`: this machine.
     pub on: Option<&'a Target>,
+    /// Numbers that follow along the log; `None`: the model stays what it is.
+    pub adaptive: Option<&'a Adaptive<'a>>,
 }
 
 /// Result of a replay. Lists have one entry per coordinate; statistics cover the ticks at which the estimate was
@@ -80,6 +85,9 @@ pub struct ReplayReport {
     pub trace: PathBuf,
     /// Comparison of the errors with those along the reference, if there is one.
     pub drift: Option<DriftReport>,
+    /// Findings of the firmware, if numbers of its model follow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapted: Option<AdaptiveReport>,
 }
 
 impl Replay<'_> {
@@ -94,7 +102,11 @@ impl Replay<'_> {
             let (n, own) = (data.n, chip.n());
             return Err(Failure::input(self.log, format!("the log has {n} coordinates, the model {own}")));
         }
-        let reference = self.drift.reference(self, &data, tell)?;
+        // A model that follows does not drift from the machine.
+        let reference = match self.adaptive {
+            Some(_) => None,
+            None => self.drift.reference(self, &data, tell)?,
+        };
         let along = |data, on, windows, trace| chip.visit(Along { replay: self, data, on, windows, trace });
         let windows = windows(reference.as_ref().map_or(&data, |reference| &reference.data));
         let (mut report, log) = along(&data, self.on, windows.emptied(), trace)?;
@@ -155,16 +167,24 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
             innovations.take(tick, outcome, log[tick.index as usize].elapsed);
         };
         let rows = log.iter().copied();
-        let ran = match on {
-            None => {
+        let ran = match (this.adaptive, on) {
+            (Some(adaptive), on) => {
+                let run = |recorded: &mut Recorded<Listen, N>| replay(recorded, &program, rows, &mut sink);
+                adaptive.run((&program, program.listen(model).map_err(misused)?), on, run)?
+            }
+            (None, None) => {
                 let firmware = InPlace { model, firmware: program.listen(model).map_err(misused)? };
                 let summary = replay(firmware, &program, rows, &mut sink).map_err(SetupError::from);
                 Ran { summary: summary.map_err(misused)?, instructions: Vec::new() }
             }
-            Some(target) => target.with(&program, |remote| replay(remote, &program, rows, &mut sink))?,
+            (None, Some(target)) => {
+                target.with(&program, |remote| replay(remote, &program, rows, &mut sink))?
+            }
         };
         let on = on.map_or("host", |target| target.board.name());
-        Ok((innovations.report(on, &ran, data), innovations.windows))
+        let mut report = innovations.report(on, &ran, data);
+        report.adapted = this.adaptive.and_then(Adaptive::report);
+        Ok((report, innovations.windows))
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
@@ -271,6 +291,7 @@ impl<const N: usize> Innovations<N> {
             trace_hash: format!("{hash:016x}"),
             trace: PathBuf::new(),
             drift: None,
+            adapted: None,
         }
     }
 }
@@ -321,6 +342,9 @@ impl fmt::Display for ReplayReport {
             line(f, "instructions a tick", &format!("{median} (median), {most} at most"))?;
         }
         line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))?;
+        for (name, value) in self.adapted.iter().flat_map(AdaptiveReport::lines) {
+            line(f, name, &value)?;
+        }
         self.drift.as_ref().map_or(Ok(()), |drift| drift.fmt(f))
     }
 }

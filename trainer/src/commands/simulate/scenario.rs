@@ -5,6 +5,7 @@ use super::follow::{PlanArgs, Planned, planned};
 use super::gravity::{Floats, OnAnother, floating};
 use super::mpc::{MpcArgs, deciding, deciding_on};
 use super::plant::{Plant, Predicting, no_graphs, on_plant};
+use super::recorded::Recorded;
 use super::remote::Target;
 use super::track::Following;
 use super::world::World;
@@ -295,10 +296,14 @@ where
 {
     setup.validate().map_err(misused)?;
     let firmware = firmware.map_err(misused)?;
-    match (request.on, request.adaptive) {
-        (None, Some(adaptive)) => {
-            let summary = adaptive.run(plant, (setup, trajectory), firmware, sink)?;
-            let mut report = Report::new(request, &summary);
+    match (request.adaptive, request.on) {
+        (Some(adaptive), on) => {
+            let run = |recorded: &mut Recorded<C, N>| run_on(plant, recorded, setup, trajectory, sink);
+            let ran = adaptive.run((program, firmware), on, run)?;
+            let mut report = Report::new(request, &ran.summary);
+            if let Some(target) = on {
+                report.on_processor(target.board.name(), &ran.instructions);
+            }
             report.adapted = adaptive.report();
             Ok(report)
         }
@@ -306,7 +311,7 @@ where
             let summary = run_on(plant, InPlace { model, firmware }, setup, trajectory, sink);
             reported(request, summary.map_err(SetupError::from))
         }
-        (Some(target), _) => target.run(request, plant, (setup, trajectory), program, sink),
+        (None, Some(target)) => target.run(request, plant, (setup, trajectory), program, sink),
     }
 }
 
