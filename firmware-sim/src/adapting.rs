@@ -3,9 +3,7 @@ use crate::firmware::{Firmware, Outcome};
 use crate::mechanism::InUse;
 use crate::processor::Processor;
 use core::convert::Infallible;
-use leastaction_core::adapt::{
-    Adapter, Agreement, Block, Blocks, Moment, Patch, Reading, Tunable, Tuning, Unfit,
-};
+use leastaction_core::adapt::{Adapter, Agreement, Blocks, Patch, Reading, Tunable, Tuning, Unfit};
 use leastaction_core::linear::add_scaled;
 
 /// A [`Firmware`] that runs in place, over a model whose numbers an [`Adapter`] keeps near the machine: observer and controller run over the
@@ -70,20 +68,10 @@ impl<'t, S: Tunable<N>, C, const N: usize, const P: usize, const T: usize> Adapt
     /// Learns from a tick that has run; `before` is the force at the end of the step before it.
     #[inline(never)]
     fn learn(&mut self, elapsed: u32, measured: &[Option<f32>; N], before: &[f32; N]) {
-        self.agreement = None;
         let reading = (elapsed == 1 && !self.frozen).then(|| self.reading(measured, before)).flatten();
-        match self.blocks.take(reading.as_ref()) {
-            None if self.frozen => return,
-            None => return self.adapter.work(self.tuning),
-            Some(_) if self.frozen => return self.adapter.hold(),
-            Some(Some(Block { q, v, force })) => {
-                let command = self.firmware.drive().command(&force);
-                let moment = Moment { q, v, command, force };
-                self.agreement = self.adapter.take(self.tuning, self.model.of_file(), &moment);
-            }
-            Some(None) => self.adapter.skip(self.tuning),
-        }
-        self.model.set(&self.tuning.numbers, self.adapter.applied());
+        let Self { model, frozen, firmware, blocks, tuning, adapter, .. } = self;
+        let command = |force: &[f32; N]| firmware.drive().command(force);
+        self.agreement = adapter.follow(tuning, model, blocks, reading.as_ref(), *frozen, command);
     }
 
     /// Reading of a tick, if the estimate is trusted and no reading is missing.
