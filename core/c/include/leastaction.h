@@ -126,10 +126,6 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_NO_NUMBER = 16,
     /**
-     * The settings of an adapter were made for ticks of another length. `numbers`: the bits of that tick and of `h` as floats.
-     */
-    LEASTACTION_STATUS_OTHER_TICK = 17,
-    /**
      * The file has fewer bytes than the smallest model file. `numbers`: bytes given.
      */
     LEASTACTION_STATUS_TOO_SHORT = 20,
@@ -439,6 +435,10 @@ enum leastaction_status
      * The settings were made for another model. `numbers`: fingerprint of the model that they were made for, of the model given.
      */
     LEASTACTION_STATUS_SETTINGS_OTHER_MODEL = 112,
+    /**
+     * The settings were made for ticks of another length. `numbers`: the bits of that tick and of `h` as floats.
+     */
+    LEASTACTION_STATUS_SETTINGS_OTHER_TICK = 113,
     /**
      * The patch has fewer bytes than the smallest patch. `numbers`: bytes given.
      */

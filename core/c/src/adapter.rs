@@ -23,7 +23,7 @@ use leastaction_core::model::{parse_as, stored_fingerprint};
 /// - `h`: tick of the loop that calls leastaction_adapter_tick, s.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 3, 6, 11, 17, 20 to 69 and 100 to 112; `adapter` then holds neither adapter nor model, even if it did before.
+/// Fails with statuses 1 to 3, 6, 11, 20 to 69 and 100 to 113; `adapter` then holds neither adapter nor model, even if it did before.
 ///
 /// # Safety
 /// Pointers are NULL or point to the stated number of bytes.
@@ -116,7 +116,7 @@ unsafe fn tune(tuned: *mut Tuned, file: &'static [u8]) -> Result<(), Error> {
 #[inline(never)]
 unsafe fn tell(own: *mut Following, settings: &[u8], fingerprint: u32, h: f32) -> Result<(), Error> {
     let stored = StoredSettings::<N, P>::read(settings, fingerprint)?;
-    check_tick(stored.settings.h / f32::from(stored.block), h)?;
+    stored.check_tick(h)?;
     // SAFETY: this function's promise.
     unsafe {
         (&raw mut (*own).tuning).write(stored.settings.tuning()?);
@@ -125,14 +125,6 @@ unsafe fn tell(own: *mut Following, settings: &[u8], fingerprint: u32, h: f32) -
         (&raw mut (*own).blocks).write(Blocks::new(stored.block, h));
     }
     Ok(())
-}
-
-/// Largest difference of a tick from that of the settings, as a share: decimals round.
-const OTHER_TICK: f32 = 1e-4;
-
-fn check_tick(made_for: f32, h: f32) -> Result<(), Error> {
-    let other = Error::of(Status::OtherTick, [made_for.to_bits(), h.to_bits(), 0]);
-    if (h - made_for).abs() <= OTHER_TICK * made_for { Ok(()) } else { Err(other) }
 }
 
 /// Writes an adapter that has seen nothing.

@@ -5,7 +5,7 @@ use leastaction_core::model::entry_of;
 use leastaction_core::plan;
 
 /// Messages of this library's own statuses; those of files are in core's catalogue.
-const MESSAGES: [(Status, &CStr); 23] = [
+const MESSAGES: [(Status, &CStr); 22] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
     (Status::Misaligned, c"a pointer is not aligned as its type asks"),
@@ -22,7 +22,6 @@ const MESSAGES: [(Status, &CStr); 23] = [
     (Status::NoPlan, c"the storage holds no plan: none was loaded there, or it was moved or copied"),
     (Status::NoAdapter, c"the storage holds no adapter: none has begun there, or it was moved or copied"),
     (Status::NoNumber, c"no number that follows has this index"),
-    (Status::OtherTick, c"the settings were made for ticks of another length"),
     (Status::Singular, c"the matrix of the equations has no usable pivot"),
     (Status::NotFinite, c"a number is infinite or not a number"),
     (Status::NotConverged, c"the step was not solved: h is too long for this motion"),

@@ -45,8 +45,6 @@ pub enum Status {
     NoAdapter = 15,
     /// No number that follows has this index. `numbers`: the index, number of numbers.
     NoNumber = 16,
-    /// The settings of an adapter were made for ticks of another length. `numbers`: the bits of that tick and of `h` as floats.
-    OtherTick = 17,
 
     /// The file has fewer bytes than the smallest model file. `numbers`: bytes given.
     TooShort = 20,
@@ -211,6 +209,8 @@ pub enum Status {
     SettingsGauge = 111,
     /// The settings were made for another model. `numbers`: fingerprint of the model that they were made for, of the model given.
     SettingsOtherModel = 112,
+    /// The settings were made for ticks of another length. `numbers`: the bits of that tick and of `h` as floats.
+    SettingsOtherTick = 113,
 
     /// The patch has fewer bytes than the smallest patch. `numbers`: bytes given.
     PatchTooShort = 120,
@@ -309,6 +309,7 @@ const OF_ADAPTERS: [Status; adapt::CATALOGUE.len()] = [
     Status::SettingsPartOfBody,
     Status::SettingsGauge,
     Status::SettingsOtherModel,
+    Status::SettingsOtherTick,
     Status::PatchTooShort,
     Status::NotAPatch,
     Status::PatchVersion,

@@ -6,7 +6,7 @@ use crate::frame::FrameFault;
 use crate::model::{Coded, Entry, entry};
 
 /// All reasons, in the order of their numbers, which follow those of plans: from 100 on of settings, from 120 on of patches.
-pub const CATALOGUE: [Entry; 20] = [
+pub const CATALOGUE: [Entry; 21] = [
     entry(100, "settings_too_short", c"not a whole file of settings"),
     entry(101, "not_settings", c"not settings of an adapter (they do not begin with LATU)"),
     entry(102, "settings_version", c"a format version of settings that this program does not read"),
@@ -20,6 +20,7 @@ pub const CATALOGUE: [Entry; 20] = [
     entry(110, "settings_part_of_body", c"the numbers of a body must all be there, one after the other"),
     entry(111, "settings_gauge", c"a gain cannot follow beside the inertias of all bodies"),
     entry(112, "settings_other_model", c"the settings were made for another model"),
+    entry(113, "settings_other_tick", c"the settings were made for ticks of another length"),
     entry(120, "patch_too_short", c"not a whole patch"),
     entry(121, "not_a_patch", c"not a patch (it does not begin with LAPT)"),
     entry(122, "patch_version", c"a format version of patches that this program does not read"),
@@ -56,7 +57,7 @@ impl Unfit {
 }
 
 impl SettingsError {
-    /// Returns the reason as numbers.
+    /// Returns the reason as numbers; ticks as their bits.
     pub fn coded(&self) -> Coded {
         match *self {
             Self::Frame(fault) => framed(SETTINGS, fault),
@@ -66,10 +67,10 @@ impl SettingsError {
             Self::OutOfRange => Coded::bare(107),
             Self::Number { index } => Coded::new(108, [index.into(), 0, 0]),
             Self::Unfit(unfit) => unfit.coded(),
+            Self::OtherTick { made_for, given } => {
+                Coded::new(113, [made_for.to_bits() as usize, given.to_bits() as usize, 0])
+            }
             Self::OtherModel { saved, given } => Coded::new(112, [saved as usize, given as usize, 0]),
-            // Reasons that a file itself does not have.
-            #[allow(unreachable_patterns, reason = "there may be none")]
-            _ => Coded::bare(107),
         }
     }
 }

@@ -14,6 +14,7 @@ const FRAME: [(FrameFault, [usize; 3]); 4] = [
 
 #[test]
 fn every_reason_has_its_number() {
+    let ticks = [1e-3_f32, 2e-3].map(|h| h.to_bits() as usize);
     let settings = [
         (SettingsError::Malformed, [0; 3]),
         (SettingsError::Coordinates { found: 2, needed: 3 }, [2, 3, 0]),
@@ -24,6 +25,7 @@ fn every_reason_has_its_number() {
         (SettingsError::Unfit(Unfit::PartOfBody { body: 6 }), [6, 0, 0]),
         (SettingsError::Unfit(Unfit::Gauge { coordinate: 1 }), [1, 0, 0]),
         (SettingsError::OtherModel { saved: 8, given: 9 }, [8, 9, 0]),
+        (SettingsError::OtherTick { made_for: 1e-3, given: 2e-3 }, [ticks[0], ticks[1], 0]),
     ];
     let patches = [
         (PatchError::Malformed, [0; 3]),
