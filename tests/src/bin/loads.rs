@@ -25,13 +25,15 @@ const PAIRS: usize = P * (P - 1) / 2;
 type Arm<'f> = Tuned<'f, Friction<N>, ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, N, 256>;
 type Firmware<'t, 'f> = Adapting<'t, Arm<'f>, TaskController<'static, NoPump, NoMpc, N>, N, P, PAIRS>;
 
-/// Time at which a load is taken up, and length of a run with one, s.
-const TAKEN_UP: f32 = 4.0;
-const WITH_LOAD: f32 = 7.0;
+/// Earliest time at which a load is taken up, and the period of the motion, anywhere within which it is, s.
+const EARLIEST: f32 = 4.0;
+const PERIOD: f32 = 10.0;
+/// Time with a load, s.
+const WITH_LOAD: f32 = 3.0;
 /// Length of a run without a load, s.
 const QUIET: f32 = 900.0;
-/// Distance of the load from the last joint, along the flange, m.
-const PLACE: f32 = 0.1;
+/// Largest distance of a load from the middle of the flange along every axis, m.
+const AWAY: f32 = 0.1;
 
 /// Files of the folder.
 struct Files {
@@ -41,7 +43,7 @@ struct Files {
     reference: Reference<N>,
 }
 
-/// What a firmware said.
+/// Findings of a firmware.
 struct Said {
     announced: Option<(f32, Difference<f32>)>,
     last: Difference<f32>,
@@ -97,10 +99,32 @@ fn config(reference: Reference<N>, seed: u64, seconds: f32) -> TrackConfig<N> {
     config
 }
 
-/// Inertial numbers of a point mass.
-fn load(mass: f32) -> [f32; INERTIAL_PARAMETERS] {
-    let inertia = mass * PLACE * PLACE;
-    [mass, 0.0, 0.0, mass * PLACE, inertia, 0.0, inertia, 0.0, 0.0, 0.0]
+/// A load.
+#[derive(Clone, Copy)]
+struct Load {
+    mass: f32,
+    place: [f32; 3],
+    taken_up: f32,
+}
+
+impl Load {
+    /// The load of a seed: .5 to 3 kg.
+    fn of(seed: u64) -> Self {
+        // Fractional parts of multiples of irrational numbers fill an interval evenly.
+        let even = |irrational: f64| ((seed + 1) as f64 * irrational).fract() as f32;
+        let [x, y, z] =
+            [2.0_f64.sqrt(), 3.0_f64.sqrt(), 5.0_f64.sqrt()].map(|root| AWAY * (2.0 * even(root) - 1.0));
+        let mass = 0.5 + 2.5 * even(0.618_033_988_749_895);
+        Self { mass, place: [x, y, z + AWAY], taken_up: EARLIEST + PERIOD * even(7.0_f64.sqrt()) }
+    }
+
+    /// Its inertial numbers, those of a point.
+    fn numbers(&self) -> [f32; INERTIAL_PARAMETERS] {
+        let (m, [x, y, z]) = (self.mass, self.place);
+        let about = [y * y + z * z, -x * y, x * x + z * z, -x * z, -y * z, x * x + y * y];
+        let [xx, xy, yy, xz, yz, zz] = about.map(|square| m * square);
+        [m, m * x, m * y, m * z, xx, xy, yy, xz, yz, zz]
+    }
 }
 
 impl Files {
@@ -113,8 +137,8 @@ impl Files {
         })
     }
 
-    /// Runs the arm for some time, and lets it take up a load if `mass` is not 0.
-    fn run(&self, seed: u64, seconds: f32, mass: f32) -> Result<Said, Box<dyn Error>> {
+    /// Runs the arm for some time, and lets it take up a load, if there is one.
+    fn run(&self, seed: u64, seconds: f32, load: Option<Load>) -> Result<Said, Box<dyn Error>> {
         let (file, config) = (bytes(&self.model), config(self.reference, seed, seconds));
         let settings = StoredSettings::<N, P>::read(&self.settings, fingerprint(file)?)?;
         settings.check_tick(config.setup.tick)?;
@@ -126,10 +150,10 @@ impl Files {
         let mut carrying = arm(bytes(&self.plant))?;
         let numbers: [Number; INERTIAL_PARAMETERS] =
             std::array::from_fn(|j| Number::Inertia { body: N as u8 - 1, index: j as u8 });
-        carrying.set(&numbers, &load(mass));
+        carrying.set(&numbers, &load.map_or([0.0; INERTIAL_PARAMETERS], |load| load.numbers()));
         let (alone, loaded) = (*carrying.of_file().system(), carrying.in_use());
-        let later = [(TAKEN_UP, &loaded)];
-        let plant = Timeline::new(&alone, if mass == 0.0 { &[] } else { &later });
+        let later: Vec<_> = load.iter().map(|load| (load.taken_up, &loaded)).collect();
+        let plant = Timeline::new(&alone, &later);
         let mut run = Run::new(plant, firmware, &config.setup, config.reference)?;
         let announcement = settings.announcement.ok_or("no announcement")?;
         let (mut announced, mut changes) = (None, 0);
@@ -170,7 +194,7 @@ fn on_all_cores<T: Send>(count: u64, of: impl Fn(u64) -> T + Sync) -> Vec<T> {
 fn quiet(files: &Files, hours: f64) -> Result<(), Box<dyn Error>> {
     let quarters = (3600.0 * hours / f64::from(QUIET)).ceil() as u64;
     let said = on_all_cores(quarters, |k| {
-        let said = files.run(k, QUIET, 0.0).map_err(|error| error.to_string());
+        let said = files.run(k, QUIET, None).map_err(|error| error.to_string());
         if let Ok(Said { announced: Some((t, of)), .. }) = &said {
             println!("quarter {k}: {} ± {} kg announced at {t} s", of.estimate, of.error);
         }
@@ -188,24 +212,28 @@ fn quiet(files: &Files, hours: f64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Loads of .5 to 3 kg, one for each seed.
+/// Loads, one for each seed.
 fn seeds(files: &Files, first: u64, count: u64) -> Result<(), Box<dyn Error>> {
-    // The fractional parts of multiples of the golden ratio fill an interval evenly.
-    let mass = |seed: u64| 0.5 + 2.5 * (seed as f64 * 0.618_033_988_75).fract() as f32;
-    let run = |k| files.run(first + k, WITH_LOAD, mass(first + k)).map_err(|error| error.to_string());
-    let said = on_all_cores(count, run).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let of = |k: usize| said[k].last.estimate - mass(first + k as u64);
-    let all = 0..said.len();
-    let z = |k: usize| of(k) / said[k].last.error;
-    let held = all.clone().filter(|k| z(*k).abs() <= 1.96).count();
-    let squares: f32 = all.clone().map(|k| z(k) * z(k)).sum();
-    let worst = all.clone().map(|k| (of(k) / mass(first + k as u64)).abs()).fold(0.0, f32::max);
-    let early = said.iter().filter(|said| said.announced.is_some_and(|(t, _)| t < TAKEN_UP)).count();
-    let after = said.iter().map(|said| said.announced.map_or(f32::INFINITY, |(t, _)| t - TAKEN_UP));
+    let run = |k| {
+        let load = Load::of(first + k);
+        let said = files.run(first + k, load.taken_up + WITH_LOAD, Some(load));
+        said.map(|said| (load, said)).map_err(|error| error.to_string())
+    };
+    let all = on_all_cores(count, run).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let off = |(load, said): &(Load, Said)| said.last.estimate - load.mass;
+    let z = |of: &(Load, Said)| off(of) / of.1.last.error;
+    let after =
+        |(load, said): &(Load, Said)| said.announced.map_or(f32::INFINITY, |(t, _)| t - load.taken_up);
+    let held = all.iter().filter(|of| z(of).abs() <= 1.96).count();
+    let mean: f32 = all.iter().map(z).sum::<f32>() / count as f32;
+    let square: f32 = all.iter().map(|of| z(of) * z(of)).sum::<f32>() / count as f32;
+    let worst = all.iter().map(|of| (off(of) / of.0.mass).abs()).fold(0.0, f32::max);
+    let within = all.iter().filter(|of| (off(of) / of.0.mass).abs() <= 0.03).count();
+    let early = all.iter().filter(|of| after(of) < 0.0).count();
     println!(
         "{}",
-        json!({"seeds": count, "held": held, "rms_z": (squares / count as f32).sqrt(), "worst_share": worst,
-               "announced_before": early, "announced_after": after.fold(0.0, f32::max)})
+        json!({"seeds": count, "held": held, "mean_z": mean, "rms_z": square.sqrt(), "worst_share": worst, "within_3_percent": within,
+               "announced_before": early, "announced_after": all.iter().map(after).fold(0.0, f32::max)})
     );
     Ok(())
 }

@@ -22,7 +22,7 @@ fn settings(change: impl FnOnce(&mut [u8])) -> Vec<u8> {
     bytes
 }
 
-/// What a processor with these files says to these requests.
+/// Answers of a processor with these files to these requests.
 fn says(files: &[&[u8]], requests: &[Request<7>]) -> Vec<leastaction_firmware_sim::link::Frame> {
     let heard: Vec<u8> = requests.iter().flat_map(|sent| bytes(&request(sent).unwrap())).collect();
     let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
