@@ -1,7 +1,7 @@
 //! Reading of models: from files, from run folders, and in the chip's arithmetic.
 
 use crate::cli::Failure;
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{ModelError, fingerprint};
 use leastaction_learning::checkpoint::{Best, Trained};
 use leastaction_models::Model;
 use leastaction_models::file::{Precision, decode, encode_in};
@@ -86,12 +86,25 @@ pub fn of_file_or_run(path: &Path, part: Option<&str>) -> Result<Model, Failure>
     if !path.is_dir() {
         return Ok(load_part(path, part)?.0);
     }
-    let refused = |error: &dyn std::fmt::Display| Failure::input(path, error);
-    let trained = Trained::read(path).map_err(|error| refused(&error))?;
-    let bytes = encode_in(Precision::Single, &trained.architecture, &trained.best.weights, &trained.facts())
-        .map_err(|error| refused(&error))?;
-    let model = decode(&bytes).map_err(|error| refused(&error))?;
+    let model = decode(&exported(path)?).map_err(|error| Failure::input(path, error))?;
     of_part(path, model, part)
+}
+
+/// Fingerprint of a model's file, or of the file that `leastaction export` makes of a run: plans, settings and patches are bound to it.
+///
+/// # Errors
+/// [`Failure::Input`] if there is none.
+pub fn fingerprint_of(path: &Path) -> Result<u32, Failure> {
+    let bytes = if path.is_dir() { exported(path)? } else { read(path)?.bytes };
+    fingerprint(&bytes).map_err(|error| Failure::input(path, refused(error)))
+}
+
+/// The model file of a run.
+fn exported(run: &Path) -> Result<Vec<u8>, Failure> {
+    let trained = Trained::read(run).map_err(|error| Failure::input(run, error))?;
+    let encoded =
+        encode_in(Precision::Single, &trained.architecture, &trained.best.weights, &trained.facts());
+    encoded.map_err(|error| Failure::input(run, error))
 }
 
 /// The machine that a plan is for: a robot description, a run, or a model file, to whose bytes its plans are bound.

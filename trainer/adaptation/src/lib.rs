@@ -27,7 +27,7 @@ pub use followed::Followed;
 pub use leastaction_core::adapt::{Difference, Following};
 pub use names::{Group, Label};
 pub use remaining::remaining;
-pub use saved::{Patched, PatchedNumber, fingerprint_of, patch_file};
+pub use saved::{Patched, PatchedNumber, patch_file};
 pub use source::SETTINGS_HEAD;
 
 use choice::with_distances;

@@ -3,7 +3,7 @@
 use crate::names::labels;
 use crate::{AdaptationError, Choice, Followed, Label, with_distances};
 use leastaction_core::adapt::{Following, Number, Patch, Saved, SettingsFile};
-use leastaction_core::model::{Layout, fingerprint};
+use leastaction_core::model::Layout;
 use leastaction_models::Model;
 use leastaction_replica::PLACES;
 
@@ -30,12 +30,12 @@ pub struct PatchedNumber {
 }
 
 impl Patched {
-    /// Reads a patch of a model.
+    /// Reads a patch of a model, of whose file this is the [fingerprint](leastaction_core::model::fingerprint).
     ///
     /// # Errors
     /// [`AdaptationError::Patch`] for a patch that is damaged, or of another model.
-    pub fn read(model: &Model, patch: &[u8]) -> Result<Self, AdaptationError> {
-        let patch = Patch::<PLACES>::read(patch, fingerprint_of(model)?)?;
+    pub fn read((model, fingerprint): (&Model, u32), patch: &[u8]) -> Result<Self, AdaptationError> {
+        let patch = Patch::<PLACES>::read(patch, fingerprint)?;
         let numbers: Vec<Number> = patch.numbers.iter().map(|saved| saved.number).collect();
         let distances: Vec<f32> = patch.numbers.iter().map(|saved| saved.distance).collect();
         let (weights, laws) = (model.weights_f32(), model.architecture.laws());
@@ -58,25 +58,25 @@ impl Patched {
 const SETTINGS_BYTES: usize = 8192;
 
 impl Choice {
-    /// Reads the settings for a control loop over a model of N coordinates, with ticks of h seconds.
+    /// Reads the settings for a control loop of N coordinates with ticks of h seconds, over the model of a file with this
+    /// [fingerprint](leastaction_core::model::fingerprint).
     ///
     /// # Errors
     /// [`AdaptationError::Settings`] for settings that are damaged, or of another model or loop.
-    pub fn read<const N: usize>(model: &Model, settings: &[u8], h: f32) -> Result<Self, AdaptationError> {
-        let file =
-            SettingsFile::<Vec<f32>, Vec<Following>>::open::<N, PLACES>(settings, fingerprint_of(model)?)?;
+    pub fn read<const N: usize>(settings: &[u8], fingerprint: u32, h: f32) -> Result<Self, AdaptationError> {
+        let file = SettingsFile::<Vec<f32>, Vec<Following>>::open::<N, PLACES>(settings, fingerprint)?;
         file.check_tick(h)?;
         let SettingsFile { block, settings, announcement, .. } = file;
         Ok(Self { settings, announcement, block })
     }
 
-    /// The settings as a file for a control loop over a model.
+    /// The settings as a file for a control loop over the model of a file with this [fingerprint](leastaction_core::model::fingerprint).
     ///
     /// # Errors
-    /// [`AdaptationError::Encoding`] and [`AdaptationError::Model`] for a model that cannot be written as a file.
-    pub fn settings_file(&self, model: &Model) -> Result<Vec<u8>, AdaptationError> {
+    /// [`AdaptationError::Encoding`] if there are more numbers than places.
+    pub fn settings_file(&self, fingerprint: u32) -> Result<Vec<u8>, AdaptationError> {
         let (settings, announcement) = (self.settings.clone(), self.announcement);
-        let file = SettingsFile { model: fingerprint_of(model)?, block: self.block, settings, announcement };
+        let file = SettingsFile { model: fingerprint, block: self.block, settings, announcement };
         let mut memory = vec![0; SETTINGS_BYTES];
         let bytes = file.write(&mut memory).map_err(|error| AdaptationError::Encoding(error.to_string()))?;
         Ok(bytes.to_vec())
@@ -84,12 +84,13 @@ impl Choice {
 }
 
 impl Followed {
-    /// The numbers in use at the end of the log, as a patch of the model that they followed from.
+    /// The numbers in use at the end of the log, as a patch of the model of a file with this
+    /// [fingerprint](leastaction_core::model::fingerprint).
     ///
     /// # Errors
-    /// [`AdaptationError::Encoding`] and [`AdaptationError::Model`] for a model that cannot be written as a file.
-    pub fn patch(&self, model: &Model) -> Result<Vec<u8>, AdaptationError> {
-        let mut patch = Patch::<PLACES> { model: fingerprint_of(model)?, numbers: Default::default() };
+    /// [`AdaptationError::Encoding`] if there are more numbers than places.
+    pub fn patch(&self, fingerprint: u32) -> Result<Vec<u8>, AdaptationError> {
+        let mut patch = Patch::<PLACES> { model: fingerprint, numbers: Default::default() };
         if let Some(last) = self.course.entries.last() {
             let found = last.estimates.iter().zip(&last.applied);
             let all = self.choice.settings.numbers.iter().zip(found);
@@ -111,13 +112,4 @@ pub fn patch_file(patch: &Patch<PLACES>) -> Result<Vec<u8>, AdaptationError> {
     let mut memory = vec![0; Patch::<PLACES>::MAX_BYTES];
     let bytes = patch.write(&mut memory).map_err(|error| AdaptationError::Encoding(error.to_string()))?;
     Ok(bytes.to_vec())
-}
-
-/// Fingerprint of a model's file.
-///
-/// # Errors
-/// [`AdaptationError::Encoding`] and [`AdaptationError::Model`] for a model that cannot be written as a file.
-pub fn fingerprint_of(model: &Model) -> Result<u32, AdaptationError> {
-    let bytes = model.to_bytes().map_err(|error| AdaptationError::Encoding(error.to_string()))?;
-    Ok(fingerprint(&bytes)?)
 }

@@ -176,8 +176,8 @@ fn a_cable_that_stiffens_and_a_damping_that_grows_are_followed() {
 
 /// Checks that the adapted model is what is saved, and that settings name the numbers.
 fn check_saved(model: &Model, followed: &Followed) {
-    let patch = followed.patch(model).expect("a patch");
-    let patched = Patched::read(model, &patch).expect("the patch");
+    let patch = followed.patch(7).expect("a patch");
+    let patched = Patched::read((model, 7), &patch).expect("the patch");
     assert_eq!(patched.model.weights, followed.model.weights);
     let names: Vec<String> = patched.numbers.iter().map(|number| number.label.name()).collect();
     assert_eq!(names[16..18], ["w of potential unit 0", "w of potential unit 1"]);

@@ -9,6 +9,7 @@ pub use report::{NumberReport, Report, numbers};
 
 use crate::cli::Failure;
 use crate::evaluation::{Evaluation, Log, LogReading, Tell};
+use crate::models::fingerprint_of;
 use leastaction_adaptation::{AdaptationError, Choice, Followed, Request};
 use leastaction_learning::atomic;
 use leastaction_models::Model;
@@ -101,7 +102,7 @@ impl Adapted<'_> {
     /// # Errors
     /// [`Failure`] if the model has no file, or the patch cannot be written.
     pub fn write_patch(&self, path: &Path) -> Result<(), Failure> {
-        let patch = self.followed.patch(self.of.model);
+        let patch = self.followed.patch(fingerprint_of(self.of.file)?);
         let patch = patch.map_err(|error| self.of.refused(&error, &self.log.file))?;
         atomic::write(path, &patch).map_err(|error| Failure::file(path, error))
     }
@@ -131,7 +132,7 @@ impl Adapted<'_> {
     /// # Errors
     /// [`Failure`] if no number can follow, or the file cannot be written.
     pub fn write_settings(&self, path: &Path, tick: f64) -> Result<(), Failure> {
-        let file = self.of_loop(tick)?.settings_file(self.of.model);
+        let file = self.of_loop(tick)?.settings_file(fingerprint_of(self.of.file)?);
         let file = file.map_err(|error| self.of.refused(&error, &self.log.file))?;
         atomic::write(path, &file).map_err(|error| Failure::file(path, error))
     }

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
+use leastaction::models::fingerprint_of;
 use leastaction_adaptation::Patched;
 use leastaction_learning::atomic;
 use leastaction_models::Model;
@@ -59,7 +60,7 @@ impl Convert {
         let bytes = std::fs::read(&self.model).map_err(|error| Failure::input(&self.model, error))?;
         let model = decode(&bytes).map_err(|error| Failure::input(&self.model, error))?;
         let model = match &self.patch {
-            Some(patch) => patched(&model, patch)?,
+            Some(patch) => patched((&model, &self.model), patch)?,
             None => model,
         };
         let encoded = file::encode_in(model.precision, &model.architecture, &model.weights, &model.facts);
@@ -76,7 +77,8 @@ impl Convert {
 }
 
 /// The model with the numbers of a patch.
-fn patched(model: &Model, file: &Path) -> Result<Model, Failure> {
+fn patched((model, of): (&Model, &Path), file: &Path) -> Result<Model, Failure> {
     let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
-    Ok(Patched::read(model, &bytes).map_err(|error| Failure::input(file, error))?.model)
+    let patched = Patched::read((model, fingerprint_of(of)?), &bytes);
+    Ok(patched.map_err(|error| Failure::input(file, error))?.model)
 }

@@ -1,8 +1,10 @@
 //! Mechanisms that take up a load, and whose friction grows, while they run.
 
 use crate::support::Bench;
+use leastaction_core::adapt::{Patch, StoredSettings};
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::model::{FrictionNumber, Interval};
+use leastaction_models::file::decode;
 use leastaction_models::tree::{Inertia, Tree};
 use leastaction_models::urdf::{Inertias, parse};
 use leastaction_models::{Architecture, ArmArchitecture, BodiesArchitecture, GroupLaws, Model, Number};
@@ -317,6 +319,27 @@ fn the_firmware_carries_what_the_mechanism_took_up() {
     bench.run(&format!("{slow} --settings arm.settings")).bad(2, &["arm.settings", "0.002"]);
     bench.run(&format!("{words} --settings nowhere.settings")).bad(2, &["nowhere.settings"]);
     bench.run("inspect arm.postcard --patch out/adapter.patch").good();
+}
+
+/// A board knows its model by the bytes of the file, which another program may have written with other text.
+#[test]
+fn settings_and_patches_are_bound_to_the_bytes_of_the_file() {
+    let bench = Bench::new();
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-sim/chip/models");
+    let file = fs::read(format!("{models}/arm.postcard")).unwrap();
+    assert_ne!(decode(&file).unwrap().to_bytes().unwrap(), file, "these bytes are those of the command");
+    let arm = format!("{models}/arm.postcard");
+    run(
+        &bench,
+        &format!(
+            "simulate {arm} --scenario track --plant {arm} --trajectory {models}/arm-motion.toml --seconds 0.9 --adapt --json -o out"
+        ),
+    );
+    let fingerprint = leastaction_core::model::fingerprint(&file).unwrap();
+    let settings = bench.read("out/adapter.settings");
+    assert!(StoredSettings::<7, 24>::read(&settings, fingerprint).is_ok());
+    assert!(Patch::<24>::read(&bench.read("out/adapter.patch"), fingerprint).is_ok());
+    bench.run(&format!("inspect {arm} --patch out/adapter.patch")).good();
 }
 
 /// Along a log, numbers follow by settings as they do in a loop; the model that follows is not compared for drift.

@@ -99,7 +99,7 @@ impl Inspect {
     pub fn run(self, output: Output) -> Done {
         let (model, bytes) = load_part(&self.model, self.tree.as_deref())?;
         let target = self.target.map(|target| on(target, &self.model, &model, bytes)).transpose()?;
-        let patch = self.patch.map(|patch| PatchReport::read(&model, &patch)).transpose()?;
+        let patch = self.patch.map(|patch| PatchReport::read((&model, &self.model), &patch)).transpose()?;
         output.report(&Report { target, patch, ..report(self.model, model, bytes) })
     }
 }

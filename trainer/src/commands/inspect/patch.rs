@@ -1,4 +1,5 @@
 use leastaction::cli::Failure;
+use leastaction::models::fingerprint_of;
 use leastaction_adaptation::{Patched, PatchedNumber};
 use leastaction_models::Model;
 use serde::Serialize;
@@ -30,10 +31,11 @@ impl From<PatchedNumber> for NumberReport {
 }
 
 impl PatchReport {
-    /// Reads the patch of a model.
-    pub fn read(model: &Model, file: &Path) -> Result<Self, Failure> {
+    /// Reads the patch of the model in a file.
+    pub fn read((model, of): (&Model, &Path), file: &Path) -> Result<Self, Failure> {
         let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
-        let patched = Patched::read(model, &bytes).map_err(|error| Failure::input(file, error))?;
+        let patched = Patched::read((model, fingerprint_of(of)?), &bytes);
+        let patched = patched.map_err(|error| Failure::input(file, error))?;
         Ok(Self { bytes: bytes.len(), numbers: patched.numbers.into_iter().map(Into::into).collect() })
     }
 }

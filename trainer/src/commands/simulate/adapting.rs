@@ -5,11 +5,9 @@ use super::remote::{Ran, Target};
 use super::{Request, Trace, scenario};
 use leastaction::adaptation::{NumberReport, numbers};
 use leastaction::cli::{Failure, FileKind, replaceable};
-use leastaction::models::chip_file;
+use leastaction::models::{chip_file, fingerprint_of};
 use leastaction::processor::{Emulator, LinkError, Remote};
-use leastaction_adaptation::{
-    AdaptationError, Choice, Course, Request as Wishes, fingerprint_of, of_windows, patch_file,
-};
+use leastaction_adaptation::{AdaptationError, Choice, Course, Request as Wishes, of_windows, patch_file};
 use leastaction_firmware_sim::control::Controller;
 use leastaction_firmware_sim::scenario::RunError;
 use leastaction_firmware_sim::{Adapting, Firmware, Program, Summary};
@@ -24,6 +22,8 @@ use std::path::{Path, PathBuf};
 pub struct Adaptive<'a> {
     model: &'a Model,
     file: ModelFile,
+    /// Fingerprint of the user's file, which may have other bytes.
+    fingerprint: u32,
     /// File of the settings.
     settings: PathBuf,
     /// Whether that file is there already.
@@ -45,7 +45,11 @@ impl<'a> Adaptive<'a> {
     ///
     /// # Errors
     /// [`Failure::Input`] for a model that no chip can have, and for files of other kinds in the folder.
-    pub fn new(model: &'a Model, settings: Option<&Path>, folder: &Path) -> Result<Self, Failure> {
+    pub fn new(
+        (path, model): (&Path, &'a Model),
+        settings: Option<&Path>,
+        folder: &Path,
+    ) -> Result<Self, Failure> {
         let file = chip_file(model).map_err(Failure::Input)?;
         let patch = folder.join("adapter.patch");
         replaceable(&patch, FileKind::Patch)?;
@@ -54,7 +58,8 @@ impl<'a> Adaptive<'a> {
         if !given {
             replaceable(&settings, FileKind::Settings)?;
         }
-        Ok(Self { model, file, settings, given, patch, found: RefCell::default(), measures: false })
+        let (fingerprint, found) = (fingerprint_of(path)?, RefCell::default());
+        Ok(Self { model, file, fingerprint, settings, given, patch, found, measures: false })
     }
 
     /// Runs the mechanism as it was learned, with other noise, and measures how well the model explains it, unless settings are given.
@@ -67,8 +72,9 @@ impl<'a> Adaptive<'a> {
         let seconds = request.seconds.map(|seconds| seconds.min(COMMISSIONED));
         let (file, patch) = (chip_file(self.model).map_err(Failure::Input)?, self.patch.clone());
         let (settings, found) = (self.settings.clone(), RefCell::default());
+        let Self { model, fingerprint, .. } = *self;
         let measuring =
-            Self { model: self.model, file, settings, given: false, patch, found, measures: true };
+            Self { model, file, fingerprint, settings, given: false, patch, found, measures: true };
         let request =
             Request { world: &world, seed, seconds, on: None, adaptive: Some(&measuring), ..*request };
         scenario::run(&request, &mut Trace::default()).map(|_| ())
@@ -89,12 +95,11 @@ impl<'a> Adaptive<'a> {
         let tuning = choice.settings.tuning().map_err(|error| refused(error.into()))?;
         let firmware = Adapting::new(tuned, firmware, (choice.blocks(), &tuning));
         let firmware = firmware.map_err(|error| refused(ReplicaError::Unfit(error).into()))?;
-        let model = fingerprint_of(self.model).map_err(refused)?;
         let mut found = None;
         let along = |board: Option<&mut Remote<Emulator, N>>| {
             let mut recorded = Recorded::new(firmware, board, &choice, program.tick);
             let summary = run(&mut recorded)?;
-            let patch = recorded.patch(model);
+            let patch = recorded.patch(self.fingerprint);
             found = Some((patch, recorded.course));
             Ok(summary)
         };
@@ -123,8 +128,8 @@ impl<'a> Adaptive<'a> {
             choice.settings.deviation = vec![NOTHING_COUNTS; N];
             return Ok(choice);
         }
-        let bytes = std::fs::read(&self.settings).map_err(|error| Failure::file(&self.settings, error))?;
-        let choice = Choice::read::<N>(self.model, &bytes, tick);
+        let bytes = std::fs::read(&self.settings).map_err(|error| Failure::input(&self.settings, error))?;
+        let choice = Choice::read::<N>(&bytes, self.fingerprint, tick);
         choice.map_err(|error| Failure::input(&self.settings, error))
     }
 
@@ -137,7 +142,7 @@ impl<'a> Adaptive<'a> {
             }
             let residuals = course.entries.into_iter().map(|entry| entry.residuals).collect();
             choice.settings.deviation = of_windows(&[residuals], n);
-            let settings = choice.settings_file(self.model).map_err(refused)?;
+            let settings = choice.settings_file(self.fingerprint).map_err(refused)?;
             return atomic::write(&self.settings, &settings)
                 .map_err(|error| Failure::file(&self.settings, error));
         }

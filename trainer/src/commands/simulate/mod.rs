@@ -248,7 +248,9 @@ impl Simulate {
     /// The numbers that follow, if any do.
     fn adaptive<'m>(&self, model: &'m Model) -> Result<Option<Adaptive<'m>>, Failure> {
         let wanted = self.adapt || self.settings.is_some();
-        wanted.then(|| Adaptive::new(model, self.settings.as_deref(), &self.output)).transpose()
+        wanted
+            .then(|| Adaptive::new((&self.model, model), self.settings.as_deref(), &self.output))
+            .transpose()
     }
 
     fn target(&self) -> Result<Option<Target>, Failure> {
