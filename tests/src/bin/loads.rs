@@ -118,7 +118,7 @@ impl Load {
         Self { mass, place: [x, y, z + AWAY], taken_up: EARLIEST + PERIOD * even(7.0_f64.sqrt()) }
     }
 
-    /// Its inertial numbers, those of a point.
+    /// Inertial numbers of a point with this mass.
     fn numbers(&self) -> [f32; INERTIAL_PARAMETERS] {
         let (m, [x, y, z]) = (self.mass, self.place);
         let about = [y * y + z * z, -x * y, x * x + z * z, -x * z, -y * z, x * x + y * y];
