@@ -109,7 +109,7 @@ impl<'f> Replica<'f> {
     /// Creates the adapter of the firmware.
     ///
     /// # Errors
-    /// [`ReplicaError::Length`], [`ReplicaError::Numbers`], [`ReplicaError::Unfit`]; [`ReplicaError::OfGraph`].
+    /// [`ReplicaError::Length`], [`ReplicaError::Settings`], [`ReplicaError::Unfit`]; [`ReplicaError::OfGraph`].
     pub fn adaptation(&self, settings: &AdapterSettings) -> Result<Box<dyn Adaptation + '_>, ReplicaError> {
         self.visit(Adapt(settings))
     }
