@@ -13,14 +13,6 @@ static uint64_t hash = HASH;
 static const float start[N] = {MODEL_Q};
 static float reference_q[N] = {MODEL_Q}, reference_v[N];
 
-static int refused(const char *what, const leastaction_error *error) {
-    put(what);
-    put(": ");
-    put(leastaction_message(error->status));
-    put("\n");
-    return 1;
-}
-
 static void add(const float *x, size_t count) {
     hash = hashed(hash, x, count);
 }

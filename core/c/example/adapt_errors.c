@@ -1,36 +1,15 @@
 /* Checks that damaged settings and patches are refused or can be followed, and that every error has its own status and changes nothing. */
-#include "example.h"
+#include "expect.h"
 #include <math.h>
 
 #define FILE_MOST 1024
-#define CRC_BYTES 4
 
 static leastaction_adapter adapter, other;
 static leastaction_model model;
-static leastaction_error error;
 static uint8_t settings[FILE_MOST], patch[LEASTACTION_PATCH_BYTES];
 static size_t model_bytes, bytes, patch_bytes;
-static int failures;
 static float h;
 static const float zero[N], q[N] = {MODEL_Q};
-
-static void require(int line, int holds, const char *what) {
-    if (holds) return;
-    failures++;
-    put("adapt_errors.c:");
-    put_number((uint64_t)line, 10);
-    put(": ");
-    put(what);
-    put("\n");
-}
-
-#define REQUIRE(condition) require(__LINE__, condition, #condition)
-#define EXPECT(name, call) expect(__LINE__, call, LEASTACTION_STATUS_##name)
-
-static void expect(int line, leastaction_status found, leastaction_status expected) {
-    require(line, found == expected, leastaction_message(found));
-    require(line, error.status == found, "another status in the error");
-}
 
 static leastaction_status begin(size_t length) {
     return leastaction_adapter_begin(&adapter, sizeof adapter, LEASTACTION_ABI, model_file, model_bytes, settings, length, h, &error);
@@ -38,17 +17,6 @@ static leastaction_status begin(size_t length) {
 
 static leastaction_status restore(size_t length) {
     return leastaction_adapter_restore(&adapter, patch, length, &error);
-}
-
-/* CRC-32 of some bytes, by whose last four a file is checked. */
-static void checksum(uint8_t *all, size_t length) {
-    uint32_t crc = UINT32_MAX;
-    for (size_t i = 0; i < length - CRC_BYTES; i++) {
-        crc ^= all[i];
-        for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1)));
-    }
-    crc = ~crc;
-    for (int byte = 0; byte < CRC_BYTES; byte++) all[length - CRC_BYTES + (size_t)byte] = (uint8_t)(crc >> (8 * byte));
 }
 
 static uint64_t in_use(void) {

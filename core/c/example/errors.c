@@ -1,5 +1,5 @@
 /* Checks that every error has its own status, causes no fault and changes nothing. */
-#include "example.h"
+#include "expect.h"
 #include <math.h>
 #include <string.h>
 
@@ -7,31 +7,10 @@
 
 static leastaction_model model, other;
 static leastaction_state state, before;
-static leastaction_error error;
 static _Alignas(4) uint8_t file[FILE_MOST + 4];
 static size_t bytes;
-static int failures;
 static const float zero[N];
 static const float q[N] = {MODEL_Q};
-
-static void require(int line, int holds, const char *what) {
-    if (holds) return;
-    failures++;
-    put("errors.c:");
-    put_number((uint64_t)line, 10);
-    put(": ");
-    put(what);
-    put("\n");
-}
-
-#define REQUIRE(condition) require(__LINE__, condition, #condition)
-#define EXPECT(name, call) expect(__LINE__, call, LEASTACTION_STATUS_##name)
-
-/* Checks that the function returns the expected status, and fills in an error that agrees. */
-static void expect(int line, leastaction_status found, leastaction_status expected) {
-    require(line, found == expected, leastaction_message(found));
-    require(line, error.status == found, "another status in the error");
-}
 
 static leastaction_status load(size_t length) {
     return leastaction_load(&model, sizeof model, LEASTACTION_ABI, file, length, MODEL_NAME, &error);
@@ -45,7 +24,7 @@ static leastaction_status of_byte(size_t position) {
 static void damaged(void) {
     for (size_t i = 0; i < bytes; i++) {
         file[i] ^= (uint8_t)(1u << i % 8);
-        expect(__LINE__, load(bytes), of_byte(i));
+        expect(__FILE__, __LINE__, load(bytes), of_byte(i));
         file[i] ^= (uint8_t)(1u << i % 8);
     }
     for (size_t length = 0; length < bytes; length++) {

@@ -51,6 +51,15 @@ void put(const char *text);
 /* Prints a number in the given base. */
 void put_number(uint64_t number, unsigned base);
 
+/* Prints what was refused, and why; returns 1. */
+static inline int refused(const char *what, const leastaction_error *error) {
+    put(what);
+    put(": ");
+    put(leastaction_message(error->status));
+    put("\n");
+    return 1;
+}
+
 /* Steps the model and prints a hash of all results; returns 0 if all went well. */
 int trace(void);
 

@@ -10,14 +10,6 @@ static leastaction_state machine;
 static uint64_t hash = HASH;
 static const float start[N] = {MODEL_Q};
 
-static int refused(const char *what, const leastaction_error *error) {
-    put(what);
-    put(": ");
-    put(leastaction_message(error->status));
-    put("\n");
-    return 1;
-}
-
 static void add(const float *x) {
     hash = hashed(hash, x, N);
 }

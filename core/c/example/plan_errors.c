@@ -1,49 +1,17 @@
 /* Checks that every damaged plan is refused or can be followed, and that every error has its own status and changes nothing. */
-#include "example.h"
+#include "expect.h"
 #include <math.h>
 
 #define FILE_MOST 4096
-#define CRC_BYTES 4
 
 static leastaction_model model, another;
 static leastaction_plan plan, other;
-static leastaction_error error;
 static _Alignas(4) uint8_t file[FILE_MOST + 4], model_copy[FILE_MOST];
 static size_t bytes;
-static int failures;
 static const float zero[N];
-
-static void require(int line, int holds, const char *what) {
-    if (holds) return;
-    failures++;
-    put("plan_errors.c:");
-    put_number((uint64_t)line, 10);
-    put(": ");
-    put(what);
-    put("\n");
-}
-
-#define REQUIRE(condition) require(__LINE__, condition, #condition)
-#define EXPECT(name, call) expect(__LINE__, call, LEASTACTION_STATUS_##name)
-
-static void expect(int line, leastaction_status found, leastaction_status expected) {
-    require(line, found == expected, leastaction_message(found));
-    require(line, error.status == found, "another status in the error");
-}
 
 static leastaction_status load(size_t length) {
     return leastaction_plan_load(&plan, sizeof plan, LEASTACTION_ABI, file, length, &model, &error);
-}
-
-/* CRC-32 of some bytes, by whose last four a file is checked. */
-static void checksum(uint8_t *all, size_t length) {
-    uint32_t crc = UINT32_MAX;
-    for (size_t i = 0; i < length - CRC_BYTES; i++) {
-        crc ^= all[i];
-        for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1)));
-    }
-    crc = ~crc;
-    for (int byte = 0; byte < CRC_BYTES; byte++) all[length - CRC_BYTES + (size_t)byte] = (uint8_t)(crc >> (8 * byte));
 }
 
 static int finite(const float *x) {
@@ -91,7 +59,7 @@ static void damaged(void) {
     }
     for (size_t i = 0; i < bytes; i++) {
         file[i] ^= (uint8_t)(1u << i % 8);
-        expect(__LINE__, load(bytes), of_byte(i));
+        expect(__FILE__, __LINE__, load(bytes), of_byte(i));
         file[i] ^= (uint8_t)(1u << i % 8);
     }
     for (size_t bit = 0; bit < 8 * (bytes - CRC_BYTES); bit++) {

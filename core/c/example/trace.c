@@ -12,14 +12,6 @@ static void add(const float *x, size_t count) {
     hash = hashed(hash, x, count);
 }
 
-static int refused(const char *what, const leastaction_error *error) {
-    put(what);
-    put(": ");
-    put(leastaction_message(error->status));
-    put("\n");
-    return 1;
-}
-
 /* ANCHOR: evaluate */
 static int evaluate(const float *v, const float *u) {
     leastaction_error error;
