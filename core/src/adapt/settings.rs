@@ -1,6 +1,7 @@
 //! Settings of an adapter as a file.
 
 use super::adapter::Tuning;
+use super::blocks::Blocks;
 use super::limits::Limits;
 use super::number::Number;
 use super::unfit::{Unfit, check};
@@ -131,7 +132,7 @@ impl<V, F> SettingsFile<V, F> {
     /// # Errors
     /// [`SettingsError::OtherTick`].
     pub fn check_tick(&self, h: f32) -> Result<(), SettingsError> {
-        let made_for = self.settings.h / f32::from(self.block.max(1));
+        let made_for = self.settings.tick(self.block);
         let fits = (h - made_for).abs() <= OTHER_TICK * made_for;
         if fits { Ok(()) } else { Err(SettingsError::OtherTick { made_for, given: h }) }
     }
@@ -146,6 +147,18 @@ impl<V: Serialize, F: Serialize> SettingsFile<V, F> {
         let mut file = File::begin(memory, SETTINGS_MAGIC, FORMAT_VERSION)?;
         file.document(self)?;
         file.close()
+    }
+}
+
+impl<V, F> Settings<V, F> {
+    /// Motion of a loop of which `block` ticks are one of the adapter.
+    pub fn blocks<const N: usize>(&self, block: u16) -> Blocks<f32, N> {
+        Blocks::new(block, self.tick(block))
+    }
+
+    /// Tick of such a loop, s.
+    fn tick(&self, block: u16) -> f32 {
+        self.h / f32::from(block.max(1))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::trajectory::reference::Friction;
 use crate::{Adapting, InPlace, Mechanism, Processor, Trained};
 use core::convert::Infallible;
 use heapless::Vec;
-use leastaction_core::adapt::{Blocks, Patch, SettingsError, StoredSettings, Tunable};
+use leastaction_core::adapt::{Patch, SettingsError, StoredSettings, Tunable};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS};
 use leastaction_core::forces::{Dissipation, PotentialCorrection};
@@ -262,14 +262,15 @@ impl<P: Port> Link<'_, P> {
             Ok(tuning) => tuning,
             Err(error) => return self.refuse(error.into()),
         };
-        let blocks = Blocks::new(settings.block, settings.settings.h / f32::from(settings.block));
+        let blocks = settings.settings.blocks(settings.block);
         match Adapting::<_, _, N, PLACES, PAIRS>::new(model, firmware, (blocks, &tuning)) {
             Err(unfit) => self.refuse(SettingsError::Unfit(unfit).into()),
             Ok(adapting) => self.ticks(adapting, |adapting, part| {
                 let mut memory = [0; Patch::<PLACES>::MAX_BYTES];
                 let patch = adapting.patch(settings.model);
                 let bytes = patch.write(&mut memory).ok()?;
-                Some((bytes.len().div_ceil(PART) as u8, list(bytes.chunks(PART).nth(part)?)?))
+                let own = Vec::from_slice(bytes.chunks(PART).nth(part)?).ok()?;
+                Some((bytes.len().div_ceil(PART) as u8, own))
             }),
         }
     }
@@ -303,9 +304,4 @@ impl<P: Port> Link<'_, P> {
             self.send(&Answer::Done(Done { sequence, outcome, instructions }))?;
         }
     }
-}
-
-/// Bytes in a list of their own.
-fn list(bytes: &[u8]) -> Option<Vec<u8, PART>> {
-    Vec::from_slice(bytes).ok()
 }

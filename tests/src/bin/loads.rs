@@ -4,7 +4,7 @@
 //! The folder is one of `tests/loads.py`: plant.postcard, model.postcard, follow.toml, and the settings of the adapter. World and firmware are those of
 //! `leastaction simulate`, but the plant takes one Runge–Kutta step a tick, and sizes are compiled in, so that an hour takes minutes.
 
-use leastaction_core::adapt::{Blocks, Difference, Number, StoredSettings, Tunable};
+use leastaction_core::adapt::{Difference, Number, StoredSettings, Tunable};
 use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, INERTIAL_PARAMETERS};
 use leastaction_core::model::{ArmHeader, Tuned, fingerprint, parse_as};
 use leastaction_firmware_sim::control::{Gains, NoMpc, NoPump, Reference, TaskController, Trajectory};
@@ -145,7 +145,7 @@ impl Files {
         let tuning = settings.settings.tuning()?;
         let model = arm(file)?;
         let firmware = config.program().follow(model.of_file())?;
-        let blocks = Blocks::new(settings.block, config.setup.tick);
+        let blocks = settings.settings.blocks(settings.block);
         let firmware = Firmware::new(model, firmware, (blocks, &tuning))?;
         let mut carrying = arm(bytes(&self.plant))?;
         let numbers: [Number; INERTIAL_PARAMETERS] =

@@ -125,7 +125,7 @@ impl Choice {
 
     /// The motion of the loop, as the adapter takes it.
     pub fn blocks<const N: usize>(&self) -> Blocks<f32, N> {
-        Blocks::new(self.block, self.settings.h / f32::from(self.block))
+        self.settings.blocks(self.block)
     }
 
     /// The model with its numbers at these distances from those of the file.
