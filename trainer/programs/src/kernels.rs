@@ -1,15 +1,14 @@
 //! Products with the weights of a layer, in panels of eight outputs, then four, then one
 //! ([`Dense`](leastaction_core::network::Dense)), with sums in the same order as there. A layer is applied to columns,
 //! which are vectors one after the other; a panel's weights are used for all columns before those of the next panel are
-//! read.
+//! read. The panels after those of eight outputs are read together.
 
 use crate::operation::Layer;
-use crate::row::{GROUPS, Row};
+use crate::row::{PARTS, Part, Row};
 use std::ops::Range;
-use wide::f64x8;
 
-/// Number of groups of lanes whose sums are kept in registers at once: eight outputs fill half of 32 registers.
-const TOGETHER: usize = if cfg!(target_feature = "avx512f") { GROUPS } else { 1 };
+/// Number of parts of a row for which the sums of eight outputs are kept in registers at once: they fill half of them.
+const BESIDE_EIGHT: usize = if cfg!(target_feature = "avx512f") { 2 } else { 1 };
 
 /// Computes Wx for every column, plus b if there is a bias.
 pub(crate) fn linear(
@@ -19,66 +18,121 @@ pub(crate) fn linear(
     x: &[Row],
     y: &mut [Row],
 ) {
-    for panel in panels(layer) {
-        let rows = &weights[panel.weights()];
-        let biases = bias.then(|| &weights[panel.biases()]);
-        for column in 0..columns {
-            let (x, y) = (&x[panel.inputs(column)], &mut y[panel.outputs(column)]);
-            match panel.width {
-                8 => linear_panel::<8>(rows, biases, x, y),
-                4 => linear_panel::<4>(rows, biases, x, y),
-                _ => linear_panel::<1>(rows, biases, x, y),
+    for block in blocks(layer) {
+        let run = match (block.panel, block.singles) {
+            (8, _) => linear_block::<8, 0, BESIDE_EIGHT>,
+            (4, 0) => linear_block::<4, 0, 2>,
+            (4, 1) => linear_block::<4, 1, 2>,
+            (4, 2) => linear_block::<4, 2, 2>,
+            (4, _) => linear_block::<4, 3, 2>,
+            (_, 1) => linear_block::<0, 1, PARTS>,
+            (_, 2) => linear_block::<0, 2, PARTS>,
+            _ => linear_block::<0, 3, 2>,
+        };
+        let biases = bias.then(|| &weights[block.biases()]);
+        run(block.weights(weights), biases, (layer, block.first), columns, x, y);
+    }
+}
+
+/// Applies a panel of P outputs, and S outputs after it, to all columns, to T parts of a row at a time.
+#[inline(never)]
+fn linear_block<const P: usize, const S: usize, const T: usize>(
+    weights: BlockWeights,
+    biases: Option<&[f64]>,
+    (layer, first): (&Layer, usize),
+    columns: usize,
+    x: &[Row],
+    y: &mut [Row],
+) {
+    let inputs = layer.inputs;
+    let (panel, singles) = weights.split::<P, S>(inputs);
+    let bias = |l: usize| Part::splat(biases.map_or(0.0, |biases| biases[l]));
+    let (of_panel, of_singles): ([_; P], [_; S]) =
+        (std::array::from_fn(bias), std::array::from_fn(|s| bias(P + s)));
+    for column in 0..columns {
+        let x = &x[column * inputs..][..inputs];
+        let y = &mut y[column * layer.outputs + first..][..P + S];
+        for part in (0..PARTS).step_by(T) {
+            let (mut sums, mut others) = (of_panel.map(|bias| [bias; T]), of_singles.map(|bias| [bias; T]));
+            for j in 0..inputs {
+                let x: [Part; T] = std::array::from_fn(|t| x[j].part(part + t));
+                if P > 0 {
+                    (0..P).for_each(|l| add_products(&mut sums[l], panel[j][l], &x));
+                }
+                (0..S).for_each(|s| add_products(&mut others[s], singles[s][j], &x));
             }
+            (0..P).for_each(|l| (0..T).for_each(|t| y[l].set_part(part + t, sums[l][t])));
+            (0..S).for_each(|s| (0..T).for_each(|t| y[P + s].set_part(part + t, others[s][t])));
         }
     }
 }
 
-#[inline(never)]
-fn linear_panel<const P: usize>(rows: &[f64], biases: Option<&[f64]>, x: &[Row], y: &mut [Row]) {
-    for first in (0..GROUPS).step_by(TOGETHER) {
-        let mut sums = [[f64x8::ZERO; TOGETHER]; P];
-        for (sums, bias) in sums.iter_mut().zip(biases.unwrap_or_default()) {
-            *sums = [f64x8::splat(*bias); TOGETHER];
-        }
-        for (x, row) in x.iter().zip(rows.as_chunks::<P>().0) {
-            for (sums, w) in sums.iter_mut().zip(row) {
-                let w = f64x8::splat(*w);
-                sums.iter_mut().enumerate().for_each(|(g, sum)| *sum = w.mul_add(x.group(first + g), *sum));
-            }
-        }
-        for (y, sums) in y.iter_mut().zip(&sums) {
-            sums.iter().enumerate().for_each(|(g, sum)| y.set_group(first + g, *sum));
-        }
-    }
+/// Adds wx.
+#[inline(always)]
+fn add_products<const T: usize>(sums: &mut [Part; T], w: f64, x: &[Part; T]) {
+    let w = Part::splat(w);
+    sums.iter_mut().zip(x).for_each(|(sum, x)| *sum = w.mul_add(*x, *sum));
 }
 
 /// Computes Wᵀy for every column.
 pub(crate) fn transposed(layer: &Layer, columns: usize, weights: &[f64], y: &[Row], x: &mut [Row]) {
-    x.fill(Row::default());
-    for panel in panels(layer) {
-        let rows = &weights[panel.weights()];
-        for column in 0..columns {
-            let (x, y) = (&mut x[panel.inputs(column)], &y[panel.outputs(column)]);
-            match panel.width {
-                8 => transposed_panel::<8>(rows, y, x),
-                4 => transposed_panel::<4>(rows, y, x),
-                _ => transposed_panel::<1>(rows, y, x),
-            }
-        }
+    if layer.outputs == 0 {
+        x.fill(Row::default());
+    }
+    for block in blocks(layer) {
+        let run = match (block.panel, block.singles) {
+            (8, _) => transposed_block::<8, 0, BESIDE_EIGHT>,
+            (4, 0) => transposed_block::<4, 0, 2>,
+            (4, 1) => transposed_block::<4, 1, 2>,
+            (4, 2) => transposed_block::<4, 2, 2>,
+            (4, _) => transposed_block::<4, 3, BESIDE_EIGHT>,
+            (_, 1) => transposed_block::<0, 1, 2>,
+            (_, 2) => transposed_block::<0, 2, 2>,
+            _ => transposed_block::<0, 3, 2>,
+        };
+        run(block.weights(weights), (layer, block.first), columns, y, x);
     }
 }
 
+/// Adds the part of a panel of P outputs, and of S outputs after it, to all columns, to T parts of a row at a time. The first block of a
+/// layer sets x.
 #[inline(never)]
-fn transposed_panel<const P: usize>(rows: &[f64], y: &[Row], x: &mut [Row]) {
-    let Some(y) = y.first_chunk::<P>() else { return };
-    for (x, row) in x.iter_mut().zip(rows.as_chunks::<P>().0) {
-        let mut sums = [[f64x8::ZERO; GROUPS]; 2];
-        for (l, (w, y)) in row.iter().zip(y).enumerate() {
-            let (w, sums) = (f64x8::splat(*w), &mut sums[l % 2]);
-            sums.iter_mut().enumerate().for_each(|(g, sum)| *sum = w.mul_add(y.group(g), *sum));
+fn transposed_block<const P: usize, const S: usize, const T: usize>(
+    weights: BlockWeights,
+    (layer, first): (&Layer, usize),
+    columns: usize,
+    y: &[Row],
+    x: &mut [Row],
+) {
+    let inputs = layer.inputs;
+    let (panel, singles) = weights.split::<P, S>(inputs);
+    for column in 0..columns {
+        let x = &mut x[column * inputs..][..inputs];
+        let y = &y[column * layer.outputs + first..][..P + S];
+        for part in (0..PARTS).step_by(T) {
+            let of = |l: usize| -> [Part; T] { std::array::from_fn(|t| y[l].part(part + t)) };
+            let (own, others): ([_; P], [_; S]) = (std::array::from_fn(of), std::array::from_fn(|s| of(P + s)));
+            for j in 0..inputs {
+                let mut sums: [Part; T] = match first {
+                    0 => [Part::ZERO; T],
+                    _ => std::array::from_fn(|t| x[j].part(part + t)),
+                };
+                if P > 0 {
+                    let mut halves = [[Part::ZERO; T]; 2];
+                    for (l, (w, y)) in panel[j].iter().zip(&own).enumerate() {
+                        add_products(&mut halves[l % 2], *w, y);
+                    }
+                    let [even, odd] = halves;
+                    (0..T).for_each(|t| sums[t] += even[t] + odd[t]);
+                }
+                for (w, y) in singles.iter().zip(&others) {
+                    let mut product = [Part::ZERO; T];
+                    add_products(&mut product, w[j], y);
+                    (0..T).for_each(|t| sums[t] += product[t] + Part::ZERO);
+                }
+                (0..T).for_each(|t| x[j].set_part(part + t, sums[t]));
+            }
         }
-        let [even, odd] = &sums;
-        (0..GROUPS).for_each(|g| x.set_group(g, x.group(g) + (even[g] + odd[g])));
     }
 }
 
@@ -114,10 +168,10 @@ impl<'r> Pair<&'r [Row]> {
 pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row]) {
     let columns: Vec<_> = pairs.iter().flat_map(|pair| pair.each_column(layer)).collect();
     for panel in panels(layer) {
-        let own = &mut gradient[panel.weights()];
+        let own = &mut gradient[layer.panel(panel.first, panel.width)];
         match panel.width {
-            8 => outer_panel::<8, 2>(panel.first, &columns, own),
-            4 => outer_panel::<4, 4>(panel.first, &columns, own),
+            8 => outer_panel::<8, BESIDE_EIGHT>(panel.first, &columns, own),
+            4 => outer_panel::<4, { 2 * BESIDE_EIGHT }>(panel.first, &columns, own),
             _ => outer_panel::<1, 8>(panel.first, &columns, own),
         }
     }
@@ -132,7 +186,7 @@ pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row])
 /// Vectors ȳ and x of a layer that is applied to a single column.
 type Column<'r> = (&'r [Row], &'r [Row]);
 
-/// Processes I inputs at a time, one group of lanes after the other, so that their sums over all columns stay in
+/// Processes I inputs at a time, one part of a row after the other, so that their sums over all columns stay in
 /// registers.
 fn outer_panel<const P: usize, const I: usize>(first: usize, columns: &[Column], gradient: &mut [Row]) {
     let (tiles, rest) = gradient.as_chunks_mut::<P>().0.as_chunks_mut::<I>();
@@ -151,63 +205,90 @@ fn outer_tile<const P: usize, const I: usize>(
     columns: &[Column],
     places: &mut [[Row; P]; I],
 ) {
-    for g in 0..GROUPS {
-        let mut sums = [[f64x8::ZERO; P]; I];
+    for part in 0..PARTS {
+        let mut sums = [[Part::ZERO; P]; I];
         for (sums, places) in sums.iter_mut().zip(places.iter()) {
-            sums.iter_mut().zip(places).for_each(|(sum, place)| *sum = place.group(g));
+            sums.iter_mut().zip(places).for_each(|(sum, place)| *sum = place.part(part));
         }
         for (y, x) in columns {
             let (Some(y), Some(x)) = (y[output..].first_chunk::<P>(), x[input..].first_chunk::<I>()) else {
                 return;
             };
             for (sums, x) in sums.iter_mut().zip(x) {
-                let x = x.group(g);
-                sums.iter_mut().zip(y).for_each(|(sum, y)| *sum = x.mul_add(y.group(g), *sum));
+                let x = x.part(part);
+                sums.iter_mut().zip(y).for_each(|(sum, y)| *sum = x.mul_add(y.part(part), *sum));
             }
         }
         for (places, sums) in places.iter_mut().zip(&sums) {
-            places.iter_mut().zip(sums).for_each(|(place, sum)| place.set_group(g, *sum));
+            places.iter_mut().zip(sums).for_each(|(place, sum)| place.set_part(part, *sum));
         }
     }
 }
 
 /// Neighbouring outputs of a layer whose weights are stored together.
 #[derive(Clone, Copy)]
-struct Panel<'l> {
-    layer: &'l Layer,
+struct Panel {
     first: usize,
     width: usize,
 }
 
-impl Panel<'_> {
-    /// Range of the inputs of a column.
-    fn inputs(&self, column: usize) -> Range<usize> {
-        let start = column * self.layer.inputs;
-        start..start + self.layer.inputs
-    }
+fn panels(layer: &Layer) -> impl Iterator<Item = Panel> {
+    let (eights, fours, outputs) = (layer.outputs / 8 * 8, layer.outputs / 4 * 4, layer.outputs);
+    let of =
+        move |width: usize, range: Range<usize>| range.step_by(width).map(move |first| Panel { first, width });
+    of(8, 0..eights).chain(of(4, eights..fours)).chain(of(1, fours..outputs))
+}
 
-    /// Range of the panel's outputs of a column.
-    fn outputs(&self, column: usize) -> Range<usize> {
-        let start = column * self.layer.outputs + self.first;
-        start..start + self.width
-    }
+/// Outputs of a layer whose weights are read together: a panel of eight, or all outputs after those.
+#[derive(Clone, Copy)]
+struct Block<'l> {
+    layer: &'l Layer,
+    first: usize,
+    /// Width of the panel: 8, 4 or 0.
+    panel: usize,
+    /// Number of outputs after the panel, at most 3.
+    singles: usize,
+}
 
-    /// Range of the panel's weights in the weight block.
-    fn weights(&self) -> Range<usize> {
-        self.layer.panel(self.first, self.width)
-    }
+fn blocks(layer: &Layer) -> impl Iterator<Item = Block<'_>> {
+    let (eights, rest) = (layer.outputs / 8 * 8, layer.outputs % 8);
+    let whole = (0..eights).step_by(8).map(move |first| Block { layer, first, panel: 8, singles: 0 });
+    let rest = (rest > 0).then_some(Block { layer, first: eights, panel: rest / 4 * 4, singles: rest % 4 });
+    whole.chain(rest)
+}
 
-    /// Range of the panel's biases in the weight block.
+impl Block<'_> {
+    /// Range of the biases in the weight block.
     fn biases(&self) -> Range<usize> {
         let start = self.layer.biases() + self.first;
-        start..start + self.width
+        start..start + self.panel + self.singles
+    }
+
+    fn weights<'w>(&self, weights: &'w [f64]) -> BlockWeights<'w> {
+        let after = self.first + self.panel;
+        let single = |s: usize| match s < self.singles {
+            true => &weights[self.layer.panel(after + s, 1)],
+            false => &[],
+        };
+        BlockWeights {
+            panel: &weights[self.layer.panel(self.first, self.panel)],
+            singles: std::array::from_fn(single),
+        }
     }
 }
 
-fn panels(layer: &Layer) -> impl Iterator<Item = Panel<'_>> {
-    let (eights, fours, outputs) = (layer.outputs / 8 * 8, layer.outputs / 4 * 4, layer.outputs);
-    let of = move |width: usize, range: Range<usize>| {
-        range.step_by(width).map(move |first| Panel { layer, first, width })
-    };
-    of(8, 0..eights).chain(of(4, eights..fours)).chain(of(1, fours..outputs))
+/// Weights of a block: those of its panel, and those of each output after it.
+#[derive(Clone, Copy)]
+struct BlockWeights<'w> {
+    panel: &'w [f64],
+    singles: [&'w [f64]; 3],
+}
+
+impl<'w> BlockWeights<'w> {
+    /// Weights input by input: P of the panel and S others.
+    #[inline(always)]
+    fn split<const P: usize, const S: usize>(self, inputs: usize) -> (&'w [[f64; P]], [&'w [f64]; S]) {
+        let panel = if P > 0 { &self.panel.as_chunks().0[..inputs] } else { &[] };
+        (panel, std::array::from_fn(|s| &self.singles[s][..inputs]))
+    }
 }

@@ -33,7 +33,7 @@ pub enum WeightTerm {
 #[derive(Clone, Debug, Default)]
 pub struct Adjoints {
     bars: Vec<Option<Node>>,
-    /// The single number on which the node depends that is passing on its adjoint.
+    /// The numbers of which the node is a function, column by column, that is passing on its adjoint.
     of_reader: Option<Node>,
     /// Terms whose sum is the gradient with respect to the weights.
     pub weights: Vec<WeightTerm>,
@@ -121,7 +121,7 @@ impl Builder {
         if let Some(variable) = self.variable(x).filter(|_| adjoints.of_reader.is_none())
             && let Some(slope) = self.own_slope(x)
         {
-            let own = self.dot(own, slope);
+            let own = self.column_products(own, slope, self.length(variable));
             adjoints.add(self, variable, own);
         }
     }

@@ -7,6 +7,16 @@ pub(crate) const GROUPS: usize = 2;
 /// Number of samples that a program evaluates side by side.
 pub const WIDTH: usize = GROUPS * LANES;
 
+/// As many numbers of a row as a vector register holds.
+#[cfg(target_feature = "avx512f")]
+pub(crate) type Part = wide::f64x8;
+/// As many numbers of a row as a vector register holds.
+#[cfg(not(target_feature = "avx512f"))]
+pub(crate) type Part = wide::f64x4;
+
+/// Number of parts of a row.
+pub(crate) const PARTS: usize = size_of::<Row>() / size_of::<Part>();
+
 /// Positions of the numbers of a row among those of all rows; positions beyond the rows give zeros.
 pub(crate) type Places = [u32; WIDTH];
 
@@ -39,6 +49,18 @@ impl Row {
     #[inline(always)]
     pub(crate) fn set_group(&mut self, g: usize, x: f64x8) {
         self.0.as_chunks_mut::<LANES>().0[g] = x.to_array();
+    }
+
+    /// Loads a part of the row into a register.
+    #[inline(always)]
+    pub(crate) fn part(&self, k: usize) -> Part {
+        Part::new(self.0.as_chunks().0[k])
+    }
+
+    /// Writes a part of the row.
+    #[inline(always)]
+    pub(crate) fn set_part(&mut self, k: usize, x: Part) {
+        self.0.as_chunks_mut().0[k] = x.to_array();
     }
 
     /// Returns the numbers at these positions of rows.

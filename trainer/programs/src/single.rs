@@ -3,6 +3,9 @@
 //!
 //! For example, the displacement by an element of a tree is a network of the element's own angle. Its derivatives x′,
 //! x″ are used for all coordinates, in place of a backward pass through the network for every use.
+//!
+//! A network of one input that is applied to many columns, such as the distances along all edges of a graph, is a function of a single
+//! number column by column.
 
 use crate::builder::Builder;
 use crate::operation::{Node, Operation};
@@ -12,8 +15,9 @@ use crate::operation::{Node, Operation};
 pub(crate) enum Variables {
     /// No variable.
     None,
-    /// One number: an input, or an entry of one.
-    One(Node),
+    /// The numbers of a node, each in a column of its own: a vector has as many columns of equal length as that node has numbers, and every
+    /// column depends on one of them. A node with one number is an input or an entry of one.
+    Of(Node),
     /// Several numbers.
     Many,
 }
@@ -37,17 +41,53 @@ impl Builder {
             _ => false,
         };
         if of_input && length == 1 {
-            return Variables::One(own);
+            return Variables::Of(own);
         }
         let mut variables = if of_input { Variables::Many } else { Variables::None };
         operation.reads(|x| variables = variables.and(self.variables[x.index()]));
-        variables
+        match (operation, variables) {
+            (Operation::Linear { layer, columns, x, .. }, Variables::Many)
+                if layer.inputs == 1 && *columns > 1 =>
+            {
+                Variables::Of(*x)
+            }
+            (_, Variables::Of(variable)) if !self.keeps_columns(operation, length, self.length(variable)) => {
+                Variables::Many
+            }
+            _ => variables,
+        }
     }
 
-    /// Number of which a node is a function, if that number is another node.
+    /// Whether every one of `columns` columns of the result is computed from the same column of what the operation reads.
+    fn keeps_columns(&self, operation: &Operation, length: usize, columns: usize) -> bool {
+        let stays = |index: &[u32], [from, to]: [usize; 2]| {
+            let [from, to] = [from, to].map(|length| length / columns);
+            from > 0 && to > 0 && index.iter().enumerate().all(|(i, k)| *k as usize / from == i / to)
+        };
+        let divides = |length: usize| length.is_multiple_of(columns);
+        columns == 1
+            || divides(length)
+                && match operation {
+                    Operation::Linear { columns: own, .. } | Operation::Transposed { columns: own, .. } => {
+                        divides(*own)
+                    }
+                    Operation::Gather { x, index } => {
+                        divides(self.length(*x)) && stays(index, [self.length(*x), length])
+                    }
+                    Operation::Scatter { x, index } => {
+                        divides(self.length(*x)) && {
+                            let [from, to] = [self.length(*x), length].map(|length| length / columns);
+                            index.iter().enumerate().all(|(i, k)| *k as usize / to == i / from)
+                        }
+                    }
+                    _ => true,
+                }
+    }
+
+    /// Numbers of which a node is a function column by column, if they are those of another node.
     pub(crate) fn variable(&self, node: Node) -> Option<Node> {
         match self.variables[node.index()] {
-            Variables::One(variable) if variable != node => Some(variable),
+            Variables::Of(variable) if variable != node => Some(variable),
             _ => None,
         }
     }
@@ -57,27 +97,43 @@ impl Builder {
         if let Some(slope) = self.slopes.get(&node) {
             return *slope;
         }
-        let slope = match self.variables[node.index()] {
-            Variables::One(variable) if variable == node => Some(self.constant(&[1.0])),
-            Variables::One(_) => self.inner_slope(node),
-            _ => None,
-        };
+        let slope = self.variable(node).and_then(|variable| self.inner_slope(node, variable));
         self.slopes.insert(node, slope);
         slope
     }
 
-    fn inner_slope(&mut self, node: Node) -> Option<Node> {
+    fn inner_slope(&mut self, node: Node, variable: Node) -> Option<Node> {
         let mut read = Vec::new();
         self.operations[node.index()].reads(|x| read.push(x));
-        let slopes: Vec<_> = read.into_iter().map(|x| (x, self.own_slope(x))).collect();
+        let mut slopes = Vec::new();
+        for x in read {
+            let one = vec![1.0; self.length(x)];
+            let slope = if x == variable { Some(self.constant(&one)) } else { self.own_slope(x) };
+            slopes.push((x, slope));
+        }
         self.slope(node.index(), |x| slopes.iter().find(|(own, _)| *own == x).and_then(|(_, slope)| *slope))
     }
 
     /// Derivative of a function of a single number, given the derivative of that number.
     pub(crate) fn chained(&mut self, node: Node, rate: Node) -> Option<Node> {
         let slope = self.own_slope(node)?;
-        let rate = self.repeated(rate, self.length(node));
+        let rate = self.in_columns(rate, self.length(node));
         Some(self.product(slope, rate))
+    }
+
+    /// Derivative by the number of every column, given the adjoint of a function of a single number and its derivative.
+    pub(crate) fn column_products(&mut self, bar: Node, slope: Node, columns: usize) -> Node {
+        let product = self.product(bar, slope);
+        let units = self.length(product) / columns;
+        let index: Vec<usize> = (0..columns * units).map(|i| i / units).collect();
+        self.scatter(product, &index, columns)
+    }
+
+    /// Repeats every number for all units of its column, in a vector of this length.
+    fn in_columns(&mut self, x: Node, length: usize) -> Node {
+        let units = length / self.length(x);
+        let index: Vec<usize> = (0..length).map(|i| i / units).collect();
+        self.gather(x, &index)
     }
 }
 
