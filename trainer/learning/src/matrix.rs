@@ -3,7 +3,12 @@
 //! The matrix type is nalgebra's, in column-major order. Its Cholesky factorisation is not blocked, and its singular
 //! values (version 0.35) are wrong for rank-deficient matrices (dimforge/nalgebra, issue 1172).
 
+use leastaction_programs::Part;
 use nalgebra::{Cholesky, DMatrix, Dyn};
+use std::ops::Range;
+
+/// Numbers in a register.
+const PART: usize = size_of::<Part>() / size_of::<f64>();
 
 /// Columns per block.
 const BLOCK: usize = 96;
@@ -25,13 +30,67 @@ pub fn column_mut(a: &mut DMatrix<f64>, j: usize) -> &mut [f64] {
 }
 
 /// Adds AᵀA to the lower triangle of `sum`; the entries above the diagonal are meaningless.
+///
+/// Every entry is a dot product of two columns, which are contiguous: nothing is rearranged. Tiles of entries are kept in registers, and
+/// the columns of a block in the second-level cache.
 pub fn add_gram(sum: &mut DMatrix<f64>, a: &DMatrix<f64>) {
-    let (p, rows) = (a.ncols(), a.transpose());
-    for start in (0..p).step_by(BLOCK) {
-        let end = p.min(start + BLOCK);
-        let mut block = sum.view_range_mut(start.., start..end);
-        block.gemm(1.0, &rows.rows_range(start..), &a.columns_range(start..end), 1.0);
+    let p = a.ncols();
+    for first in (0..a.nrows()).step_by(GRAM_ROWS) {
+        let rows = first..a.nrows().min(first + GRAM_ROWS);
+        for start in (0..p).step_by(GRAM_BLOCK) {
+            let end = p.min(start + GRAM_BLOCK);
+            for k in (0..end).step_by(GRAM_TILE[1]) {
+                for j in (start.max(k)..end).step_by(GRAM_TILE[0]) {
+                    add_gram_tile(sum, a, [j..end, k..p], &rows);
+                }
+            }
+        }
     }
+}
+
+/// Numbers of rows and columns of a tile, whose sums fill three quarters of the registers.
+const GRAM_TILE: [usize; 2] = if cfg!(target_feature = "avx512f") { [4, 6] } else { [3, 4] };
+/// Number of rows of which products are added up at once: the columns of a tile fit into a first-level cache of 32 KiB.
+const GRAM_ROWS: usize = 512;
+/// Number of columns that fit into half of a second-level cache of 512 KiB.
+const GRAM_BLOCK: usize = 60;
+
+/// Adds some rows' part of those entries of the tile at the beginning of these ranges that are in the ranges and in the lower triangle.
+fn add_gram_tile(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, [j, k]: [Range<usize>; 2], rows: &Range<usize>) {
+    const J: usize = GRAM_TILE[0];
+    const K: usize = GRAM_TILE[1];
+    // Columns beyond the last one are read again; their products are not used.
+    let of = |i: usize| &column(a, i.min(a.ncols() - 1))[rows.clone()];
+    let (x, y) = (std::array::from_fn(|i| of(j.start + i)), std::array::from_fn(|i| of(k.start + i)));
+    let products: [[f64; J]; K] = dot_products(x, y);
+    for (k, products) in k.zip(&products) {
+        let column = column_mut(sum, k);
+        j.clone().zip(products).filter(|(j, _)| *j >= k).for_each(|(j, product)| column[j] += product);
+    }
+}
+
+/// Dot products of all x with all y; those with one y are side by side.
+fn dot_products<const J: usize, const K: usize>(x: [&[f64]; J], y: [&[f64]; K]) -> [[f64; J]; K] {
+    let ((x, x_rest), (y, y_rest)) = (split(x), split(y));
+    let count = x[0].len();
+    let (x, y) = (x.map(|x| &x[..count]), y.map(|y| &y[..count]));
+    let mut sums = [[Part::ZERO; J]; K];
+    for i in 0..count {
+        let x = x.map(|x| Part::new(x[i]));
+        for k in 0..K {
+            let y = Part::new(y[k][i]);
+            (0..J).for_each(|j| sums[k][j] = x[j].mul_add(y, sums[k][j]));
+        }
+    }
+    let of_rest = |j: usize, k: usize| x_rest[j].iter().zip(y_rest[k]).map(|(x, y)| x * y).sum::<f64>();
+    std::array::from_fn(|k| std::array::from_fn(|j| sums[k][j].reduce_add() + of_rest(j, k)))
+}
+
+/// Columns as registers of numbers, and the numbers that are left.
+type Registers<'a, const N: usize> = ([&'a [[f64; PART]]; N], [&'a [f64]; N]);
+
+fn split<const N: usize>(columns: [&[f64]; N]) -> Registers<'_, N> {
+    (columns.map(|x| x.as_chunks().0), columns.map(|x| x.as_chunks::<PART>().1))
 }
 
 /// L of A = LLᵀ from the lower triangle of A; `None` if A is not positive definite in double precision.
@@ -149,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_gram_is_a_product_in_its_lower_triangle() {
-        for (rows, columns) in [(3, 2), (50, 7), (240, 97), (31, 250)] {
+        for (rows, columns) in [(1, 1), (3, 2), (50, 7), (240, 97), (31, 250), (1030, 61), (513, 64)] {
             let a = wave(rows, columns);
             let mut sum = DMatrix::from_element(columns, columns, 0.5);
             add_gram(&mut sum, &a);

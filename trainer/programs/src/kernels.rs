@@ -111,7 +111,8 @@ fn transposed_block<const P: usize, const S: usize, const T: usize>(
         let y = &y[column * layer.outputs + first..][..P + S];
         for part in (0..PARTS).step_by(T) {
             let of = |l: usize| -> [Part; T] { std::array::from_fn(|t| y[l].part(part + t)) };
-            let (own, others): ([_; P], [_; S]) = (std::array::from_fn(of), std::array::from_fn(|s| of(P + s)));
+            let (own, others): ([_; P], [_; S]) =
+                (std::array::from_fn(of), std::array::from_fn(|s| of(P + s)));
             for j in 0..inputs {
                 let mut sums: [Part; T] = match first {
                     0 => [Part::ZERO; T],
@@ -234,8 +235,9 @@ struct Panel {
 
 fn panels(layer: &Layer) -> impl Iterator<Item = Panel> {
     let (eights, fours, outputs) = (layer.outputs / 8 * 8, layer.outputs / 4 * 4, layer.outputs);
-    let of =
-        move |width: usize, range: Range<usize>| range.step_by(width).map(move |first| Panel { first, width });
+    let of = move |width: usize, range: Range<usize>| {
+        range.step_by(width).map(move |first| Panel { first, width })
+    };
     of(8, 0..eights).chain(of(4, eights..fours)).chain(of(1, fours..outputs))
 }
 

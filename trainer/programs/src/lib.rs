@@ -41,6 +41,6 @@ pub use function::Function;
 pub use operation::{Layer, Node};
 pub use program::{Program, Workspace};
 pub use reverse::{Adjoints, WeightTerm};
-pub use row::{Row, WIDTH};
+pub use row::{Part, Row, WIDTH};
 pub use sparsity::Pattern;
 pub use system::{Separable, System};

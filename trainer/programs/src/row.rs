@@ -9,10 +9,10 @@ pub const WIDTH: usize = GROUPS * LANES;
 
 /// As many numbers of a row as a vector register holds.
 #[cfg(target_feature = "avx512f")]
-pub(crate) type Part = wide::f64x8;
+pub type Part = wide::f64x8;
 /// As many numbers of a row as a vector register holds.
 #[cfg(not(target_feature = "avx512f"))]
-pub(crate) type Part = wide::f64x4;
+pub type Part = wide::f64x4;
 
 /// Number of parts of a row.
 pub(crate) const PARTS: usize = size_of::<Row>() / size_of::<Part>();

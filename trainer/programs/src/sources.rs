@@ -8,7 +8,8 @@ impl Builder {
     /// Gathers entries of a gathered, added or joined vector directly from its operands; `None` if that takes more than one gather.
     pub(crate) fn gathered_before(&mut self, x: Node, index: &[usize]) -> Option<Node> {
         // A function of a single number is kept as a node of its own, unless there are many of them side by side.
-        if matches!(self.variables[x.index()], Variables::Of(variable) if x == variable || self.length(variable) == 1) {
+        if matches!(self.variables[x.index()], Variables::Of(variable) if x == variable || self.length(variable) == 1)
+        {
             return None;
         }
         if self.vanish(x, index) {
