@@ -292,6 +292,10 @@ def show(report):
             for rival, its in of["rivals"].items():
                 if best := fastest(its["ns"], key):
                     print(f"{name:<11} {key:<17} {mine:>9.0f}  {rival:<10} {best[0]:>6.0f} {best[0] / mine:>14.2f}  {best[1]}")
+    print("ours with eight states side by side, ns a state (times as fast as one state a call):")
+    for name, of in report.items():
+        own = {key: (of["ours_ns"][f"{key}_lanes"], of["ours_ns"][key]) for key in TIMED}
+        print(f"  {name}: " + ", ".join(f"{key} {beside:.0f} ({alone / beside:.2f})" for key, (beside, alone) in own.items()))
     print("largest difference over the largest entry:")
     for rival in next(iter(report.values()))["rivals"]:
         worst = {name: max(value for its in of["rivals"][rival]["differences"].values() for value in its.values())

@@ -1,4 +1,5 @@
 use super::Scalar;
+use super::sin_cos::sin_cos;
 use core::array;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -104,8 +105,8 @@ impl Scalar for Lanes {
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        let both = self.0.map(Scalar::sin_cos);
-        (Self(both.map(|(sin, _)| sin)), Self(both.map(|(_, cos)| cos)))
+        let (sin, cos) = sin_cos(self.0);
+        (Self(sin), Self(cos))
     }
     #[inline]
     fn wrapped(self) -> Self {

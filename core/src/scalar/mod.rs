@@ -8,6 +8,7 @@ mod float32;
 mod float64;
 mod lanes;
 mod packed;
+mod sin_cos;
 mod tanh;
 mod weight_format;
 

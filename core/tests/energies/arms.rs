@@ -5,10 +5,11 @@ use crate::common::dual::Dual;
 use crate::common::oracle::{at_states, check_lagrangian, check_second_derivatives};
 use crate::common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
-use leastaction_core::energy::arm::{ArmBodies, ArmParameters, BodyInertia};
+use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, ArmParameters, BodyInertia};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear;
+use leastaction_core::linear::{self, SolveError};
+use leastaction_core::scalar::{LANES, Lanes};
 
 macro_rules! everywhere {
     ($check:path) => {
@@ -87,6 +88,40 @@ fn acceleration_and_inverse_dynamics_invert_each_other() {
         assert_vectors_close("τ", &system.lagrangian.inverse_dynamics(q, v, &a), &bodies, 1e-10);
     }
     everywhere!(check);
+}
+
+/// Elimination from the tips against elimination with pivots, and states side by side against states alone.
+#[test]
+fn forward_dynamics_solves_the_equation_of_motion() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let (bodies, force): (_, [f64; N]) = (arm.in_f64(), Random(9).array(5.0));
+        let d = bodies.dynamics(q, v);
+        let right = core::array::from_fn(|i| force[i] + d.l_q[i] - d.l_vq_v[i]);
+        let expected = linear::solve(d.mass, right).unwrap();
+        assert_vectors_close("v̇", &bodies.forward_dynamics(q, v, &force), &expected, 1e-10);
+        let scaled = |x: &[f64; N], lane: usize| x.map(|x| x * (1.0 - 0.21 * lane as f64));
+        let lanes = |x: &[f64; N]| -> [Lanes; N] {
+            core::array::from_fn(|i| Lanes(core::array::from_fn(|lane| scaled(x, lane)[i])))
+        };
+        let together = bodies.forward_dynamics(&lanes(q), &lanes(v), &lanes(&force));
+        for lane in 0..LANES {
+            let [q, v, force] = [q, v, &force].map(|x| scaled(x, lane));
+            let alone = bodies.forward_dynamics(&q, &v, &force);
+            assert_eq!(together.map(|x| x.0[lane].to_bits()), alone.map(f64::to_bits));
+        }
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn an_arm_without_masses_has_no_acceleration() {
+    let mut arm = arms::chain_of_seven();
+    for body in arm.weights[3..].chunks_exact_mut(ARM_PARAMETERS) {
+        body[15..].fill(0.0);
+    }
+    let system = System { lagrangian: arm.in_f64(), forces: Viscous { coefficients: [0.0; 7] } };
+    let refused = acceleration(&system, &[0.1; 7], &[0.2; 7], &[1.0; 7]);
+    assert_eq!(refused, Err(SolveError::Singular { column: 0 }));
 }
 
 #[test]

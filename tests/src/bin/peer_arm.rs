@@ -5,6 +5,7 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, BodyTree, Joint, TreeBody};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::scalar::{LANES, Lanes};
 use std::error::Error;
 use std::hint::black_box;
 use std::io::Read;
@@ -79,7 +80,7 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
         all.extend([derivatives.force_q, derivatives.force_v].as_flattened().as_flattened());
         println!("{}", all.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" "));
     }
-    let time = |name: &str, of: &dyn Fn(&State<N>)| println!("{name} {}", nanoseconds(&states, of));
+    let time = |name: &str, of: &dyn Fn(&State<N>)| println!("{name} {}", nanoseconds(&states, 1, of));
     time("inverse_dynamics", &|[q, v, x]| {
         black_box(arm.inverse_dynamics(q, v, x));
     });
@@ -93,15 +94,66 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     time("acceleration", &|[q, v, x]| {
         let _refused = black_box(acceleration(&system, q, v, x));
     });
+    measure_lanes(&arm, &states)
+}
+
+/// Times the same functions for eight states side by side, per state, and checks that every state has the bits of a call of its own.
+fn measure_lanes<const N: usize>(arm: &ArmBodies<f64, N>, states: &[State<N>]) -> Result<(), Failure> {
+    let (groups, rest) = states.as_chunks::<LANES>();
+    if !rest.is_empty() {
+        return Err(format!("{} states are not a multiple of {LANES}", states.len()).into());
+    }
+    let packed: Vec<LaneState<N>> = groups.iter().map(side_by_side).collect();
+    for (group, [q, v, x]) in groups.iter().zip(&packed) {
+        let (together, derivatives) =
+            (arm.inverse_dynamics(q, v, x), arm.inverse_dynamics_derivatives(q, v, x));
+        let (mass, forward) = (arm.mass_matrix(q), arm.forward_dynamics(q, v, x));
+        let vectors = together.iter().chain(&forward).chain(mass.as_flattened());
+        let matrices = [derivatives.force_q, derivatives.force_v];
+        let all: Vec<Lanes> = vectors.chain(matrices.as_flattened().as_flattened()).copied().collect();
+        for (lane, [q, v, x]) in group.iter().enumerate() {
+            let (alone, derivatives) =
+                (arm.inverse_dynamics(q, v, x), arm.inverse_dynamics_derivatives(q, v, x));
+            let (mass, forward) = (arm.mass_matrix(q), arm.forward_dynamics(q, v, x));
+            let vectors = alone.iter().chain(&forward).chain(mass.as_flattened());
+            let matrices = [derivatives.force_q, derivatives.force_v];
+            let own = vectors.chain(matrices.as_flattened().as_flattened());
+            if !own.map(|x| x.to_bits()).eq(all.iter().map(|x| x.0[lane].to_bits())) {
+                return Err("a state has other bits side by side with others".into());
+            }
+        }
+    }
+    let time =
+        |name: &str, of: &dyn Fn(&LaneState<N>)| println!("{name}_lanes {}", nanoseconds(&packed, LANES, of));
+    time("inverse_dynamics", &|[q, v, x]| {
+        black_box(arm.inverse_dynamics(q, v, x));
+    });
+    time("mass_matrix", &|[q, ..]| {
+        black_box(arm.mass_matrix(q));
+    });
+    time("derivatives", &|[q, v, x]| {
+        black_box((arm.inverse_dynamics_derivatives(q, v, x), arm.mass_matrix(q)));
+    });
+    time("acceleration", &|[q, v, x]| {
+        black_box(arm.forward_dynamics(q, v, x));
+    });
     Ok(())
 }
 
-/// Time of a call in the fastest pass.
-fn nanoseconds<const N: usize>(states: &[State<N>], of: &dyn Fn(&State<N>)) -> f64 {
+/// A state in every lane.
+type LaneState<const N: usize> = [[Lanes; N]; 3];
+
+fn side_by_side<const N: usize>(states: &[State<N>; LANES]) -> LaneState<N> {
+    let one = |of: usize, k: usize| Lanes(std::array::from_fn(|lane| states[lane][of][k]));
+    std::array::from_fn(|of| std::array::from_fn(|k| one(of, k)))
+}
+
+/// Time of a call in the fastest pass, divided by the number of states in a call.
+fn nanoseconds<T>(states: &[T], each: usize, of: &dyn Fn(&T)) -> f64 {
     let pass = || {
         let started = Instant::now();
         states.iter().for_each(|state| of(black_box(state)));
-        started.elapsed().as_secs_f64() / states.len() as f64 * 1e9
+        started.elapsed().as_secs_f64() / (each * states.len()) as f64 * 1e9
     };
     (0..REPETITIONS).map(|_| pass()).fold(f64::INFINITY, f64::min)
 }

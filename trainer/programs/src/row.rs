@@ -7,10 +7,10 @@ pub(crate) const GROUPS: usize = 2;
 /// Number of samples that a program evaluates side by side.
 pub const WIDTH: usize = GROUPS * LANES;
 
-/// As many numbers of a row as a vector register holds.
+/// Vector register: a part of a row.
 #[cfg(target_feature = "avx512f")]
 pub type Part = wide::f64x8;
-/// As many numbers of a row as a vector register holds.
+/// Vector register: a part of a row.
 #[cfg(not(target_feature = "avx512f"))]
 pub type Part = wide::f64x4;
 
@@ -136,8 +136,10 @@ impl Default for Row {
 /// Sine and cosine of every sample's number.
 pub(crate) fn sin_cos(x: &Row) -> [Row; 2] {
     let (mut sin, mut cos) = (*x, *x);
-    for (sin, cos) in sin.0.iter_mut().zip(&mut cos.0) {
-        (*sin, *cos) = Scalar::sin_cos(*sin);
+    let groups = sin.0.as_chunks_mut::<LANES>().0.iter_mut().zip(cos.0.as_chunks_mut::<LANES>().0);
+    for (sin, cos) in groups {
+        let (own_sin, own_cos) = Lanes(*sin).sin_cos();
+        (*sin, *cos) = (own_sin.0, own_cos.0);
     }
     [sin, cos]
 }

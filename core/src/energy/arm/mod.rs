@@ -12,6 +12,7 @@
 
 mod bodies;
 mod derivatives;
+mod forward;
 mod inertia;
 mod motion;
 mod parameters;
