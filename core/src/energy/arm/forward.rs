@@ -22,16 +22,14 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         v: &[S; N],
         force: &[S; N],
     ) -> [S; N] {
-        let (mut mass, bias) = self.mass_and_bias(q, v);
+        let Motion { mut mass, carries, bias } = self.mass_and_bias(q, v);
         let mut x = core::array::from_fn(|k| force[k] - bias[k]);
-        let carriers = self.carriers();
-        solve_from_tips(&mut mass, &carriers, &mut x);
+        solve_from_tips(&mut mass, &carries, &mut x);
         x
     }
 
-    /// M in its lower triangle, and L_vq v − L_q.
     #[inline(always)]
-    fn mass_and_bias<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> (Matrix<S, N>, [S; N]) {
+    fn mass_and_bias<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Motion<S, N> {
         let (base, falling) =
             (Frame::base(), Twist { linear: self.gravity().map(|g: S| -g), ..Twist::zero() });
         let (mut frames, mut twists) = ([base; N], [falling; N]);
@@ -47,7 +45,7 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
             wrenches[k] = inertias[k].force(frame.velocity.angular, &twists[k]);
             frames[k] = frame;
         }
-        let (mut mass, mut bias) = ([[S::zero(); N]; N], [S::zero(); N]);
+        let (mut mass, mut carries, mut bias) = ([[S::zero(); N]; N], [[false; N]; N], [S::zero(); N]);
         for k in (0..N).rev() {
             let (mut step, mut unit) = (frames[k].step, inertias[k].unit_momentum(&frames[k]));
             let rotor: S = W::scalar(self.numbers[k][ARM_PARAMETERS - 1]);
@@ -61,27 +59,22 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
             while let Some(j) = below {
                 let Some(frame) = present(frames.get(j)) else { break };
                 unit = unit.about(step);
-                mass[k][j] = frame.share(&unit);
+                (mass[k][j], carries[k][j]) = (frame.share(&unit), true);
                 (step, below) = (frame.step, self.parent(j));
             }
         }
-        (mass, bias)
+        Motion { mass, carries, bias }
     }
+}
 
+/// Terms of the equation of motion M v̇ + bias = force.
+struct Motion<S, const N: usize> {
+    /// M in its lower triangle.
+    mass: Matrix<S, N>,
     /// Whether joint j carries joint k, as entry k, j.
-    fn carriers(&self) -> [[bool; N]; N] {
-        let mut carriers = [[false; N]; N];
-        for (k, carriers) in carriers.iter_mut().enumerate() {
-            let mut below = self.parent(k);
-            while let Some(j) = below {
-                if let Some(carries) = carriers.get_mut(j) {
-                    *carries = true;
-                }
-                below = self.parent(j);
-            }
-        }
-        carriers
-    }
+    carries: [[bool; N]; N],
+    /// L_vq v − L_q.
+    bias: [S; N],
 }
 
 /// Solves Mx = b in place, from the lower triangle of M, whose entries are 0 where joint j does not carry joint k.
