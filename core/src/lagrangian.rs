@@ -116,13 +116,6 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     /// All first and second derivatives at (q, v).
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
 
-    /// v̇ = M⁻¹(force + L_q − L_vq v) for the sum of all forces on the coordinates, if the family has a faster way than
-    /// [`Lagrangian::dynamics`] and elimination; not finite if M is singular.
-    #[inline(always)]
-    fn forward_dynamics(&self, _q: &[S; N], _v: &[S; N], _force: &[S; N]) -> Option<[S; N]> {
-        None
-    }
-
     /// Writes the columns of a body's inertial numbers, in which L is linear, and returns how many there are: ten for a body in space
     /// ([`BodyInertia`](crate::energy::arm::BodyInertia)), four in the plane ([`PlanarInertia`](crate::energy::bodies::PlanarInertia)), in
     /// their order, and none for a family without bodies. Columns beyond the end of `columns` are left out.
@@ -157,11 +150,6 @@ impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         (**self).hessian(q, v)
-    }
-
-    #[inline(always)]
-    fn forward_dynamics(&self, q: &[S; N], v: &[S; N], force: &[S; N]) -> Option<[S; N]> {
-        (**self).forward_dynamics(q, v, force)
     }
 
     #[inline(always)]

@@ -31,12 +31,8 @@ where
     L: Lagrangian<R, N>,
     F: Forces<R, N>,
 {
-    let force = system.forces.force(q, v, tau);
-    let sum = core::array::from_fn(|i| force[i] + tau[i]);
-    if let Some(solved) = system.lagrangian.forward_dynamics(q, v, &sum).filter(all_finite) {
-        return Ok(solved);
-    }
     let d = system.lagrangian.dynamics(q, v);
+    let force = system.forces.force(q, v, tau);
     finite(linear::solve(d.mass, core::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + force[i] + tau[i]))?)
 }
 

@@ -1,9 +1,7 @@
 //! The Rust side of `tests/peers/arm_pinocchio.py`: dynamics of trees of rigid bodies in space, in f64, evaluated and timed with one state
 //! per call. Input and output are described in `tests/peers/README.md`.
 
-use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, BodyTree, Joint, TreeBody};
-use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::{LANES, Lanes};
 use std::error::Error;
@@ -69,10 +67,9 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     let states: Vec<f64> = numbers(words, 3 * N * count)?;
     let state = |of: &[[f64; N]]| -> State<N> { [of[0], of[1], of[2]] };
     let states: Vec<State<N>> = states.as_chunks().0.chunks_exact(3).map(state).collect();
-    let system = System { lagrangian: arm, forces: Viscous { coefficients: [0.0; N] } };
     for [q, v, x] in &states {
         let energies = arm.energies(q, v);
-        let a = acceleration(&system, q, v, x).map_err(|error| format!("{error:?}"))?;
+        let a = arm.forward_dynamics(q, v, x);
         let mut all = vec![energies.kinetic, energies.potential];
         all.extend(arm.inverse_dynamics(q, v, x).iter().chain(&arm.gravity_torque(q)));
         all.extend(arm.mass_matrix(q).as_flattened().iter().chain(&a));
@@ -92,7 +89,7 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
         black_box((arm.inverse_dynamics_derivatives(q, v, x), arm.mass_matrix(q)));
     });
     time("acceleration", &|[q, v, x]| {
-        let _refused = black_box(acceleration(&system, q, v, x));
+        black_box(arm.forward_dynamics(q, v, x));
     });
     measure_lanes(&arm, &states)
 }

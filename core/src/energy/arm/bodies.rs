@@ -22,11 +22,11 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         let (mut frames, mut twists, mut wrenches) = ([base; N], [falling; N], [Wrench::zero(); N]);
         for k in 0..N {
             let numbers = self.body(k);
-            let on = |parent: usize| Some((frames.get(parent)?, twists.get(parent)?));
-            let on = |parent| expected(on(parent), (&base, &falling));
-            let (parent, below) = self.parent(k).map_or((&base, &falling), on);
+            let on = |parent: usize| Some((frames.get(parent).copied()?, twists.get(parent).copied()?));
+            let on = |parent| expected(on(parent), (base, falling));
+            let (parent, below) = self.parent(k).map_or((base, falling), on);
             let frame = parent.carried(self.tree.bodies()[k].joint, &numbers, q[k], v[k]);
-            let twist = frame.accelerated(parent.velocity.angular, below, v[k], acceleration[k]);
+            let twist = frame.accelerated(parent.velocity.angular, &below, v[k], acceleration[k]);
             wrenches[k] = numbers.inertia.turned(&frame.rotation).force(frame.velocity.angular, &twist);
             (frames[k], twists[k]) = (frame, twist);
         }
@@ -57,8 +57,8 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         let mut mass = [[S::zero(); N]; N];
         for k in 0..N {
             let numbers = self.body(k);
-            let on = |parent: usize| expected(frames.get(parent), &base);
-            let frame = self.parent(k).map_or(&base, on).placed(self.tree.bodies()[k].joint, &numbers, q[k]);
+            let on = |parent: usize| expected(frames.get(parent).copied(), base);
+            let frame = self.parent(k).map_or(base, on).placed(self.tree.bodies()[k].joint, &numbers, q[k]);
             inertias[k] = numbers.inertia.turned(&frame.rotation);
             (frames[k], mass[k][k]) = (frame, numbers.rotor);
         }

@@ -1,12 +1,13 @@
 //! Derivatives of the drive forces with respect to positions and velocities.
 
 use super::motion::{Carried, Frame};
-use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, subtracted};
+use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale};
 use super::{ArmBodies, BodyInertia, Joint};
 use crate::energy::multibody::{Carried as _, Frame as _, Wrench as _};
 use crate::expected::{expected, present};
 use crate::linear::Matrix;
 use crate::scalar::{Scalar, WeightFormat};
+use core::array::from_fn;
 
 /// Derivatives of τ(q, v, v̇) = M v̇ + L_vq v − L_q; ∂τ/∂v̇ is [`ArmBodies::mass_matrix`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,10 +38,9 @@ impl<S: Scalar> Driven<S> {
     fn body(inertia: &BodyInertia<S>, velocity: &Twist<S>, acceleration: &Twist<S>) -> Self {
         let carried = Carried::nothing().with_body(inertia, velocity);
         let second = second_moments(inertia);
-        let column =
-            |j: usize| add(cross(velocity.angular, second[j]), scale(inertia.moment[j], velocity.linear));
-        let [a, b, c] = [column(0), column(1), column(2)];
-        let spread = [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]];
+        let columns: [Vector<S>; 3] =
+            from_fn(|j| add(cross(velocity.angular, second[j]), scale(inertia.moment[j], velocity.linear)));
+        let spread = from_fn(|i| from_fn(|j| columns[j][i]));
         Self { carried, force: inertia.force(velocity.angular, acceleration), spread }
     }
 
@@ -48,12 +48,10 @@ impl<S: Scalar> Driven<S> {
     #[inline(always)]
     fn with_joint(&self, step: Vector<S>, above: &Self) -> Self {
         let flow = above.carried.momentum.linear;
-        let entry = |i: usize, j: usize| self.spread[i][j] + above.spread[i][j] + flow[i] * step[j];
-        let row = |i: usize| [entry(i, 0), entry(i, 1), entry(i, 2)];
         Self {
             carried: self.carried.with_joint(step, &above.carried),
             force: self.force.plus(above.force.about(step)),
-            spread: [row(0), row(1), row(2)],
+            spread: from_fn(|i| from_fn(|j| self.spread[i][j] + above.spread[i][j] + flow[i] * step[j])),
         }
     }
 
@@ -65,9 +63,9 @@ impl<S: Scalar> Driven<S> {
     #[inline(always)]
     fn coriolis(&self, alpha: Vector<S>) -> Wrench<S> {
         let trace = self.trace();
-        let entry = |i: usize| trace * alpha[i] - dot(self.spread[i], alpha);
+        let angular = from_fn(|i| trace * alpha[i] - dot(self.spread[i], alpha));
         let linear = cross(alpha, self.carried.momentum.linear);
-        Wrench { angular: doubled([entry(0), entry(1), entry(2)]), linear: doubled(linear) }
+        Wrench { angular: angular.map(twice), linear: linear.map(twice) }
     }
 
     /// The joint's share of [`Driven::coriolis`], as a linear function of α.
@@ -75,24 +73,18 @@ impl<S: Scalar> Driven<S> {
     fn coriolis_share(&self, frame: &Frame<S>) -> Vector<S> {
         let (axis, trace) = (frame.axis, self.trace());
         let share = match frame.joint {
-            Joint::Revolute => {
-                let column = |i: usize| [self.spread[0][i], self.spread[1][i], self.spread[2][i]];
-                let entry = |i: usize| trace * axis[i] - dot(column(i), axis);
-                [entry(0), entry(1), entry(2)]
-            }
+            Joint::Revolute => from_fn(|i| {
+                let column = from_fn(|j: usize| self.spread[j][i]);
+                trace * axis[i] - dot(column, axis)
+            }),
             Joint::Prismatic => cross(self.carried.momentum.linear, axis),
         };
-        doubled(share)
+        share.map(twice)
     }
 }
 
 fn twice<S: Scalar>(x: S) -> S {
     x + x
-}
-
-#[inline(always)]
-fn doubled<S: Scalar>(x: Vector<S>) -> Vector<S> {
-    add(x, x)
 }
 
 /// ∫ xxᵀ dm = ½ tr(I)·1 − I.
@@ -116,7 +108,8 @@ fn crossed<S: Scalar>(v: &Twist<S>, x: &Twist<S>) -> Twist<S> {
 fn acceleration_bend<S: Scalar>(frame: &Frame<S>, bend: &Twist<S>, acceleration: &Twist<S>) -> Twist<S> {
     let Twist { angular, linear } = frame.velocity;
     let apart = cross(angular, linear);
-    let spatial = Twist { angular: acceleration.angular, linear: subtracted(acceleration.linear, apart) };
+    let spatial =
+        Twist { angular: acceleration.angular, linear: from_fn(|i| acceleration.linear[i] - apart[i]) };
     let moved = Frame { velocity: spatial, ..*frame }.bend();
     let turned = crossed(&frame.velocity, bend);
     Twist { angular: add(moved.angular, turned.angular), linear: add(moved.linear, turned.linear) }
@@ -184,11 +177,11 @@ impl<S: Scalar, const N: usize> Moved<S, N> {
         };
         for k in 0..N {
             let numbers = bodies.body(k);
-            let on = |parent: usize| Some((moved.frames.get(parent)?, twists.get(parent)?));
-            let on = |parent| expected(on(parent), (&base, &falling));
-            let (parent, below) = bodies.parent(k).map_or((&base, &falling), on);
+            let on = |parent: usize| Some((moved.frames.get(parent).copied()?, twists.get(parent).copied()?));
+            let on = |parent| expected(on(parent), (base, falling));
+            let (parent, below) = bodies.parent(k).map_or((base, falling), on);
             let frame = parent.carried(bodies.tree.bodies()[k].joint, &numbers, q[k], v[k]);
-            let twist = frame.accelerated(parent.velocity.angular, below, v[k], acceleration[k]);
+            let twist = frame.accelerated(parent.velocity.angular, &below, v[k], acceleration[k]);
             let inertia = numbers.inertia.turned(&frame.rotation);
             moved.driven[k] = Driven::body(&inertia, &frame.velocity, &twist);
             let bend = frame.bend();

@@ -6,11 +6,9 @@
 use super::vector::{
     Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about, turned_back,
 };
-use super::{
-    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies, ArmParameters, BodyInertia, INERTIAL_PARAMETERS, Joint,
-};
-use crate::energy::multibody::{self, Bodies, Space, Wrench as _};
-use crate::scalar::{Scalar, WeightFormat};
+use super::{ARM_PARAMETERS, ArmParameters, BodyInertia, INERTIAL_PARAMETERS, Joint};
+use crate::energy::multibody::{self, Space, Wrench as _};
+use crate::scalar::Scalar;
 
 /// The frame of a body.
 #[derive(Clone, Copy, Debug)]
@@ -30,20 +28,8 @@ impl<S: Scalar> Space<S, ARM_PARAMETERS> for Vector<S> {
     type Frame = Frame<S>;
 
     #[inline(always)]
-    fn body<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; ARM_PARAMETERS]) -> ArmParameters<S> {
-        ArmParameters::read(numbers)
-    }
-
-    #[inline(always)]
-    fn forward_dynamics<W: WeightFormat<Wide = S::Weight>, const D: usize, const N: usize>(
-        bodies: &Bodies<W, D, ARM_PARAMETERS, N>,
-        q: &[S; N],
-        v: &[S; N],
-        force: &[S; N],
-    ) -> Option<[S; N]> {
-        let Bodies { tree, gravity, numbers } = *bodies;
-        let gravity: &[W; ARM_GRAVITY_PARAMETERS] = gravity.as_slice().try_into().ok()?;
-        Some(ArmBodies { tree, gravity, numbers }.forward_dynamics(q, v, force))
+    fn body(numbers: [S; ARM_PARAMETERS]) -> ArmParameters<S> {
+        ArmParameters::from_array(numbers)
     }
 }
 
@@ -51,20 +37,14 @@ impl<S: Scalar> Frame<S> {
     /// Places the frame of a body that stands on this one; the velocity of the new frame is left at 0.
     #[inline(always)]
     pub fn placed(&self, joint: Joint, numbers: &ArmParameters<S>, q: S) -> Self {
-        let (rotation, axis, step) = self.pose(joint, numbers, q);
-        Self { joint, rotation, axis, step, velocity: Twist::zero() }
-    }
-
-    /// Rotation and axis of a body that stands on this one, and the step to its origin.
-    #[inline(always)]
-    fn pose(&self, joint: Joint, numbers: &ArmParameters<S>, q: S) -> (Rotation<S>, Vector<S>, Vector<S>) {
         let rotation = product(&self.rotation, &numbers.rotation);
         let axis = turned(&rotation, numbers.axis);
         let place = turned(&self.rotation, numbers.place);
-        match joint {
-            Joint::Revolute => (turned_about(&rotation, (axis, numbers.axis), q), axis, place),
-            Joint::Prismatic => (rotation, axis, add(place, scale(q, axis))),
-        }
+        let (rotation, step) = match joint {
+            Joint::Revolute => (turned_about(&rotation, (axis, numbers.axis), q), place),
+            Joint::Prismatic => (rotation, add(place, scale(q, axis))),
+        };
+        Self { joint, rotation, axis, step, velocity: Twist::zero() }
     }
 
     /// Angular acceleration of the body of this frame, and acceleration of its origin. `spin` is the parent's
@@ -102,14 +82,14 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
 
     #[inline(always)]
     fn carried(&self, joint: Joint, body: &ArmParameters<S>, q: S, v: S) -> Self {
-        let (rotation, axis, step) = self.pose(joint, body, q);
+        let frame = self.placed(joint, body, q);
         let Twist { angular, linear } = self.velocity;
-        let (along, linear) = (scale(v, axis), add(linear, cross(angular, step)));
+        let (along, linear) = (scale(v, frame.axis), add(linear, cross(angular, frame.step)));
         let velocity = match joint {
             Joint::Revolute => Twist { angular: add(angular, along), linear },
             Joint::Prismatic => Twist { angular, linear: add(linear, along) },
         };
-        Self { joint, rotation, axis, step, velocity }
+        Self { velocity, ..frame }
     }
 
     #[inline(always)]

@@ -1,5 +1,4 @@
 use super::{BodyInertia, INERTIAL_PARAMETERS, Rotation, Vector};
-use crate::scalar::{Scalar, WeightFormat};
 
 /// Number of components of the acceleration of gravity γ, m/s², which come first in the weight block.
 pub const ARM_GRAVITY_PARAMETERS: usize = 3;
@@ -20,27 +19,6 @@ pub struct ArmParameters<S> {
     pub inertia: BodyInertia<S>,
     /// Rotor inertia J ≥ 0 of the drive, reflected to the joint (times the square of the gear ratio), kg m²; kg for a prismatic joint.
     pub rotor: S,
-}
-
-impl<S: Scalar> ArmParameters<S> {
-    /// Parameters read one by one in the order of [`ArmParameters::from_array`]: a whole array of lanes would be copied.
-    #[inline(always)]
-    pub(super) fn read<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; ARM_PARAMETERS]) -> Self {
-        let [a, b, c, d, e, f, g, h, i, x, y, z, along_x, along_y, along_z, rest @ ..] = numbers;
-        let [m, mx, my, mz, xx, xy, yy, xz, yz, zz, rotor] = rest;
-        let n = |number: &W| number.scalar();
-        Self {
-            rotation: [[n(a), n(b), n(c)], [n(d), n(e), n(f)], [n(g), n(h), n(i)]],
-            place: [n(x), n(y), n(z)],
-            axis: [n(along_x), n(along_y), n(along_z)],
-            inertia: BodyInertia {
-                mass: n(m),
-                moment: [n(mx), n(my), n(mz)],
-                matrix: [n(xx), n(xy), n(yy), n(xz), n(yz), n(zz)],
-            },
-            rotor: n(rotor),
-        }
-    }
 }
 
 impl<S> ArmParameters<S> {

@@ -1,9 +1,8 @@
 //! Vectors in space, and pairs of them: motions and forces of bodies.
-//!
-//! Entries are written out: `map` and `from_fn` over entries as long as lanes of numbers are calls, and copy them.
 
 use crate::energy::multibody;
 use crate::scalar::Scalar;
+use core::array::from_fn;
 
 /// A point or a direction in space.
 pub type Vector<S> = [S; 3];
@@ -13,19 +12,13 @@ pub type Rotation<S> = [Vector<S>; 3];
 /// a + b.
 #[inline(always)]
 pub(super) fn add<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// a − b.
-#[inline(always)]
-pub(super) fn subtracted<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    from_fn(|i| a[i] + b[i])
 }
 
 /// ca.
 #[inline(always)]
 pub(super) fn scale<S: Scalar>(c: S, a: Vector<S>) -> Vector<S> {
-    [c * a[0], c * a[1], c * a[2]]
+    a.map(|a| c * a)
 }
 
 /// a·b.
@@ -43,23 +36,20 @@ pub(super) fn cross<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
 /// Ra.
 #[inline(always)]
 pub(super) fn turned<S: Scalar>(rotation: &Rotation<S>, a: Vector<S>) -> Vector<S> {
-    [dot(rotation[0], a), dot(rotation[1], a), dot(rotation[2], a)]
+    rotation.map(|row| dot(row, a))
 }
 
 /// Rᵀa.
 #[inline(always)]
 pub(super) fn turned_back<S: Scalar>(rotation: &Rotation<S>, a: Vector<S>) -> Vector<S> {
     let [x, y, z] = rotation;
-    let entry = |i: usize| x[i] * a[0] + y[i] * a[1] + z[i] * a[2];
-    [entry(0), entry(1), entry(2)]
+    from_fn(|i| x[i] * a[0] + y[i] * a[1] + z[i] * a[2])
 }
 
 /// AB.
 #[inline(always)]
 pub(super) fn product<S: Scalar>(a: &Rotation<S>, b: &Rotation<S>) -> Rotation<S> {
-    let entry = |row: Vector<S>, j: usize| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j];
-    let row = |row: Vector<S>| [entry(row, 0), entry(row, 1), entry(row, 2)];
-    [row(a[0]), row(a[1]), row(a[2])]
+    a.map(|row| from_fn(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
 }
 
 /// R turned by the angle q about Ra, a unit vector: cos q R + sin q [Ra]×R + (1 − cos q)(Ra)aᵀ.
@@ -71,12 +61,13 @@ pub(super) fn turned_about<S: Scalar>(
 ) -> Rotation<S> {
     let (sin, cos) = q.sin_cos();
     let (across, along) = (scale(sin, turned), scale(S::one() - cos, turned));
-    let row = |next: usize, last: usize| {
-        subtracted(scale(across[next], rotation[last]), scale(across[last], rotation[next]))
-    };
-    let crossed = [row(1, 2), row(2, 0), row(0, 1)];
-    let row = |i: usize| add(add(scale(cos, rotation[i]), crossed[i]), scale(along[i], axis));
-    [row(0), row(1), row(2)]
+    from_fn(|i| {
+        let (next, last) = ((i + 1) % 3, (i + 2) % 3);
+        from_fn(|j| {
+            let crossed = across[next] * rotation[last][j] - across[last] * rotation[next][j];
+            cos * rotation[i][j] + crossed + along[i] * axis[j]
+        })
+    })
 }
 
 /// Motion of a body: its angular velocity, and the velocity of its point at a joint.

@@ -3,7 +3,7 @@
 use super::vector::{Vector, Wrench, across, add, cross, dot, scale, turned, turned_back};
 use super::{BODY_PARAMETERS, BodyParameters, Joint, PLANAR_INERTIAL_PARAMETERS};
 use crate::energy::multibody::{self, Space, Wrench as _};
-use crate::scalar::{Scalar, WeightFormat};
+use crate::scalar::Scalar;
 
 /// The frame of a body at its joint; vectors are in the axes of the ground.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +25,8 @@ impl<S: Scalar> Space<S, BODY_PARAMETERS> for Vector<S> {
     type Frame = Frame<S>;
 
     #[inline(always)]
-    fn body<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; BODY_PARAMETERS]) -> BodyParameters<S> {
-        BodyParameters::from_array(numbers.map(W::scalar))
+    fn body(numbers: [S; BODY_PARAMETERS]) -> BodyParameters<S> {
+        BodyParameters::from_array(numbers)
     }
 }
 

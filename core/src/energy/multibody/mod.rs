@@ -53,7 +53,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
     where
         [S; D]: Space<S, B>,
     {
-        <[S; D] as Space<S, B>>::body(&self.numbers[k])
+        <[S; D] as Space<S, B>>::body(self.numbers[k].map(W::scalar))
     }
 
     pub(super) fn parent(&self, k: usize) -> Option<usize> {
@@ -203,11 +203,6 @@ where
 
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         self.derivatives(q, v, None)
-    }
-
-    #[inline(always)]
-    fn forward_dynamics(&self, q: &[S; N], v: &[S; N], force: &[S; N]) -> Option<[S; N]> {
-        <[S; D] as Space<S, B>>::forward_dynamics(self, q, v, force)
     }
 
     fn inertial_columns(&self, body: usize, q: &[S; N], v: &[S; N], columns: &mut [Column<S, N>]) -> usize {

@@ -1,26 +1,15 @@
 //! Interface between the recursion over a tree of bodies and the space that they move in.
 
-use super::{Bodies, Joint};
-use crate::scalar::{Scalar, WeightFormat};
+use super::Joint;
+use crate::scalar::Scalar;
 
 /// A kind of space, identified by its vectors: `[S; 2]` is the plane, `[S; 3]` three-dimensional space. A body has `B` numbers.
 pub trait Space<S: Scalar, const B: usize>: Copy {
     /// Frame type of the space.
     type Frame: Frame<S, Vector = Self>;
 
-    /// Reads a body from its numbers in the order of the weight block.
-    fn body<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; B]) -> <Self::Frame as Frame<S>>::Body;
-
-    /// See [`Lagrangian::forward_dynamics`](crate::lagrangian::Lagrangian::forward_dynamics).
-    #[inline(always)]
-    fn forward_dynamics<W: WeightFormat<Wide = S::Weight>, const D: usize, const N: usize>(
-        _bodies: &Bodies<W, D, B, N>,
-        _q: &[S; N],
-        _v: &[S; N],
-        _force: &[S; N],
-    ) -> Option<[S; N]> {
-        None
-    }
+    /// Creates a body from its numbers in the order of the weight block.
+    fn body(numbers: [S; B]) -> <Self::Frame as Frame<S>>::Body;
 }
 
 /// The frame of a body at its joint, in motion.
