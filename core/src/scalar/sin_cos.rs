@@ -45,20 +45,15 @@ fn reduced(x: f64) -> (f64, f64, u64) {
     let y = r - w;
     let rest = (r - y) - w;
     let sin = if n == 0.0 { sine_alone(y) } else { sine(y, rest) };
-    let sin = if magnitude(x) < TINY { x } else { sin };
+    let sin = if x.abs() < TINY { x } else { sin };
     let cos = cosine(y, rest);
     // n in the low bits: a quarter turn exchanges both, a half turn changes their signs.
     let quarters = shifted.to_bits();
     let (a, b) = if quarters & 1 == 0 { (sin, cos) } else { (cos, sin) };
     let flipped = |x: f64, half: u64| f64::from_bits(x.to_bits() ^ (half & 2) << 62);
-    let (near, far) = (NEAREST * magnitude(x), magnitude(y));
-    let is_same = magnitude(x) < LARGEST && far < FARTHEST && (n == 0.0 || far > near);
+    let (near, far) = (NEAREST * x.abs(), y.abs());
+    let is_same = x.abs() < LARGEST && far < FARTHEST && (n == 0.0 || far > near);
     (flipped(a, quarters), flipped(b, quarters.wrapping_add(1)), u64::from(!is_same))
-}
-
-#[inline(always)]
-fn magnitude(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & !(1 << 63))
 }
 
 const S1: f64 = -0.166_666_666_666_666_32;

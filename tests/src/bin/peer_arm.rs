@@ -3,7 +3,7 @@
 
 use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, BodyTree, Joint, TreeBody};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::scalar::{LANES, Lanes};
+use leastaction_core::scalar::{LANES, Lanes, Scalar};
 use std::error::Error;
 use std::hint::black_box;
 use std::io::Read;
@@ -67,17 +67,38 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     let states: Vec<f64> = numbers(words, 3 * N * count)?;
     let state = |of: &[[f64; N]]| -> State<N> { [of[0], of[1], of[2]] };
     let states: Vec<State<N>> = states.as_chunks().0.chunks_exact(3).map(state).collect();
-    for [q, v, x] in &states {
-        let energies = arm.energies(q, v);
-        let a = arm.forward_dynamics(q, v, x);
-        let mut all = vec![energies.kinetic, energies.potential];
-        all.extend(arm.inverse_dynamics(q, v, x).iter().chain(&arm.gravity_torque(q)));
-        all.extend(arm.mass_matrix(q).as_flattened().iter().chain(&a));
-        let derivatives = arm.inverse_dynamics_derivatives(q, v, x);
-        all.extend([derivatives.force_q, derivatives.force_v].as_flattened().as_flattened());
+    for state in &states {
+        let all = quantities(&arm, state);
         println!("{}", all.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" "));
     }
-    let time = |name: &str, of: &dyn Fn(&State<N>)| println!("{name} {}", nanoseconds(&states, 1, of));
+    time_all((&arm, &states), ("", 1));
+    let packed = packed(&arm, &states)?;
+    time_all((&arm, &packed), ("_lanes", LANES));
+    Ok(())
+}
+
+/// All quantities of a state, or of states side by side, in the order of the output.
+fn quantities<S: Scalar<Weight = f64>, const N: usize>(
+    arm: &ArmBodies<f64, N>,
+    [q, v, x]: &[[S; N]; 3],
+) -> Vec<S> {
+    let energies = arm.energies(q, v);
+    let mut all = vec![energies.kinetic, energies.potential];
+    all.extend(arm.inverse_dynamics(q, v, x).iter().chain(&arm.gravity_torque(q)));
+    all.extend(arm.mass_matrix(q).as_flattened().iter().chain(&arm.forward_dynamics(q, v, x)));
+    let derivatives = arm.inverse_dynamics_derivatives(q, v, x);
+    all.extend([derivatives.force_q, derivatives.force_v].as_flattened().as_flattened());
+    all
+}
+
+/// Prints the time of every function per state, with `suffix` behind its name; `each` states lie side by side.
+fn time_all<S: Scalar<Weight = f64>, const N: usize>(
+    (arm, states): (&ArmBodies<f64, N>, &[[[S; N]; 3]]),
+    (suffix, each): (&str, usize),
+) {
+    let time = |name: &str, of: &dyn Fn(&[[S; N]; 3])| {
+        println!("{name}{suffix} {}", nanoseconds(states, each, of));
+    };
     time("inverse_dynamics", &|[q, v, x]| {
         black_box(arm.inverse_dynamics(q, v, x));
     });
@@ -91,50 +112,28 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     time("acceleration", &|[q, v, x]| {
         black_box(arm.forward_dynamics(q, v, x));
     });
-    measure_lanes(&arm, &states)
 }
 
-/// Times the same functions for eight states side by side, per state, and checks that every state has the bits of a call of its own.
-fn measure_lanes<const N: usize>(arm: &ArmBodies<f64, N>, states: &[State<N>]) -> Result<(), Failure> {
+/// The states in groups of eight side by side, each of which has the bits that it has alone.
+fn packed<const N: usize>(
+    arm: &ArmBodies<f64, N>,
+    states: &[State<N>],
+) -> Result<Vec<LaneState<N>>, Failure> {
     let (groups, rest) = states.as_chunks::<LANES>();
     if !rest.is_empty() {
         return Err(format!("{} states are not a multiple of {LANES}", states.len()).into());
     }
     let packed: Vec<LaneState<N>> = groups.iter().map(side_by_side).collect();
-    for (group, [q, v, x]) in groups.iter().zip(&packed) {
-        let (together, derivatives) =
-            (arm.inverse_dynamics(q, v, x), arm.inverse_dynamics_derivatives(q, v, x));
-        let (mass, forward) = (arm.mass_matrix(q), arm.forward_dynamics(q, v, x));
-        let vectors = together.iter().chain(&forward).chain(mass.as_flattened());
-        let matrices = [derivatives.force_q, derivatives.force_v];
-        let all: Vec<Lanes> = vectors.chain(matrices.as_flattened().as_flattened()).copied().collect();
-        for (lane, [q, v, x]) in group.iter().enumerate() {
-            let (alone, derivatives) =
-                (arm.inverse_dynamics(q, v, x), arm.inverse_dynamics_derivatives(q, v, x));
-            let (mass, forward) = (arm.mass_matrix(q), arm.forward_dynamics(q, v, x));
-            let vectors = alone.iter().chain(&forward).chain(mass.as_flattened());
-            let matrices = [derivatives.force_q, derivatives.force_v];
-            let own = vectors.chain(matrices.as_flattened().as_flattened());
-            if !own.map(|x| x.to_bits()).eq(all.iter().map(|x| x.0[lane].to_bits())) {
+    for (group, together) in groups.iter().zip(&packed) {
+        let together = quantities(arm, together);
+        for (lane, state) in group.iter().enumerate() {
+            let alone = quantities(arm, state);
+            if !alone.iter().map(|x| x.to_bits()).eq(together.iter().map(|x| x.0[lane].to_bits())) {
                 return Err("a state has other bits side by side with others".into());
             }
         }
     }
-    let time =
-        |name: &str, of: &dyn Fn(&LaneState<N>)| println!("{name}_lanes {}", nanoseconds(&packed, LANES, of));
-    time("inverse_dynamics", &|[q, v, x]| {
-        black_box(arm.inverse_dynamics(q, v, x));
-    });
-    time("mass_matrix", &|[q, ..]| {
-        black_box(arm.mass_matrix(q));
-    });
-    time("derivatives", &|[q, v, x]| {
-        black_box((arm.inverse_dynamics_derivatives(q, v, x), arm.mass_matrix(q)));
-    });
-    time("acceleration", &|[q, v, x]| {
-        black_box(arm.forward_dynamics(q, v, x));
-    });
-    Ok(())
+    Ok(packed)
 }
 
 /// A state in every lane.

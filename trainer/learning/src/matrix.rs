@@ -82,8 +82,7 @@ fn dot_products<const J: usize, const K: usize>(x: [&[f64]; J], y: [&[f64]; K]) 
             (0..J).for_each(|j| sums[k][j] = x[j].mul_add(y, sums[k][j]));
         }
     }
-    let of_rest = |j: usize, k: usize| x_rest[j].iter().zip(y_rest[k]).map(|(x, y)| x * y).sum::<f64>();
-    std::array::from_fn(|k| std::array::from_fn(|j| sums[k][j].reduce_add() + of_rest(j, k)))
+    std::array::from_fn(|k| std::array::from_fn(|j| sums[k][j].reduce_add() + dot(x_rest[j], y_rest[k])))
 }
 
 /// Columns as registers of numbers, and the numbers that are left.

@@ -60,28 +60,26 @@ impl Builder {
 
     /// Whether every one of `columns` columns of the result is computed from the same column of what the operation reads.
     fn keeps_columns(&self, operation: &Operation, length: usize, columns: usize) -> bool {
-        let stays = |index: &[u32], [from, to]: [usize; 2]| {
-            let [from, to] = [from, to].map(|length| length / columns);
-            from > 0 && to > 0 && index.iter().enumerate().all(|(i, k)| *k as usize / from == i / to)
-        };
         let divides = |length: usize| length.is_multiple_of(columns);
-        columns == 1
-            || divides(length)
-                && match operation {
-                    Operation::Linear { columns: own, .. } | Operation::Transposed { columns: own, .. } => {
-                        divides(*own)
-                    }
-                    Operation::Gather { x, index } => {
-                        divides(self.length(*x)) && stays(index, [self.length(*x), length])
-                    }
-                    Operation::Scatter { x, index } => {
-                        divides(self.length(*x)) && {
-                            let [from, to] = [self.length(*x), length].map(|length| length / columns);
-                            index.iter().enumerate().all(|(i, k)| *k as usize / to == i / from)
-                        }
-                    }
-                    _ => true,
-                }
+        // Entry i and number index[i] of the other vector are in the same column, given the numbers of units of both.
+        let same = |index: &[u32], entries: usize, numbers: usize| {
+            let mut pairs = index.iter().enumerate();
+            entries > 0 && numbers > 0 && pairs.all(|(i, k)| i / entries == *k as usize / numbers)
+        };
+        let units = |x: Node| self.length(x) / columns;
+        let stays = match operation {
+            Operation::Linear { columns: own, .. } | Operation::Transposed { columns: own, .. } => {
+                divides(*own)
+            }
+            Operation::Gather { x, index } => {
+                divides(self.length(*x)) && same(index, length / columns, units(*x))
+            }
+            Operation::Scatter { x, index } => {
+                divides(self.length(*x)) && same(index, units(*x), length / columns)
+            }
+            _ => true,
+        };
+        columns == 1 || divides(length) && stays
     }
 
     /// Numbers of which a node is a function column by column, if they are those of another node.
@@ -107,8 +105,10 @@ impl Builder {
         self.operations[node.index()].reads(|x| read.push(x));
         let mut slopes = Vec::new();
         for x in read {
-            let one = vec![1.0; self.length(x)];
-            let slope = if x == variable { Some(self.constant(&one)) } else { self.own_slope(x) };
+            let slope = match x == variable {
+                true => Some(self.constant(&vec![1.0; self.length(x)])),
+                false => self.own_slope(x),
+            };
             slopes.push((x, slope));
         }
         self.slope(node.index(), |x| slopes.iter().find(|(own, _)| *own == x).and_then(|(_, slope)| *slope))
@@ -121,20 +121,23 @@ impl Builder {
         Some(self.product(slope, rate))
     }
 
-    /// Derivative by the number of every column, given the adjoint of a function of a single number and its derivative.
-    pub(crate) fn column_products(&mut self, bar: Node, slope: Node, columns: usize) -> Node {
-        let product = self.product(bar, slope);
+    /// Products x·y of `columns` columns, as a vector with one number for each.
+    pub(crate) fn column_products(&mut self, x: Node, y: Node, columns: usize) -> Node {
+        let product = self.product(x, y);
         let units = self.length(product) / columns;
-        let index: Vec<usize> = (0..columns * units).map(|i| i / units).collect();
-        self.scatter(product, &index, columns)
+        self.scatter(product, &owners(columns, units), columns)
     }
 
     /// Repeats every number for all units of its column, in a vector of this length.
     fn in_columns(&mut self, x: Node, length: usize) -> Node {
-        let units = length / self.length(x);
-        let index: Vec<usize> = (0..length).map(|i| i / units).collect();
-        self.gather(x, &index)
+        let columns = self.length(x);
+        self.gather(x, &owners(columns, length / columns))
     }
+}
+
+/// Column of every entry; each of `columns` columns has `units` entries.
+fn owners(columns: usize, units: usize) -> Vec<usize> {
+    (0..columns * units).map(|entry| entry / units).collect()
 }
 
 #[cfg(test)]

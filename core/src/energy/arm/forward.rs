@@ -22,14 +22,14 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         v: &[S; N],
         force: &[S; N],
     ) -> [S; N] {
-        let Motion { mut mass, carries, bias } = self.mass_and_bias(q, v);
+        let EquationOfMotion { mut mass, carries, bias } = self.mass_and_bias(q, v);
         let mut x = core::array::from_fn(|k| force[k] - bias[k]);
         solve_from_tips(&mut mass, &carries, &mut x);
         x
     }
 
     #[inline(always)]
-    fn mass_and_bias<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Motion<S, N> {
+    fn mass_and_bias<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> EquationOfMotion<S, N> {
         let (base, falling) =
             (Frame::base(), Twist { linear: self.gravity().map(|g: S| -g), ..Twist::zero() });
         let (mut frames, mut twists) = ([base; N], [falling; N]);
@@ -63,12 +63,12 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
                 (step, below) = (frame.step, self.parent(j));
             }
         }
-        Motion { mass, carries, bias }
+        EquationOfMotion { mass, carries, bias }
     }
 }
 
-/// Terms of the equation of motion M v̇ + bias = force.
-struct Motion<S, const N: usize> {
+/// Terms of M v̇ + bias = force.
+struct EquationOfMotion<S, const N: usize> {
     /// M in its lower triangle.
     mass: Matrix<S, N>,
     /// Whether joint j carries joint k, as entry k, j.

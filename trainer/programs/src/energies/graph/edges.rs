@@ -1,7 +1,6 @@
 //! Energy of an edge: the separation of its ends, and a potential that depends on it.
 
 use super::GraphEnergies;
-use super::nodes::squares;
 use crate::builder::Builder;
 use crate::function::Function;
 use crate::operation::Node;
@@ -39,7 +38,7 @@ impl GraphEnergies {
             let [a, b] = [0, 1].map(|end| self.coordinates(group.ends.iter().map(|ends| ends[end])));
             let (first, second) = (builder.gather(q, &a), builder.gather(minus, &b));
             let difference = builder.sum(first, second);
-            let squares = squares(builder, difference, group.ends.len());
+            let squares = builder.column_products(difference, difference, group.ends.len());
             separations.push(match group.shape.separation {
                 Separation::Squared => squares,
                 Separation::Distance => builder.map(Function::SquareRoot, squares),

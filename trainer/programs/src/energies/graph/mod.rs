@@ -183,11 +183,6 @@ impl Numbers {
     }
 }
 
-/// For every entry, the item that it belongs to; each of `items` items has `each` entries.
-fn owners(items: usize, each: usize) -> Vec<usize> {
-    (0..items * each).map(|entry| entry / each).collect()
-}
-
 /// Outputs f(`embedding` ‖ x) for `columns` inputs x.
 fn embedded(builder: &mut Builder, network: &Network, embedding: Node, (columns, x): (usize, Node)) -> Node {
     let kinds = Kinds { table: embedding, width: builder.length(embedding), of: &vec![0; columns] };

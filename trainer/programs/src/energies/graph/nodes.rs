@@ -1,6 +1,6 @@
 //! Terms of one node: kinetic energy, potential, drag.
 
-use super::{GraphEnergies, embedded, owners};
+use super::{GraphEnergies, embedded};
 use crate::builder::Builder;
 use crate::function::Function;
 use crate::operation::Node;
@@ -44,7 +44,7 @@ impl GraphEnergies {
             }
             Kinetic::Network(network) => {
                 let count = group.nodes.len();
-                let squares = squares(builder, v, count);
+                let squares = builder.column_products(v, v, count);
                 let embedding = self.numbers.kinetic_embedding(builder, group.kind);
                 let y = embedded(builder, self.network(network), embedding, (count, squares));
                 builder.total(y)
@@ -99,10 +99,4 @@ impl GraphEnergies {
         let drag = builder.scaled(-1.0, drag);
         builder.scatter(drag, &coordinates, n)
     }
-}
-
-/// Squares |x|² of `count` vectors.
-pub(super) fn squares(builder: &mut Builder, x: Node, count: usize) -> Node {
-    let (each, product) = (builder.length(x) / count, builder.product(x, x));
-    builder.scatter(product, &owners(count, each), count)
 }
