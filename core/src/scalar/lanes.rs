@@ -28,11 +28,18 @@ impl Lanes {
     }
 }
 
-// Written out: these operations make up most of the trainer, and closures would double its compile time.
+// Registers by name where they are known: a compiler finds them by itself only in small functions. Elsewhere written out, since closures would
+// double the time to compile the trainer.
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
         impl $trait for Lanes {
             type Output = Self;
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self((wide::f64x8::new(self.0) $op wide::f64x8::new(other.0)).to_array())
+            }
+            #[cfg(not(target_arch = "x86_64"))]
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 let ([a0, a1, a2, a3, a4, a5, a6, a7], [b0, b1, b2, b3, b4, b5, b6, b7]) = (self.0, other.0);
