@@ -1,7 +1,7 @@
 //! Interface between the solvers and a mechanical system: a Lagrangian L(q, v) = T − V with its derivatives.
 
-use crate::linear::multiply;
-use crate::scalar::Scalar;
+use crate::linear::{SolveError, multiply, solve};
+use crate::scalar::{Real, Scalar};
 
 /// Kinetic and potential energy, J.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -33,6 +33,15 @@ pub struct Dynamics<S, const N: usize> {
     pub l_v: [S; N],
     /// L_vq v, the change of momentum along the motion at constant velocity.
     pub l_vq_v: [S; N],
+}
+
+/// M⁻¹(force + L_q − L_vq v).
+#[inline(always)]
+pub(crate) fn eliminated<R: Real, const N: usize>(
+    d: Dynamics<R, N>,
+    force: &[R; N],
+) -> Result<[R; N], SolveError> {
+    solve(d.mass, core::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + force[i]))
 }
 
 /// Derivatives for a step of the discrete Euler–Lagrange equation: all first and second derivatives of the Lagrangian except L_qq.
@@ -116,6 +125,23 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     /// All first and second derivatives at (q, v).
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
 
+    /// Whether [`Lagrangian::forward_dynamics`] has a faster way than [`Lagrangian::dynamics`] and elimination.
+    #[inline(always)]
+    fn solves(&self) -> bool {
+        false
+    }
+
+    /// v̇ = M⁻¹(force + L_q − L_vq v) for the sum of all forces on the coordinates.
+    ///
+    /// # Errors
+    /// [`SolveError::Singular`] if M is singular; [`SolveError::NotFinite`] if its pivots are not finite. The result may not be finite, too.
+    fn forward_dynamics(&self, q: &[S; N], v: &[S; N], force: &[S; N]) -> Result<[S; N], SolveError>
+    where
+        S: Real,
+    {
+        eliminated(self.dynamics(q, v), force)
+    }
+
     /// Writes the columns of a body's inertial numbers, in which L is linear, and returns how many there are: ten for a body in space
     /// ([`BodyInertia`](crate::energy::arm::BodyInertia)), four in the plane ([`PlanarInertia`](crate::energy::bodies::PlanarInertia)), in
     /// their order, and none for a family without bodies. Columns beyond the end of `columns` are left out.
@@ -150,6 +176,19 @@ impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         (**self).hessian(q, v)
+    }
+
+    #[inline(always)]
+    fn solves(&self) -> bool {
+        (**self).solves()
+    }
+
+    #[inline(always)]
+    fn forward_dynamics(&self, q: &[S; N], v: &[S; N], force: &[S; N]) -> Result<[S; N], SolveError>
+    where
+        S: Real,
+    {
+        (**self).forward_dynamics(q, v, force)
     }
 
     #[inline(always)]

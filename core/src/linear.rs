@@ -22,7 +22,7 @@ pub enum SolveError {
 
 impl SolveError {
     /// Error for a pivot that cannot be divided by.
-    fn of_pivot<R: Real>(pivot: R, column: usize) -> Self {
+    pub(crate) fn of_pivot<R: Real>(pivot: R, column: usize) -> Self {
         if pivot.is_finite() { Self::Singular { column: column as u8 } } else { Self::NotFinite }
     }
 }

@@ -31,6 +31,11 @@ where
     L: Lagrangian<R, N>,
     F: Forces<R, N>,
 {
+    if system.lagrangian.solves() {
+        let force = system.forces.force(q, v, tau);
+        let force = core::array::from_fn(|i| force[i] + tau[i]);
+        return finite(system.lagrangian.forward_dynamics(q, v, &force)?);
+    }
     let d = system.lagrangian.dynamics(q, v);
     let force = system.forces.force(q, v, tau);
     finite(linear::solve(d.mass, core::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + force[i] + tau[i]))?)

@@ -1,4 +1,4 @@
-use super::{Real, Scalar, tanh};
+use super::{Real, Scalar, sin_cos, tanh};
 
 /// 2π, and the next smaller number.
 const TURN: f64 = core::f64::consts::TAU;
@@ -6,6 +6,21 @@ const BELOW_TURN: f64 = TURN.next_down();
 
 impl Scalar for f64 {
     type Weight = f64;
+
+    /// True except on controllers, which have no vector registers.
+    const SIDE_BY_SIDE: bool = cfg!(target_pointer_width = "64");
+
+    #[inline]
+    fn sin_cos_of<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
+        let mut both = [(0.0, 0.0); N];
+        for (both, x) in both.chunks_mut(4).zip(x.chunks(4)) {
+            let mut four = [0.0; 4];
+            four.iter_mut().zip(x).for_each(|(own, x)| *own = *x);
+            let (sin, cos) = sin_cos::sin_cos(four);
+            both.iter_mut().zip(sin.into_iter().zip(cos)).for_each(|(both, own)| *both = own);
+        }
+        both
+    }
 
     #[inline(always)]
     fn weight(w: f64) -> Self {

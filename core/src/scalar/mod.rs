@@ -62,6 +62,15 @@ pub trait Scalar:
     /// side.
     const COMPONENTWISE: bool = false;
 
+    /// Whether [`Scalar::sin_cos_of`] takes less time than the angles one by one.
+    const SIDE_BY_SIDE: bool = false;
+
+    /// Sines and cosines of many angles, with the bits of [`Scalar::sin_cos`].
+    #[inline(always)]
+    fn sin_cos_of<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
+        x.map(Self::sin_cos)
+    }
+
     /// Called before the loops over each component of a layer's vectors (0: the values, then the tangents), for scalars that
     /// count operations.
     #[inline(always)]

@@ -141,6 +141,20 @@ mod tests {
     }
 
     #[test]
+    fn many_angles_have_the_bits_of_one_alone() {
+        use crate::scalar::Scalar;
+        fn check<const N: usize>() {
+            let x: [f64; N] = core::array::from_fn(|i| 0.7 * i as f64 - 2.0);
+            let bits = |(sin, cos): (f64, f64)| [sin, cos].map(f64::to_bits);
+            assert_eq!(Scalar::sin_cos_of(&x).map(bits), x.map(libm::sincos).map(bits));
+        }
+        check::<1>();
+        check::<4>();
+        check::<7>();
+        check::<12>();
+    }
+
+    #[test]
     fn angles_of_all_sizes_have_the_bits_of_libm() {
         let (mut word, mut alone, count) = (1_u64, 0, 200_000);
         for _ in 0..count {

@@ -165,6 +165,15 @@ pub fn chain_of_seven() -> Arm<7> {
     Arm::random(core::array::from_fn(|i| on(i as u8)), 40)
 }
 
+/// The branched tree with axes along the z axes of the joints' frames and against them, as most descriptions of robots have them.
+pub fn along_z() -> Arm<12> {
+    let mut arm = branched();
+    for (k, body) in arm.weights[ARM_GRAVITY_PARAMETERS..].chunks_exact_mut(ARM_PARAMETERS).enumerate() {
+        body[12..15].copy_from_slice(&[0.0, 0.0, if k % 3 == 1 { -1.0 } else { 1.0 }]);
+    }
+    arm
+}
+
 /// Two arms of unequal length on a sliding trunk, with grippers.
 pub fn branched() -> Arm<12> {
     let on = |joint, parent| body(joint, Some(parent));

@@ -5,7 +5,9 @@ use crate::common::dual::Dual;
 use crate::common::oracle::{at_states, check_lagrangian, check_second_derivatives};
 use crate::common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
-use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, ArmParameters, BodyInertia};
+use leastaction_core::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies, ArmParameters, BodyInertia,
+};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::{self, SolveError};
@@ -16,7 +18,7 @@ macro_rules! everywhere {
         at_states(&arms::of_one(), $check);
         at_states(&arms::of_three(), $check);
         at_states(&[arms::chain_of_seven()], $check);
-        at_states(&[arms::branched()], $check);
+        at_states(&[arms::branched(), arms::along_z()], $check);
     };
 }
 
@@ -90,7 +92,8 @@ fn acceleration_and_inverse_dynamics_invert_each_other() {
     everywhere!(check);
 }
 
-/// Elimination from the tips against elimination with pivots, and states side by side against states alone.
+/// Elimination from the tips against elimination with pivots, the acceleration of the solvers included, and states side by side against states
+/// alone.
 #[test]
 fn forward_dynamics_solves_the_equation_of_motion() {
     fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
@@ -121,7 +124,43 @@ fn an_arm_without_masses_has_no_acceleration() {
     }
     let system = System { lagrangian: arm.in_f64(), forces: Viscous { coefficients: [0.0; 7] } };
     let refused = acceleration(&system, &[0.1; 7], &[0.2; 7], &[1.0; 7]);
-    assert_eq!(refused, Err(SolveError::Singular { column: 0 }));
+    assert_eq!(refused, Err(SolveError::Singular { column: 6 }));
+    let massive = arms::chain_of_seven();
+    let system = System { lagrangian: massive.in_f64(), forces: Viscous { coefficients: [0.0; 7] } };
+    for (q, tau) in [([f64::NAN; 7], [1.0; 7]), ([0.1; 7], [f64::INFINITY; 7])] {
+        assert_eq!(acceleration(&system, &q, &[0.2; 7], &tau), Err(SolveError::NotFinite));
+    }
+}
+
+/// Joints without mass and rotor at two tips.
+#[test]
+fn a_joint_that_carries_nothing_is_named() {
+    for k in [9, 11] {
+        let mut arm = arms::along_z();
+        let start = ARM_GRAVITY_PARAMETERS + k * ARM_PARAMETERS;
+        arm.weights[start + 15..start + ARM_PARAMETERS].fill(0.0);
+        let system = System { lagrangian: arm.in_f64(), forces: Viscous { coefficients: [0.0; 12] } };
+        let refused = acceleration(&system, &[0.1; 12], &[0.2; 12], &[1.0; 12]);
+        assert_eq!(refused, Err(SolveError::Singular { column: k as u8 }));
+    }
+}
+
+/// An axis that is almost the z axis takes the way for all axes, and gives almost the same.
+#[test]
+fn both_ways_of_turning_agree() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let mut near = arm.clone();
+        for body in near.weights[ARM_GRAVITY_PARAMETERS..].chunks_exact_mut(ARM_PARAMETERS) {
+            assert_eq!(body[12..14], [0.0; 2]);
+            body[12] = 1e-200;
+        }
+        let a: [f64; N] = Random(12).array(4.0);
+        let (arm, near) = (arm.in_f64(), near.in_f64());
+        let expected = near.inverse_dynamics(q, v, &a);
+        assert_vectors_close("inverse dynamics", &arm.inverse_dynamics(q, v, &a), &expected, 1e-13);
+        assert_matrices_close("M", &arm.mass_matrix(q), &near.mass_matrix(q), 1e-13);
+    }
+    at_states(&[arms::along_z()], check);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{
     Column, Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization,
 };
+use leastaction_core::linear::SolveError;
 
 /// Maximum number of hidden layers of a network, as in a model file.
 pub const LAYERS: usize = MAX_HIDDEN;
@@ -56,6 +57,14 @@ impl<const N: usize> Lagrangian<f32, N> for AnyLagrangian<'_, N> {
 
     fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
         self.0.hessian(q, v)
+    }
+
+    fn solves(&self) -> bool {
+        self.0.solves()
+    }
+
+    fn forward_dynamics(&self, q: &[f32; N], v: &[f32; N], force: &[f32; N]) -> Result<[f32; N], SolveError> {
+        self.0.forward_dynamics(q, v, force)
     }
 
     fn inertial_columns(

@@ -1,8 +1,7 @@
-use super::motion::Frame;
-use super::vector::{Twist, Wrench};
-use super::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, BodyInertia};
-use crate::energy::multibody::{Bodies, Frame as _, Motion, Wrench as _};
-use crate::expected::{expected, present};
+use super::links::{Accelerated, Unit, no_nodes, with_parent};
+use super::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS};
+use crate::energy::multibody::{Bodies, Motion, Wrench as _};
+use crate::expected::present;
 use crate::scalar::{Scalar, WeightFormat};
 
 /// A tree of N rigid bodies on joints in space: γ and the [`ArmParameters`](super::ArmParameters) of every body.
@@ -17,26 +16,18 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         v: &[S; N],
         acceleration: &[S; N],
     ) -> [S; N] {
-        let (base, falling) =
-            (Frame::base(), Twist { linear: self.gravity().map(|g: S| -g), ..Twist::zero() });
-        let (mut frames, mut twists, mut wrenches) = ([base; N], [falling; N], [Wrench::zero(); N]);
-        for k in 0..N {
-            let numbers = self.body(k);
-            let on = |parent: usize| Some((frames.get(parent).copied()?, twists.get(parent).copied()?));
-            let on = |parent| expected(on(parent), (base, falling));
-            let (parent, below) = self.parent(k).map_or((base, falling), on);
-            let frame = parent.carried(self.tree.bodies()[k].joint, &numbers, q[k], v[k]);
-            let twist = frame.accelerated(parent.velocity.angular, &below, v[k], acceleration[k]);
-            wrenches[k] = numbers.inertia.turned(&frame.rotation).force(frame.velocity.angular, &twist);
-            (frames[k], twists[k]) = (frame, twist);
-        }
+        let base = Accelerated::base(self.falling());
+        let mut nodes = no_nodes();
+        self.place(q, &mut nodes, |k, parent, link, inertia| {
+            Accelerated::on(parent.unwrap_or(&base), link, (v[k], Some(acceleration[k])), &inertia)
+        });
         let mut force = [S::zero(); N];
         for k in (0..N).rev() {
-            let rotor: S = W::scalar(self.numbers[k][ARM_PARAMETERS - 1]);
-            force[k] = frames[k].share(&wrenches[k]) + rotor * acceleration[k];
-            let carried = wrenches[k].about(frames[k].step);
-            if let Some(below) = self.parent(k).and_then(|parent| wrenches.get_mut(parent)) {
-                *below = below.plus(carried);
+            let Some((own, parent)) = with_parent(&mut nodes, k, self.parent(k)) else { continue };
+            force[k] = own.link.share(&own.sums.force) + self.rotor::<S>(k) * acceleration[k];
+            if let Some(below) = parent {
+                let sums = &mut below.sums;
+                sums.force = sums.force.plus(own.sums.force.about(own.link.step));
             }
         }
         force
@@ -52,30 +43,22 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
     /// Computes M(q), symmetric, from the composite inertia of all that each joint carries. Velocities are not
     /// needed.
     pub fn mass_matrix<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
-        let base = Frame::base();
-        let (mut frames, mut inertias) = ([base; N], [BodyInertia::zero(); N]);
+        let mut nodes = no_nodes();
+        self.place(q, &mut nodes, |_, _, _, inertia| inertia);
         let mut mass = [[S::zero(); N]; N];
-        for k in 0..N {
-            let numbers = self.body(k);
-            let on = |parent: usize| expected(frames.get(parent).copied(), base);
-            let frame = self.parent(k).map_or(base, on).placed(self.tree.bodies()[k].joint, &numbers, q[k]);
-            inertias[k] = numbers.inertia.turned(&frame.rotation);
-            (frames[k], mass[k][k]) = (frame, numbers.rotor);
-        }
         for k in (0..N).rev() {
-            let (mut step, mut unit) = (frames[k].step, inertias[k].unit_momentum(&frames[k]));
-            mass[k][k] = frames[k].share(&unit) + mass[k][k];
-            let carried = inertias[k].about(step);
-            if let Some(below) = self.parent(k).and_then(|parent| inertias.get_mut(parent)) {
-                *below = below.plus(&carried);
-            }
             let mut below = self.parent(k);
+            let Some((own, parent)) = with_parent(&mut nodes, k, below) else { continue };
+            let (mut unit, share) = Unit::new(&own.link, &own.sums);
+            mass[k][k] = share + self.rotor(k);
+            if let Some(below) = parent {
+                below.sums = below.sums.plus(&own.sums.about(own.link.step));
+            }
             while let Some(j) = below {
-                let Some(frame) = present(frames.get(j)) else { break };
-                unit = unit.about(step);
-                mass[j][k] = frame.share(&unit);
+                let Some(Some(node)) = present(nodes.get(j)) else { break };
+                mass[j][k] = unit.at(&node.link);
                 mass[k][j] = mass[j][k];
-                (step, below) = (frame.step, self.parent(j));
+                below = self.parent(j);
             }
         }
         mass

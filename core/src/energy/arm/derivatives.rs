@@ -1,13 +1,14 @@
 //! Derivatives of the drive forces with respect to positions and velocities.
 
+use super::body::{Body, Coordinates};
+use super::links::{no_nodes, with_parent};
 use super::motion::{Carried, Frame};
-use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale};
+use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, subtracted};
 use super::{ArmBodies, BodyInertia, Joint};
 use crate::energy::multibody::{Carried as _, Frame as _, Wrench as _};
-use crate::expected::{expected, present};
+use crate::expected::present;
 use crate::linear::Matrix;
 use crate::scalar::{Scalar, WeightFormat};
-use core::array::from_fn;
 
 /// Derivatives of τ(q, v, v̇) = M v̇ + L_vq v − L_q; ∂τ/∂v̇ is [`ArmBodies::mass_matrix`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,18 +30,15 @@ struct Driven<S> {
 }
 
 impl<S: Scalar> Driven<S> {
-    fn nothing() -> Self {
-        Self { carried: Carried::nothing(), force: Wrench::zero(), spread: [[S::zero(); 3]; 3] }
-    }
-
     /// Sums for one body, with its inertia in the axes of the base; `acceleration` is the acceleration of its origin.
     #[inline(always)]
     fn body(inertia: &BodyInertia<S>, velocity: &Twist<S>, acceleration: &Twist<S>) -> Self {
         let carried = Carried::nothing().with_body(inertia, velocity);
         let second = second_moments(inertia);
-        let columns: [Vector<S>; 3] =
-            from_fn(|j| add(cross(velocity.angular, second[j]), scale(inertia.moment[j], velocity.linear)));
-        let spread = from_fn(|i| from_fn(|j| columns[j][i]));
+        let column =
+            |j: usize| add(cross(velocity.angular, second[j]), scale(inertia.moment[j], velocity.linear));
+        let [a, b, c] = [column(0), column(1), column(2)];
+        let spread = [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]];
         Self { carried, force: inertia.force(velocity.angular, acceleration), spread }
     }
 
@@ -48,10 +46,12 @@ impl<S: Scalar> Driven<S> {
     #[inline(always)]
     fn with_joint(&self, step: Vector<S>, above: &Self) -> Self {
         let flow = above.carried.momentum.linear;
+        let entry = |i: usize, j: usize| self.spread[i][j] + above.spread[i][j] + flow[i] * step[j];
+        let row = |i: usize| [entry(i, 0), entry(i, 1), entry(i, 2)];
         Self {
             carried: self.carried.with_joint(step, &above.carried),
             force: self.force.plus(above.force.about(step)),
-            spread: from_fn(|i| from_fn(|j| self.spread[i][j] + above.spread[i][j] + flow[i] * step[j])),
+            spread: [row(0), row(1), row(2)],
         }
     }
 
@@ -63,9 +63,9 @@ impl<S: Scalar> Driven<S> {
     #[inline(always)]
     fn coriolis(&self, alpha: Vector<S>) -> Wrench<S> {
         let trace = self.trace();
-        let angular = from_fn(|i| trace * alpha[i] - dot(self.spread[i], alpha));
+        let entry = |i: usize| trace * alpha[i] - dot(self.spread[i], alpha);
         let linear = cross(alpha, self.carried.momentum.linear);
-        Wrench { angular: angular.map(twice), linear: linear.map(twice) }
+        Wrench { angular: doubled([entry(0), entry(1), entry(2)]), linear: doubled(linear) }
     }
 
     /// The joint's share of [`Driven::coriolis`], as a linear function of α.
@@ -73,18 +73,24 @@ impl<S: Scalar> Driven<S> {
     fn coriolis_share(&self, frame: &Frame<S>) -> Vector<S> {
         let (axis, trace) = (frame.axis, self.trace());
         let share = match frame.joint {
-            Joint::Revolute => from_fn(|i| {
-                let column = from_fn(|j: usize| self.spread[j][i]);
-                trace * axis[i] - dot(column, axis)
-            }),
+            Joint::Revolute => {
+                let column = |i: usize| [self.spread[0][i], self.spread[1][i], self.spread[2][i]];
+                let entry = |i: usize| trace * axis[i] - dot(column(i), axis);
+                [entry(0), entry(1), entry(2)]
+            }
             Joint::Prismatic => cross(self.carried.momentum.linear, axis),
         };
-        share.map(twice)
+        doubled(share)
     }
 }
 
 fn twice<S: Scalar>(x: S) -> S {
     x + x
+}
+
+#[inline(always)]
+fn doubled<S: Scalar>(x: Vector<S>) -> Vector<S> {
+    add(x, x)
 }
 
 /// ∫ xxᵀ dm = ½ tr(I)·1 − I.
@@ -108,8 +114,7 @@ fn crossed<S: Scalar>(v: &Twist<S>, x: &Twist<S>) -> Twist<S> {
 fn acceleration_bend<S: Scalar>(frame: &Frame<S>, bend: &Twist<S>, acceleration: &Twist<S>) -> Twist<S> {
     let Twist { angular, linear } = frame.velocity;
     let apart = cross(angular, linear);
-    let spatial =
-        Twist { angular: acceleration.angular, linear: from_fn(|i| acceleration.linear[i] - apart[i]) };
+    let spatial = Twist { angular: acceleration.angular, linear: subtracted(acceleration.linear, apart) };
     let moved = Frame { velocity: spatial, ..*frame }.bend();
     let turned = crossed(&frame.velocity, bend);
     Twist { angular: add(moved.angular, turned.angular), linear: add(moved.linear, turned.linear) }
@@ -141,90 +146,98 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         v: &[S; N],
         acceleration: &[S; N],
     ) -> InverseDynamicsDerivatives<S, N> {
-        let mut motion = Moved::new(self, q, v, acceleration);
+        let mut moved = no_nodes();
+        self.move_all(q, v, acceleration, &mut moved);
         let zero = [[S::zero(); N]; N];
         let mut sum = InverseDynamicsDerivatives { force_q: zero, force_v: zero };
         for k in (0..N).rev() {
-            motion.differentiate(self, k, &mut sum);
+            self.differentiate(&mut moved, k, &mut sum);
         }
         sum
     }
-}
 
-/// A tree in accelerated motion.
-struct Moved<S, const N: usize> {
-    frames: [Frame<S>; N],
-    bends: [Twist<S>; N],
-    acceleration_bends: [Twist<S>; N],
-    driven: [Driven<S>; N],
-}
-
-impl<S: Scalar, const N: usize> Moved<S, N> {
-    fn new<W: WeightFormat<Wide = S::Weight>>(
-        bodies: &ArmBodies<W, N>,
+    /// Moves all bodies, from the base up.
+    #[inline(always)]
+    fn move_all<S: Scalar<Weight = W::Wide>>(
+        &self,
         q: &[S; N],
         v: &[S; N],
         acceleration: &[S; N],
-    ) -> Self {
-        let (base, still) = (Frame::base(), [Twist::zero(); N]);
-        let falling = Twist { linear: bodies.gravity().map(|g: S| -g), ..Twist::zero() };
-        let mut twists = [falling; N];
-        let mut moved = Self {
-            frames: [base; N],
-            bends: still,
-            acceleration_bends: still,
-            driven: [Driven::nothing(); N],
-        };
+        moved: &mut [Option<Moved<S>>; N],
+    ) {
+        let (base, falling, coordinates) = (Frame::base(), self.falling(), Coordinates::new(q));
         for k in 0..N {
-            let numbers = bodies.body(k);
-            let on = |parent: usize| Some((moved.frames.get(parent).copied()?, twists.get(parent).copied()?));
-            let on = |parent| expected(on(parent), (base, falling));
-            let (parent, below) = bodies.parent(k).map_or((base, falling), on);
-            let frame = parent.carried(bodies.tree.bodies()[k].joint, &numbers, q[k], v[k]);
-            let twist = frame.accelerated(parent.velocity.angular, &below, v[k], acceleration[k]);
-            let inertia = numbers.inertia.turned(&frame.rotation);
-            moved.driven[k] = Driven::body(&inertia, &frame.velocity, &twist);
-            let bend = frame.bend();
-            moved.acceleration_bends[k] = acceleration_bend(&frame, &bend, &twist);
-            (moved.frames[k], moved.bends[k], twists[k]) = (frame, bend, twist);
+            let (body, joint) = (Body(&self.numbers[k]), self.tree.bodies()[k].joint);
+            let parent = self.parent(k).and_then(|parent| present(moved.get(parent)?.as_ref()));
+            let (below, below_acceleration) =
+                parent.map_or((&base, &falling), |parent| (&parent.frame, &parent.acceleration));
+            let frame = below.moved(joint, &body, coordinates.of(k), v[k]);
+            let spin = below.velocity.angular;
+            let twist = frame.link().accelerated(spin, below_acceleration, v[k], Some(acceleration[k]));
+            let inertia = body.inertia(&frame.rotation);
+            moved[k] = Some(Moved::new(frame, &inertia, twist));
         }
-        moved
     }
 
     /// Fills row and column k for the joints below, then adds all that joint k carries to its parent.
     #[inline(always)]
-    fn differentiate<W: WeightFormat>(
-        &mut self,
-        bodies: &ArmBodies<W, N>,
+    fn differentiate<S: Scalar>(
+        &self,
+        moved: &mut [Option<Moved<S>>; N],
         k: usize,
         sum: &mut InverseDynamicsDerivatives<S, N>,
     ) {
-        let (frame, own, bend) = (self.frames[k], self.driven[k], self.bends[k]);
-        let inertia = &own.carried.inertia;
-        let (mut unit, share) = (own.carried.unit_momentum(&frame), own.coriolis_share(&frame));
-        let mut of_q = turned_force(&frame, &own.force).plus(own.coriolis(bend.angular));
-        of_q = of_q.plus(inertia.momentum(&self.acceleration_bends[k]));
-        let of_bend = inertia.momentum(&bend);
+        let mut below = self.parent(k);
+        let Some((Moved { frame, driven, bend, acceleration_bend, .. }, parent)) =
+            with_parent(moved, k, below)
+        else {
+            return;
+        };
+        let inertia = &driven.carried.inertia;
+        let (mut unit, share) = (driven.carried.unit_momentum(frame), driven.coriolis_share(frame));
+        let mut of_q = turned_force(frame, &driven.force).plus(driven.coriolis(bend.angular));
+        of_q = of_q.plus(inertia.momentum(acceleration_bend));
+        let of_bend = inertia.momentum(bend);
         let mut of_v = of_bend.plus(of_bend);
         if matches!(frame.joint, Joint::Revolute) {
-            of_v = of_v.plus(own.coriolis(frame.axis));
+            of_v = of_v.plus(driven.coriolis(frame.axis));
         }
         (sum.force_q[k][k], sum.force_v[k][k]) = (frame.share(&of_q), frame.share(&of_v));
-        if let Some(below) = bodies.parent(k).and_then(|parent| self.driven.get_mut(parent)) {
-            *below = below.with_joint(frame.step, &own);
+        let mut step = frame.step;
+        if let Some(parent) = parent {
+            parent.driven = parent.driven.with_joint(step, driven);
         }
-        let (mut step, mut below) = (frame.step, bodies.parent(k));
         while let Some(j) = below {
-            let Some(frame) = present(self.frames.get(j)) else { break };
+            let Some(Some(Moved { frame, bend, acceleration_bend, .. })) = present(moved.get(j)) else {
+                break;
+            };
             (unit, of_q, of_v) = (unit.about(step), of_q.about(step), of_v.about(step));
-            let (bend, moved) = (&self.bends[j], &self.acceleration_bends[j]);
             (sum.force_q[j][k], sum.force_v[j][k]) = (frame.share(&of_q), frame.share(&of_v));
-            sum.force_q[k][j] = dot(share, bend.angular) + moved.dot(&unit);
+            sum.force_q[k][j] = dot(share, bend.angular) + acceleration_bend.dot(&unit);
             sum.force_v[k][j] = twice(bend.dot(&unit));
             if matches!(frame.joint, Joint::Revolute) {
                 sum.force_v[k][j] += dot(share, frame.axis);
             }
-            (step, below) = (frame.step, bodies.parent(j));
+            (step, below) = (frame.step, self.parent(j));
         }
+    }
+}
+
+/// A body in accelerated motion.
+struct Moved<S> {
+    frame: Frame<S>,
+    acceleration: Twist<S>,
+    bend: Twist<S>,
+    acceleration_bend: Twist<S>,
+    driven: Driven<S>,
+}
+
+impl<S: Scalar> Moved<S> {
+    #[inline(always)]
+    fn new(frame: Frame<S>, inertia: &BodyInertia<S>, acceleration: Twist<S>) -> Self {
+        let bend = frame.bend();
+        let acceleration_bend = acceleration_bend(&frame, &bend, &acceleration);
+        let driven = Driven::body(inertia, &frame.velocity, &acceleration);
+        Self { frame, acceleration, bend, acceleration_bend, driven }
     }
 }

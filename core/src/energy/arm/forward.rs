@@ -1,12 +1,11 @@
 //! The acceleration of a tree under given forces.
 
-use super::motion::Frame;
-use super::vector::{Twist, Wrench};
-use super::{ARM_PARAMETERS, ArmBodies, BodyInertia};
-use crate::energy::multibody::{Frame as _, Wrench as _};
-use crate::expected::{expected, present};
-use crate::linear::Matrix;
-use crate::scalar::{Scalar, WeightFormat};
+use super::links::{Accelerated, Node, Unit, no_nodes, with_parent};
+use super::{ArmBodies, BodyInertia};
+use crate::energy::multibody::Wrench as _;
+use crate::expected::present;
+use crate::linear::{Matrix, SolveError};
+use crate::scalar::{Real, Scalar, WeightFormat};
 
 impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
     /// Computes v̇ = M⁻¹(force + L_q − L_vq v), m/s² or rad/s², for the sum of all forces on the joints, N or N m.
@@ -22,91 +21,109 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         v: &[S; N],
         force: &[S; N],
     ) -> [S; N] {
-        let EquationOfMotion { mut mass, carries, bias } = self.mass_and_bias(q, v);
-        let mut x = core::array::from_fn(|k| force[k] - bias[k]);
-        solve_from_tips(&mut mass, &carries, &mut x);
-        x
+        let mut equation = Equation::new(force);
+        self.write_equation(q, v, &mut equation);
+        equation.solve();
+        equation.x
     }
 
+    /// [`ArmBodies::forward_dynamics`], or the reason why there is no solution.
     #[inline(always)]
-    fn mass_and_bias<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> EquationOfMotion<S, N> {
-        let (base, falling) =
-            (Frame::base(), Twist { linear: self.gravity().map(|g: S| -g), ..Twist::zero() });
-        let (mut frames, mut twists) = ([base; N], [falling; N]);
-        let (mut wrenches, mut inertias) = ([Wrench::zero(); N], [BodyInertia::zero(); N]);
-        for k in 0..N {
-            let numbers = self.body(k);
-            let on = |parent: usize| Some((frames.get(parent)?, twists.get(parent)?));
-            let on = |parent| expected(on(parent), (&base, &falling));
-            let (parent, below) = self.parent(k).map_or((&base, &falling), on);
-            let frame = parent.carried(self.tree.bodies()[k].joint, &numbers, q[k], v[k]);
-            twists[k] = frame.accelerated(parent.velocity.angular, below, v[k], S::zero());
-            inertias[k] = numbers.inertia.turned(&frame.rotation);
-            wrenches[k] = inertias[k].force(frame.velocity.angular, &twists[k]);
-            frames[k] = frame;
-        }
-        let (mut mass, mut carries, mut bias) = ([[S::zero(); N]; N], [[false; N]; N], [S::zero(); N]);
+    pub(super) fn solved<S: Real<Weight = W::Wide>>(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+        force: &[S; N],
+    ) -> Result<[S; N], SolveError> {
+        let mut equation = Equation::new(force);
+        self.write_equation(q, v, &mut equation);
+        equation.solve();
         for k in (0..N).rev() {
-            let (mut step, mut unit) = (frames[k].step, inertias[k].unit_momentum(&frames[k]));
-            let rotor: S = W::scalar(self.numbers[k][ARM_PARAMETERS - 1]);
-            (mass[k][k], bias[k]) = (frames[k].share(&unit) + rotor, frames[k].share(&wrenches[k]));
-            let carried = (inertias[k].about(step), wrenches[k].about(step));
-            let below = self.parent(k).and_then(|j| Some((inertias.get_mut(j)?, wrenches.get_mut(j)?)));
-            if let Some((inertia, wrench)) = below {
-                (*inertia, *wrench) = (inertia.plus(&carried.0), wrench.plus(carried.1));
-            }
-            let mut below = self.parent(k);
-            while let Some(j) = below {
-                let Some(frame) = present(frames.get(j)) else { break };
-                unit = unit.about(step);
-                (mass[k][j], carries[k][j]) = (frame.share(&unit), true);
-                (step, below) = (frame.step, self.parent(j));
+            let pivot = S::one() / equation.mass[k][k];
+            if !(pivot.abs() > S::zero() && pivot.is_finite()) {
+                return Err(SolveError::of_pivot(pivot, k));
             }
         }
-        EquationOfMotion { mass, carries, bias }
+        Ok(equation.x)
+    }
+
+    /// Writes M, and takes L_vq v − L_q from the right-hand side.
+    #[inline(always)]
+    fn write_equation<S: Scalar<Weight = W::Wide>>(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+        Equation { mass, carries, x }: &mut Equation<S, N>,
+    ) {
+        let base = Accelerated::base(self.falling());
+        let mut nodes = no_nodes();
+        self.place(q, &mut nodes, |k, parent: Option<&(BodyInertia<S>, Accelerated<S>)>, link, inertia| {
+            let below = parent.map_or(&base, |(_, accelerated)| accelerated);
+            (inertia, Accelerated::on(below, link, (v[k], None), &inertia))
+        });
+        for k in (0..N).rev() {
+            let mut below = self.parent(k);
+            let Some((own, parent)) = with_parent(&mut nodes, k, below) else { continue };
+            let (link, (inertia, Accelerated { force, .. })) = (&own.link, &own.sums);
+            let (mut unit, share) = Unit::new(link, inertia);
+            (mass[k][k], x[k]) = (share + self.rotor(k), x[k] - link.share(force));
+            if let Some(Node { sums: (sum, below), .. }) = parent {
+                *sum = sum.plus(&inertia.about(link.step));
+                below.force = below.force.plus(force.about(link.step));
+            }
+            while let Some(j) = below {
+                let Some(Some(node)) = present(nodes.get(j)) else { break };
+                (mass[k][j], carries[k][j]) = (unit.at(&node.link), true);
+                below = self.parent(j);
+            }
+        }
     }
 }
 
-/// Terms of M v̇ + bias = force.
-struct EquationOfMotion<S, const N: usize> {
-    /// M in its lower triangle.
+/// The equation Mx = b.
+struct Equation<S, const N: usize> {
+    /// M in its lower triangle, 0 where joint j does not carry joint k.
     mass: Matrix<S, N>,
     /// Whether joint j carries joint k, as entry k, j.
     carries: [[bool; N]; N],
-    /// L_vq v − L_q.
-    bias: [S; N],
+    /// b, and then x.
+    x: [S; N],
 }
 
-/// Solves Mx = b in place, from the lower triangle of M, whose entries are 0 where joint j does not carry joint k.
-#[inline(always)]
-fn solve_from_tips<S: Scalar, const N: usize>(
-    mass: &mut Matrix<S, N>,
-    carries: &[[bool; N]; N],
-    x: &mut [S; N],
-) {
-    for k in (0..N).rev() {
-        let row = mass[k];
-        let inverse = S::one() / row[k];
-        mass[k][k] = inverse;
-        for i in (0..k).rev() {
-            if !carries[k][i] {
-                continue;
-            }
-            let factor = row[i] * inverse;
-            for j in 0..=i {
-                mass[i][j] -= factor * row[j];
-            }
-            let carried = x[k];
-            x[i] -= factor * carried;
-            mass[k][i] = factor;
-        }
+impl<S: Scalar, const N: usize> Equation<S, N> {
+    #[inline(always)]
+    fn new(x: &[S; N]) -> Self {
+        Self { mass: [[S::zero(); N]; N], carries: [[false; N]; N], x: *x }
     }
-    for k in 0..N {
-        x[k] = x[k] * mass[k][k];
-        for i in 0..k {
-            if carries[k][i] {
-                let carrier = x[i];
-                x[k] -= mass[k][i] * carrier;
+
+    /// Solves the equation in place, from the tips; leaves the reciprocals of the pivots in the diagonal.
+    #[inline(always)]
+    fn solve(&mut self) {
+        let Self { mass, carries, x } = self;
+        for k in (0..N).rev() {
+            let row = mass[k];
+            let inverse = S::one() / row[k];
+            mass[k][k] = inverse;
+            for i in (0..k).rev() {
+                if !carries[k][i] {
+                    continue;
+                }
+                let factor = row[i] * inverse;
+                for j in 0..=i {
+                    mass[i][j] -= factor * row[j];
+                }
+                let carried = x[k];
+                x[i] -= factor * carried;
+                mass[k][i] = factor;
+            }
+        }
+        for k in 0..N {
+            x[k] = x[k] * mass[k][k];
+            for i in 0..k {
+                if carries[k][i] {
+                    let carrier = x[i];
+                    x[k] -= mass[k][i] * carrier;
+                }
             }
         }
     }

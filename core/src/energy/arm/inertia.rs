@@ -1,6 +1,5 @@
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, turned};
 use crate::scalar::Scalar;
-use core::array::from_fn;
 
 /// Number of numbers of a [`BodyInertia`].
 pub const INERTIAL_PARAMETERS: usize = 10;
@@ -32,6 +31,12 @@ impl<S> BodyInertia<S> {
     }
 }
 
+/// A + B of inertia matrices.
+#[inline(always)]
+fn added<S: Scalar>(a: &[S; 6], b: &[S; 6]) -> [S; 6] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5]]
+}
+
 impl<S: Scalar> BodyInertia<S> {
     pub(super) fn zero() -> Self {
         Self { mass: S::zero(), moment: [S::zero(); 3], matrix: [S::zero(); 6] }
@@ -40,7 +45,7 @@ impl<S: Scalar> BodyInertia<S> {
     /// Expresses the inertia in another frame: the columns of `rotation` are this frame's axes there.
     #[inline(always)]
     pub(super) fn turned(&self, rotation: &Rotation<S>) -> Self {
-        let half = rotation.map(|row| self.turning(row));
+        let half = [self.turning(rotation[0]), self.turning(rotation[1]), self.turning(rotation[2])];
         let entry = |i: usize, j: usize| dot(half[i], rotation[j]);
         Self {
             mass: self.mass,
@@ -55,7 +60,7 @@ impl<S: Scalar> BodyInertia<S> {
         Self {
             mass: self.mass + other.mass,
             moment: add(self.moment, other.moment),
-            matrix: from_fn(|i| self.matrix[i] + other.matrix[i]),
+            matrix: added(&self.matrix, &other.matrix),
         }
     }
 
@@ -64,11 +69,12 @@ impl<S: Scalar> BodyInertia<S> {
     pub(super) fn about(&self, step: Vector<S>) -> Self {
         let moment = add(self.moment, scale(self.mass, step));
         // ∫(|x + d|²·1 − (x + d)(x + d)ᵀ) dm, with e the mean of both first moments.
-        let mean = add(self.moment, moment).map(S::half);
-        let [x, y, z] = from_fn(|i| mean[i] * step[i]);
+        let twice = add(self.moment, moment);
+        let mean = [twice[0].half(), twice[1].half(), twice[2].half()];
+        let [x, y, z] = [mean[0] * step[0], mean[1] * step[1], mean[2] * step[2]];
         let product = |i: usize, j: usize| -(mean[i] * step[j] + step[i] * mean[j]);
         let more = [y + y + z + z, product(0, 1), x + x + z + z, product(0, 2), product(1, 2), x + x + y + y];
-        Self { mass: self.mass, moment, matrix: from_fn(|i| self.matrix[i] + more[i]) }
+        Self { mass: self.mass, moment, matrix: added(&self.matrix, &more) }
     }
 
     /// Iω.

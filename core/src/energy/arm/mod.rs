@@ -11,9 +11,11 @@
 //! rigid body dynamics algorithms*, 2018, and Singh, Russell and Wensing, 2022 (their derivatives).
 
 mod bodies;
+mod body;
 mod derivatives;
 mod forward;
 mod inertia;
+mod links;
 mod motion;
 mod parameters;
 mod vector;

@@ -3,12 +3,13 @@
 //! All vectors are in the axes of the base, and a body's moments are about the origin of its own frame. Sums need no rotation on their way
 //! to the base, and lose no digits to a far origin.
 
-use super::vector::{
-    Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about, turned_back,
-};
-use super::{ARM_PARAMETERS, ArmParameters, BodyInertia, INERTIAL_PARAMETERS, Joint};
-use crate::energy::multibody::{self, Space, Wrench as _};
-use crate::scalar::Scalar;
+use super::body::{Body, Coordinate};
+use super::links::Link;
+use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, turned_back};
+use super::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies, BodyInertia, INERTIAL_PARAMETERS, Joint};
+use crate::energy::multibody::{self, Bodies, Space, Wrench as _};
+use crate::linear::SolveError;
+use crate::scalar::{Real, Scalar, WeightFormat};
 
 /// The frame of a body.
 #[derive(Clone, Copy, Debug)]
@@ -28,44 +29,76 @@ impl<S: Scalar> Space<S, ARM_PARAMETERS> for Vector<S> {
     type Frame = Frame<S>;
 
     #[inline(always)]
-    fn body(numbers: [S; ARM_PARAMETERS]) -> ArmParameters<S> {
-        ArmParameters::from_array(numbers)
+    fn body<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; ARM_PARAMETERS]) -> Body<'_, W> {
+        Body(numbers)
+    }
+
+    const SOLVES: bool = true;
+
+    #[inline(always)]
+    fn forward_dynamics<W: WeightFormat<Wide = S::Weight>, const D: usize, const N: usize>(
+        bodies: &Bodies<W, D, ARM_PARAMETERS, N>,
+        q: &[S; N],
+        v: &[S; N],
+        force: &[S; N],
+    ) -> Option<Result<[S; N], SolveError>>
+    where
+        S: Real,
+    {
+        let Bodies { tree, gravity, numbers } = *bodies;
+        let gravity: &[W; ARM_GRAVITY_PARAMETERS] = gravity.as_slice().try_into().ok()?;
+        Some(ArmBodies { tree, gravity, numbers }.solved(q, v, force))
+    }
+}
+
+/// The place of a body on another.
+pub struct Pose<S> {
+    /// Rotation whose columns are the axes of the body's frame.
+    pub rotation: Rotation<S>,
+    /// Axis of the body's joint.
+    pub axis: Vector<S>,
+    /// Step from the parent's origin to the body's, m.
+    pub step: Vector<S>,
+}
+
+impl<S: Scalar> Pose<S> {
+    /// The fixed frame that trees stand on.
+    #[inline(always)]
+    pub fn base() -> Self {
+        let (o, i, none) = (S::zero(), S::one(), [S::zero(); 3]);
+        Self { rotation: [[i, o, o], [o, i, o], [o, o, i]], axis: none, step: none }
     }
 }
 
 impl<S: Scalar> Frame<S> {
-    /// Places the frame of a body that stands on this one; the velocity of the new frame is left at 0.
+    /// Creates the frame of a body on this one; `turn` gives the sine and cosine of the joint's angle.
     #[inline(always)]
-    pub fn placed(&self, joint: Joint, numbers: &ArmParameters<S>, q: S) -> Self {
-        let rotation = product(&self.rotation, &numbers.rotation);
-        let axis = turned(&rotation, numbers.axis);
-        let place = turned(&self.rotation, numbers.place);
-        let (rotation, step) = match joint {
-            Joint::Revolute => (turned_about(&rotation, (axis, numbers.axis), q), place),
-            Joint::Prismatic => (rotation, add(place, scale(q, axis))),
+    pub fn moved<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: Joint,
+        body: &Body<'_, W>,
+        q: Coordinate<S>,
+        v: S,
+    ) -> Self {
+        let Pose { rotation, axis, step } = body.posed(&self.rotation, joint, q);
+        let Twist { angular, linear } = self.velocity;
+        let (along, linear) = (scale(v, axis), add(linear, cross(angular, step)));
+        let velocity = match joint {
+            Joint::Revolute => Twist { angular: add(angular, along), linear },
+            Joint::Prismatic => Twist { angular, linear: add(linear, along) },
         };
-        Self { joint, rotation, axis, step, velocity: Twist::zero() }
+        Self { joint, rotation, axis, step, velocity }
     }
 
-    /// Angular acceleration of the body of this frame, and acceleration of its origin. `spin` is the parent's
-    /// angular velocity and `parent` its acceleration; `v` and `a` are the velocity and acceleration of the
-    /// joint.
     #[inline(always)]
-    pub fn accelerated(&self, spin: Vector<S>, parent: &Twist<S>, v: S, a: S) -> Twist<S> {
-        let Twist { angular, linear } = *parent;
-        let carried = add(cross(angular, self.step), cross(spin, cross(spin, self.step)));
-        let (linear, turning) = (add(linear, carried), scale(v, cross(spin, self.axis)));
-        let along = scale(a, self.axis);
-        match self.joint {
-            Joint::Revolute => Twist { angular: add(angular, add(along, turning)), linear },
-            Joint::Prismatic => Twist { angular, linear: add(linear, add(along, add(turning, turning))) },
-        }
+    pub fn link(&self) -> Link<S> {
+        Link { joint: self.joint, axis: self.axis, step: self.step }
     }
 }
 
 impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Vector = Vector<S>;
-    type Body = ArmParameters<S>;
+    type Body<'a, W: WeightFormat<Wide = S::Weight> + 'a> = Body<'a, W>;
     type Bend = Twist<S>;
     type Wrench = Wrench<S>;
     type Carried = Carried<S>;
@@ -75,21 +108,19 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Inertial = [S; INERTIAL_PARAMETERS];
 
     fn base() -> Self {
-        let (zero, one, none) = (S::zero(), S::one(), [S::zero(); 3]);
-        let rotation = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-        Self { joint: Joint::Revolute, rotation, axis: none, step: none, velocity: Twist::zero() }
+        let Pose { rotation, axis, step } = Pose::base();
+        Self { joint: Joint::Revolute, rotation, axis, step, velocity: Twist::zero() }
     }
 
     #[inline(always)]
-    fn carried(&self, joint: Joint, body: &ArmParameters<S>, q: S, v: S) -> Self {
-        let frame = self.placed(joint, body, q);
-        let Twist { angular, linear } = self.velocity;
-        let (along, linear) = (scale(v, frame.axis), add(linear, cross(angular, frame.step)));
-        let velocity = match joint {
-            Joint::Revolute => Twist { angular: add(angular, along), linear },
-            Joint::Prismatic => Twist { angular, linear: add(linear, along) },
-        };
-        Self { velocity, ..frame }
+    fn carried<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: Joint,
+        body: &Body<'_, W>,
+        q: S,
+        v: S,
+    ) -> Self {
+        self.moved(joint, body, Coordinate::new(joint, q), v)
     }
 
     #[inline(always)]
@@ -99,10 +130,7 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
 
     #[inline(always)]
     fn share(&self, wrench: &Wrench<S>) -> S {
-        match self.joint {
-            Joint::Revolute => dot(self.axis, wrench.angular),
-            Joint::Prismatic => dot(self.axis, wrench.linear),
-        }
+        self.link().share(wrench)
     }
 
     /// Velocity of the body crossed with its joint's axis, V × S.
@@ -184,8 +212,8 @@ impl<S: Scalar> multibody::Rotor<S, Frame<S>> for Rotor<S> {
     }
 
     #[inline(always)]
-    fn new(_: &Frame<S>, body: &ArmParameters<S>, _: S) -> Self {
-        Self(body.rotor)
+    fn new<W: WeightFormat<Wide = S::Weight>>(_: &Frame<S>, body: &Body<'_, W>, _: S) -> Self {
+        Self(body.rotor())
     }
 
     #[inline(always)]
@@ -233,17 +261,23 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
     }
 
     #[inline(always)]
-    fn begun(frame: &Frame<S>, body: &ArmParameters<S>) -> Self {
-        Self::nothing().with_body(&body.inertia.turned(&frame.rotation), &frame.velocity)
+    fn begun<W: WeightFormat<Wide = S::Weight>>(frame: &Frame<S>, body: &Body<'_, W>) -> Self {
+        Self::nothing().with_body(&body.inertia(&frame.rotation), &frame.velocity)
     }
 
     #[inline(always)]
-    fn finished(self, _: &Frame<S>, _: &ArmParameters<S>) -> Self {
+    fn finished<W: WeightFormat<Wide = S::Weight>>(self, _: &Frame<S>, _: &Body<'_, W>) -> Self {
         self
     }
 
     #[inline(always)]
-    fn with_joint(&self, joint: &Frame<S>, above: &Self, _: &ArmParameters<S>, _: &Rotor<S>) -> Self {
+    fn with_joint<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: &Frame<S>,
+        above: &Self,
+        _: &Body<'_, W>,
+        _: &Rotor<S>,
+    ) -> Self {
         self.with_joint(joint.step, above)
     }
 
@@ -259,7 +293,7 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
 
     #[inline(always)]
     fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
-        self.inertia.unit_momentum(frame)
+        self.inertia.unit_momentum(frame.joint, frame.axis)
     }
 
     /// S ×* momentum + the momentum at velocity `bend`.
@@ -281,11 +315,10 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
 }
 
 impl<S: Scalar> BodyInertia<S> {
-    /// The momentum at a unit velocity of the joint of this frame.
+    /// The momentum at a unit velocity of a joint with this axis.
     #[inline(always)]
-    pub(super) fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
-        let axis = frame.axis;
-        match frame.joint {
+    pub(super) fn unit_momentum(&self, joint: Joint, axis: Vector<S>) -> Wrench<S> {
+        match joint {
             Joint::Revolute => Wrench { angular: self.turning(axis), linear: cross(axis, self.moment) },
             Joint::Prismatic => Wrench { angular: cross(self.moment, axis), linear: scale(self.mass, axis) },
         }

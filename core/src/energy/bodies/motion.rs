@@ -3,7 +3,7 @@
 use super::vector::{Vector, Wrench, across, add, cross, dot, scale, turned, turned_back};
 use super::{BODY_PARAMETERS, BodyParameters, Joint, PLANAR_INERTIAL_PARAMETERS};
 use crate::energy::multibody::{self, Space, Wrench as _};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, WeightFormat};
 
 /// The frame of a body at its joint; vectors are in the axes of the ground.
 #[derive(Clone, Copy, Debug)]
@@ -25,14 +25,14 @@ impl<S: Scalar> Space<S, BODY_PARAMETERS> for Vector<S> {
     type Frame = Frame<S>;
 
     #[inline(always)]
-    fn body(numbers: [S; BODY_PARAMETERS]) -> BodyParameters<S> {
-        BodyParameters::from_array(numbers)
+    fn body<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; BODY_PARAMETERS]) -> BodyParameters<S> {
+        BodyParameters::from_array(numbers.map(W::scalar))
     }
 }
 
 impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Vector = Vector<S>;
-    type Body = BodyParameters<S>;
+    type Body<'a, W: WeightFormat<Wide = S::Weight> + 'a> = BodyParameters<S>;
     /// z, which acts on the linear part of momentum alone.
     type Bend = Vector<S>;
     type Wrench = Wrench<S>;
@@ -50,7 +50,13 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     }
 
     #[inline(always)]
-    fn carried(&self, joint: Joint, body: &BodyParameters<S>, q: S, v: S) -> Self {
+    fn carried<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: Joint,
+        body: &BodyParameters<S>,
+        q: S,
+        v: S,
+    ) -> Self {
         let step = turned(self.axis, body.place);
         let velocity = add(self.velocity, scale(self.spin, across(step)));
         let angle = self.angle + body.angle;
@@ -159,7 +165,7 @@ impl<S: Scalar> multibody::Rotor<S, Frame<S>> for Rotor<S> {
     }
 
     #[inline(always)]
-    fn new(parent: &Frame<S>, body: &BodyParameters<S>, v: S) -> Self {
+    fn new<W: WeightFormat<Wide = S::Weight>>(parent: &Frame<S>, body: &BodyParameters<S>, v: S) -> Self {
         let BodyParameters { rotor, gear, .. } = *body;
         Self { momentum: rotor * (parent.spin + gear * v), coupling: rotor * gear, gear }
     }
@@ -201,12 +207,12 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
     }
 
     #[inline(always)]
-    fn begun(_: &Frame<S>, _: &BodyParameters<S>) -> Self {
+    fn begun<W: WeightFormat<Wide = S::Weight>>(_: &Frame<S>, _: &BodyParameters<S>) -> Self {
         Self::nothing()
     }
 
     #[inline(always)]
-    fn finished(self, frame: &Frame<S>, body: &BodyParameters<S>) -> Self {
+    fn finished<W: WeightFormat<Wide = S::Weight>>(self, frame: &Frame<S>, body: &BodyParameters<S>) -> Self {
         let lever = turned(frame.axis, body.centre);
         let velocity = add(frame.velocity, scale(frame.spin, across(lever)));
         let (moment, momentum) = (scale(body.mass, lever), scale(body.mass, velocity));
@@ -223,7 +229,13 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
     }
 
     #[inline(always)]
-    fn with_joint(&self, joint: &Frame<S>, above: &Self, body: &BodyParameters<S>, rotor: &Rotor<S>) -> Self {
+    fn with_joint<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: &Frame<S>,
+        above: &Self,
+        body: &BodyParameters<S>,
+        rotor: &Rotor<S>,
+    ) -> Self {
         let step = joint.step;
         let from_here = scale(above.mass, step);
         let moment = add(above.moment, from_here);

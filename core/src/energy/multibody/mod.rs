@@ -9,9 +9,9 @@ pub use space::{Carried, Frame, Rotor, Space, Wrench};
 pub use tree::{BodyTree, Joint, TreeBody};
 
 use crate::expected::{expected, present};
-use crate::lagrangian::{Column, Energies, Gradient, Hessian, Lagrangian, Linearization};
-use crate::linear;
-use crate::scalar::{Scalar, WeightFormat};
+use crate::lagrangian::{Column, Energies, Gradient, Hessian, Lagrangian, Linearization, eliminated};
+use crate::linear::{self, SolveError};
+use crate::scalar::{Real, Scalar, WeightFormat};
 
 /// A tree of N rigid bodies on joints, over borrowed weights: in `D` dimensions, with `B` numbers per body.
 ///
@@ -49,11 +49,11 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
     }
 
     #[inline(always)]
-    pub(super) fn body<S: Scalar<Weight = W::Wide>>(&self, k: usize) -> BodyOf<S, D, B>
+    pub(super) fn body<S: Scalar<Weight = W::Wide>>(&self, k: usize) -> BodyOf<'a, W, S, D, B>
     where
         [S; D]: Space<S, B>,
     {
-        <[S; D] as Space<S, B>>::body(self.numbers[k].map(W::scalar))
+        <[S; D] as Space<S, B>>::body(&self.numbers[k])
     }
 
     pub(super) fn parent(&self, k: usize) -> Option<usize> {
@@ -109,7 +109,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
 /// Frame type of a space.
 type FrameOf<S, const D: usize, const B: usize> = <[S; D] as Space<S, B>>::Frame;
 /// Body type of a space.
-type BodyOf<S, const D: usize, const B: usize> = <FrameOf<S, D, B> as Frame<S>>::Body;
+type BodyOf<'a, W, S, const D: usize, const B: usize> = <FrameOf<S, D, B> as Frame<S>>::Body<'a, W>;
 
 /// A tree in motion.
 pub(super) struct Motion<S: Scalar, F: Frame<S>, const N: usize> {
@@ -203,6 +203,20 @@ where
 
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         self.derivatives(q, v, None)
+    }
+
+    #[inline(always)]
+    fn solves(&self) -> bool {
+        <[S; D] as Space<S, B>>::SOLVES
+    }
+
+    #[inline(always)]
+    fn forward_dynamics(&self, q: &[S; N], v: &[S; N], force: &[S; N]) -> Result<[S; N], SolveError>
+    where
+        S: Real,
+    {
+        let solved = <[S; D] as Space<S, B>>::forward_dynamics(self, q, v, force);
+        solved.unwrap_or_else(|| eliminated(self.dynamics(q, v), force))
     }
 
     fn inertial_columns(&self, body: usize, q: &[S; N], v: &[S; N], columns: &mut [Column<S, N>]) -> usize {

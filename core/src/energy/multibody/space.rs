@@ -1,15 +1,33 @@
 //! Interface between the recursion over a tree of bodies and the space that they move in.
 
-use super::Joint;
-use crate::scalar::Scalar;
+use super::{Bodies, Joint};
+use crate::linear::SolveError;
+use crate::scalar::{Real, Scalar, WeightFormat};
 
 /// A kind of space, identified by its vectors: `[S; 2]` is the plane, `[S; 3]` three-dimensional space. A body has `B` numbers.
 pub trait Space<S: Scalar, const B: usize>: Copy {
     /// Frame type of the space.
     type Frame: Frame<S, Vector = Self>;
 
-    /// Creates a body from its numbers in the order of the weight block.
-    fn body(numbers: [S; B]) -> <Self::Frame as Frame<S>>::Body;
+    /// Reads a body from its numbers in the order of the weight block.
+    fn body<W: WeightFormat<Wide = S::Weight>>(numbers: &[W; B]) -> <Self::Frame as Frame<S>>::Body<'_, W>;
+
+    /// Whether [`Space::forward_dynamics`] has an answer.
+    const SOLVES: bool = false;
+
+    /// The acceleration under a force, if there is a faster way than the terms of the equation of motion and elimination.
+    #[inline(always)]
+    fn forward_dynamics<W: WeightFormat<Wide = S::Weight>, const D: usize, const N: usize>(
+        _bodies: &Bodies<W, D, B, N>,
+        _q: &[S; N],
+        _v: &[S; N],
+        _force: &[S; N],
+    ) -> Option<Result<[S; N], SolveError>>
+    where
+        S: Real,
+    {
+        None
+    }
 }
 
 /// The frame of a body at its joint, in motion.
@@ -17,7 +35,7 @@ pub trait Frame<S: Scalar>: Copy {
     /// A direction.
     type Vector: Copy;
     /// The numbers of a body.
-    type Body;
+    type Body<'a, W: WeightFormat<Wide = S::Weight> + 'a>;
     /// z, whose product with momentum is ∂T/∂q of a joint.
     type Bend: Copy;
     /// Momentum or force, about a joint.
@@ -36,7 +54,13 @@ pub trait Frame<S: Scalar>: Copy {
     /// The fixed frame that trees stand on.
     fn base() -> Self;
     /// The frame of a body that stands on this one.
-    fn carried(&self, joint: Joint, body: &Self::Body, q: S, v: S) -> Self;
+    fn carried<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: Joint,
+        body: &Self::Body<'_, W>,
+        q: S,
+        v: S,
+    ) -> Self;
     /// Step from the parent's joint to this joint, m.
     fn step(&self) -> Self::Vector;
     /// The component of momentum or force at this joint along its coordinate.
@@ -77,11 +101,17 @@ pub trait Carried<S: Scalar, F: Frame<S>>: Copy {
     fn nothing() -> Self;
     /// Initial sums, to which the sums of the joints on a body are added. Every space adds the body itself either here or at the end, and
     /// keeps its choice: the order of a sum affects its bits.
-    fn begun(frame: &F, body: &F::Body) -> Self;
+    fn begun<W: WeightFormat<Wide = S::Weight>>(frame: &F, body: &F::Body<'_, W>) -> Self;
     /// Adds the body itself, if [`Carried::begun`] has left it out.
-    fn finished(self, frame: &F, body: &F::Body) -> Self;
+    fn finished<W: WeightFormat<Wide = S::Weight>>(self, frame: &F, body: &F::Body<'_, W>) -> Self;
     /// Adds all that a joint on this body carries, and the rotor of the joint's drive; `body` is the body of that joint.
-    fn with_joint(&self, joint: &F, above: &Self, body: &F::Body, rotor: &F::Rotor) -> Self;
+    fn with_joint<W: WeightFormat<Wide = S::Weight>>(
+        &self,
+        joint: &F,
+        above: &Self,
+        body: &F::Body<'_, W>,
+        rotor: &F::Rotor,
+    ) -> Self;
     /// The momentum.
     fn momentum(&self) -> &F::Wrench;
     /// The first moments Σ m(x − r) along a direction.
@@ -97,7 +127,7 @@ pub trait Rotor<S: Scalar, F: Frame<S>>: Copy {
     /// No rotor.
     fn none() -> Self;
     /// The rotor of a body's joint on `parent`.
-    fn new(parent: &F, body: &F::Body, v: S) -> Self;
+    fn new<W: WeightFormat<Wide = S::Weight>>(parent: &F, body: &F::Body<'_, W>, v: S) -> Self;
     /// The rotor's part of the joint's momentum p.
     fn momentum(&self, v: S) -> S;
     /// ∂/∂q̇ of the rotor's part of p.
