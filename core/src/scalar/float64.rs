@@ -11,15 +11,8 @@ impl Scalar for f64 {
     const SIDE_BY_SIDE: bool = cfg!(target_pointer_width = "64");
 
     #[inline]
-    fn sin_cos_of<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
-        let mut both = [(0.0, 0.0); N];
-        for (both, x) in both.chunks_mut(4).zip(x.chunks(4)) {
-            let mut four = [0.0; 4];
-            four.iter_mut().zip(x).for_each(|(own, x)| *own = *x);
-            let (sin, cos) = sin_cos::sin_cos(four);
-            both.iter_mut().zip(sin.into_iter().zip(cos)).for_each(|(both, own)| *both = own);
-        }
-        both
+    fn sin_cos_of<const N: usize>(x: &[Self; N]) -> ([Self; N], [Self; N]) {
+        sin_cos::many(x)
     }
 
     #[inline(always)]

@@ -67,8 +67,9 @@ pub trait Scalar:
 
     /// Sines and cosines of many angles, with the bits of [`Scalar::sin_cos`].
     #[inline(always)]
-    fn sin_cos_of<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
-        x.map(Self::sin_cos)
+    fn sin_cos_of<const N: usize>(x: &[Self; N]) -> ([Self; N], [Self; N]) {
+        let both = x.map(Self::sin_cos);
+        (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))
     }
 
     /// Called before the loops over each component of a layer's vectors (0: the values, then the tangents), for scalars that

@@ -34,6 +34,21 @@ pub(super) fn sin_cos<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
     (sin, cos)
 }
 
+/// Sines and cosines of any number of angles, four at a time; the last four overlap those before.
+#[inline(always)]
+pub(super) fn many<const N: usize>(x: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut sin, mut cos) = ([0.0; N], [0.0; N]);
+    for chunk in 0..N.div_ceil(4) {
+        let start = (4 * chunk).min(N.saturating_sub(4));
+        let of = |x: &[f64; N]| x.get(start..)?.first_chunk::<4>().copied();
+        let four = of(x).unwrap_or_else(|| core::array::from_fn(|i| if i < N { x[i] } else { 0.0 }));
+        let both = sin_cos(four);
+        sin.iter_mut().skip(start).zip(both.0).for_each(|(sin, own)| *sin = own);
+        cos.iter_mut().skip(start).zip(both.1).for_each(|(cos, own)| *cos = own);
+    }
+    (sin, cos)
+}
+
 /// The sine, the cosine, and 0 if they have the bits of libm's.
 ///
 /// Source: FreeBSD's `s_sin.c`, `k_sin.c` and `k_cos.c`, by way of libm: the first round of the reduction by multiples of π/2, and the same polynomials.
@@ -145,8 +160,10 @@ mod tests {
         use crate::scalar::Scalar;
         fn check<const N: usize>() {
             let x: [f64; N] = core::array::from_fn(|i| 0.7 * i as f64 - 2.0);
-            let bits = |(sin, cos): (f64, f64)| [sin, cos].map(f64::to_bits);
-            assert_eq!(Scalar::sin_cos_of(&x).map(bits), x.map(libm::sincos).map(bits));
+            let (sin, cos) = Scalar::sin_cos_of(&x);
+            let alone = x.map(libm::sincos);
+            assert_eq!(sin.map(f64::to_bits), alone.map(|(sin, _)| sin.to_bits()));
+            assert_eq!(cos.map(f64::to_bits), alone.map(|(_, cos)| cos.to_bits()));
         }
         check::<1>();
         check::<4>();

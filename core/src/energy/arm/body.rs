@@ -30,18 +30,18 @@ impl<S: Scalar> Coordinate<S> {
 /// Coordinates of all joints.
 pub struct Coordinates<'a, S, const N: usize> {
     q: &'a [S; N],
-    turns: [(S, S); N],
+    turns: ([S; N], [S; N]),
 }
 
 impl<'a, S: Scalar, const N: usize> Coordinates<'a, S, N> {
     #[inline(always)]
     pub fn new(q: &'a [S; N]) -> Self {
-        Self { q, turns: if S::SIDE_BY_SIDE { S::sin_cos_of(q) } else { [(S::zero(), S::zero()); N] } }
+        Self { q, turns: if S::SIDE_BY_SIDE { S::sin_cos_of(q) } else { ([S::zero(); N], [S::zero(); N]) } }
     }
 
     #[inline(always)]
     pub fn of(&self, k: usize) -> Coordinate<S> {
-        Coordinate { q: self.q[k], turn: self.turns[k] }
+        Coordinate { q: self.q[k], turn: (self.turns.0[k], self.turns.1[k]) }
     }
 }
 
