@@ -68,7 +68,7 @@ pub mod urdf;
 mod words;
 
 pub use architecture::Architecture;
-pub use bodies::{ArmArchitecture, ArmBody, BodiesArchitecture, BodyNumbers, letters_of_joints};
+pub use bodies::{ArmArchitecture, ArmBody, ArmDynamics, BodiesArchitecture, BodyNumbers, letters_of_joints};
 pub use change::{ChangeError, PointMass};
 pub use family::{Family, OpenGauge, Parts};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, NamedGraph};

@@ -1,14 +1,16 @@
 //! Exact derivatives of accelerations and of steps with respect to state and force, for states side by side.
 
 use crate::arguments::inputs;
+use crate::arm::spoil;
 use crate::arrays::{Table, tables};
 use crate::blocks::fill;
 use crate::double::{order, side_by_side, without_rods};
 use crate::errors::{Kind, input};
 use crate::model::Model;
 use crate::single::Quantity;
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{Laws, ModelError};
 use leastaction_models as models;
+use leastaction_models::ArmDynamics;
 use leastaction_models::parallel::Pool;
 use leastaction_programs::dynamics::{AccelerationSlopes, Failures, Order};
 use leastaction_programs::steps::{ControlTangent, State, Steps, Tangents, VariationalSteps};
@@ -17,8 +19,8 @@ use numpy::{PyArray3, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use std::convert::Infallible;
 
-/// Columns of the derivatives of a block of states: one for every number of q, v and u.
-type Columns = Vec<Vec<Row>>;
+/// Columns of the derivatives of a block of states, one after the other: one for every number of q, v and u.
+type Columns = Vec<Row>;
 
 /// Evaluator of a block of states.
 enum Slopes {
@@ -43,7 +45,7 @@ impl Slopes {
             Self::Step(of) => step(of, weights, at),
         };
         for lane in (0..WIDTH).filter(|lane| failures.0[*lane]) {
-            columns.iter_mut().flatten().for_each(|row| row.0[lane] = f64::NAN);
+            columns.iter_mut().for_each(|row| row.0[lane] = f64::NAN);
         }
         columns
     }
@@ -54,7 +56,7 @@ fn acceleration(of: &mut AccelerationSlopes, weights: &[f64], at: [&[Row]; 3]) -
     let (mut a, mut slopes) = (vec![Row::default(); n], vec![Row::default(); 2 * n * n]);
     let failures = of.evaluate(weights, at, &mut a, &mut slopes);
     slopes.extend(of.of_control(weights, at));
-    (slopes.chunks_exact(n).map(<[Row]>::to_vec).collect(), failures)
+    (slopes, failures)
 }
 
 fn step(of: &mut VariationalSteps, weights: &[f64], [q, v, u]: [&[Row]; 3]) -> (Columns, Failures) {
@@ -66,8 +68,9 @@ fn step(of: &mut VariationalSteps, weights: &[f64], [q, v, u]: [&[Row]; 3]) -> (
     of.begin(weights, &mut state, Some(&mut tangents));
     let failed = of.step(weights, &mut state, [u, u], Some((&mut tangents, &controls)));
     let failures = failed.or(of.finish(weights, &mut state, Some(&mut tangents)));
-    let mut columns: Columns = tangents.each().map(<[Row]>::to_vec).collect();
-    columns.rotate_left(n);
+    let mut columns: Columns = tangents.each().flatten().copied().collect();
+    // Columns of controls come first among the tangents.
+    columns.rotate_left(n * 2 * n);
     (columns, failures)
 }
 
@@ -78,22 +81,47 @@ fn of_states(
     (at, count): (&[Table<f64>], usize),
 ) -> Result<Vec<f64>, ModelError> {
     without_rods(model, "rods of a model that is differentiated")?;
-    let (system, n) = (model.system()?, model.architecture.n());
-    let columns = 3 * n;
-    let width = columns * if step.is_some() { 2 * n } else { n };
-    let pool = Pool::new(move || Slopes::new(&system, step));
+    let n = model.architecture.n();
+    let width = 3 * n * if step.is_some() { 2 * n } else { n };
     let mut numbers = vec![0.0; count * width];
+    let has_forces = model.architecture.laws() != Laws::NONE;
+    if let Some(arm) = model.arm_dynamics().filter(|_| step.is_none() && !has_forces) {
+        write((at, n), (&mut numbers, width), |at| of_arm(&*arm, at));
+        return Ok(numbers);
+    }
+    let system = model.system()?;
+    let pool = Pool::new(move || Slopes::new(&system, step));
+    write((at, n), (&mut numbers, width), |at| pool.with(|slopes| slopes.run(&model.weights, at)));
+    Ok(numbers)
+}
+
+/// Columns of an arm without forces beside its bodies.
+fn of_arm(arm: &dyn ArmDynamics, at: [&[Row]; 3]) -> Columns {
+    let n = at[0].len();
+    let mut columns = vec![Row::default(); 3 * n * n];
+    arm.acceleration_derivatives(at, &mut columns);
+    spoil(&mut columns);
+    columns
+}
+
+/// Writes the columns that `of` computes for every block of states, row by row.
+fn write(
+    (at, n): (&[Table<f64>], usize),
+    (numbers, width): (&mut [f64], usize),
+    of: impl Fn([&[Row]; 3]) -> Columns + Sync,
+) {
     let work = |first: usize, to: &mut [f64]| {
         let [q, v, u] = std::array::from_fn(|k| side_by_side(&at[k], first, n));
-        let found = pool.with(|slopes| slopes.run(&model.weights, [&q, &v, &u]));
+        let found = of([&q, &v, &u]);
+        let height = found.len() / (3 * n);
         for (lane, to) in to.chunks_exact_mut(width).enumerate() {
-            let entry = |k: usize| found[k % columns][k / columns].0[lane];
-            to.iter_mut().enumerate().for_each(|(k, to)| *to = entry(k));
+            for (i, row) in to.chunks_exact_mut(3 * n).enumerate() {
+                row.iter_mut().zip(found[i..].iter().step_by(height)).for_each(|(to, of)| *to = of.0[lane]);
+            }
         }
         Ok::<(), Infallible>(())
     };
-    let Ok(()) = fill((&mut numbers, width, WIDTH), work);
-    Ok(numbers)
+    let Ok(()) = fill((numbers, width, WIDTH), work);
 }
 
 /// Returns ∂v̇/∂(q, v, u), \[states\]\[n\]\[3n\], or with a step (h, order) the derivatives of its end (q, v),

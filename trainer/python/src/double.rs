@@ -1,6 +1,7 @@
 //! Evaluation of states side by side in double precision, for models of any size.
 
 use crate::arguments;
+use crate::arm::Arm;
 use crate::arrays::Table;
 use crate::blocks::fill;
 use crate::single::Quantity;
@@ -80,19 +81,32 @@ pub fn evaluate(
         model.with_forced(|forced| graph(forced, inputs, (&mut numbers, width)))?;
         return Ok(numbers);
     }
+    if let Some(arm) = Arm::new(model, quantity)? {
+        blocks((inputs, architecture.n()), (&mut numbers, width), |lanes| arm.run(lanes, quantity));
+        return Ok(numbers);
+    }
     let system = model.system()?;
     let pool = Pool::new(move || Solver::new(&system, quantity));
+    let run = |lanes: &[Vec<Row>]| pool.with(|solver| solver.run(weights, lanes, quantity));
+    blocks((inputs, architecture.n()), (&mut numbers, width), run);
+    Ok(numbers)
+}
+
+/// Writes what `run` computes for every block of states.
+fn blocks(
+    (inputs, n): (&[Table<f64>], usize),
+    (numbers, width): (&mut [f64], usize),
+    run: impl Fn(&[Vec<Row>]) -> Vec<Row> + Sync,
+) {
     let work = |first: usize, rows: &mut [f64]| {
-        let lanes: Vec<Vec<Row>> =
-            inputs.iter().map(|table| side_by_side(table, first, architecture.n())).collect();
-        let found = pool.with(|solver| solver.run(weights, &lanes, quantity));
+        let lanes: Vec<Vec<Row>> = inputs.iter().map(|table| side_by_side(table, first, n)).collect();
+        let found = run(&lanes);
         for (lane, row) in rows.chunks_exact_mut(width).enumerate() {
             row.iter_mut().zip(&found).for_each(|(to, of)| *to = of.0[lane]);
         }
         Ok::<(), Infallible>(())
     };
-    let Ok(()) = fill((&mut numbers, width, WIDTH), work);
-    Ok(numbers)
+    let Ok(()) = fill((numbers, width, WIDTH), work);
 }
 
 /// Accelerations of a graph with its rods, state by state, each in linear time.
@@ -128,9 +142,12 @@ pub fn without_rods(model: &Model, what: &'static str) -> Result<(), ModelError>
 
 /// States from `first` on, side by side; lanes beyond the last state repeat it.
 pub fn side_by_side(table: &Table<f64>, first: usize, n: usize) -> Vec<Row> {
-    let last = table.count.saturating_sub(1);
-    let at = |lane: usize, i: usize| table.row((first + lane).min(last)).get(i).copied().unwrap_or(0.0);
-    (0..n).map(|i| Row(std::array::from_fn(|lane| at(lane, i)))).collect()
+    let (last, mut rows) = (table.count.saturating_sub(1), vec![Row::default(); n]);
+    for lane in 0..WIDTH {
+        let numbers = table.row((first + lane).min(last));
+        rows.iter_mut().zip(numbers).for_each(|(row, x)| row.0[lane] = *x);
+    }
+    rows
 }
 
 /// Start of motions.

@@ -14,6 +14,7 @@
 
 mod adaptation;
 mod arguments;
+mod arm;
 mod arrays;
 mod attend;
 mod blocks;

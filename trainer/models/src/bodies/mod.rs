@@ -4,7 +4,7 @@ pub mod plane;
 pub mod space;
 
 pub use plane::{BodiesArchitecture, BodyNumbers};
-pub use space::{ArmArchitecture, ArmBody};
+pub use space::{ArmArchitecture, ArmBody, ArmDynamics};
 
 use crate::source::ConstantType;
 use leastaction_core::energy::bodies::Joint;

@@ -3,6 +3,9 @@
 pub mod config;
 pub mod describe;
 mod described;
+mod dynamics;
+
+pub use dynamics::ArmDynamics;
 
 use super::{letters_of_joints, tree_type};
 use crate::bounds::Range;
