@@ -8,6 +8,7 @@ Exit codes: 0 success, 1 the outputs disagree, a tool failed or a demanded ratio
 import argparse
 import json
 import re
+import shutil
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -37,6 +38,12 @@ FLAG_SETS = {
     "-O3 native": ["-O3", "-march=native"],
     "-O3 native tgmath": ["-O3", "-march=native", "-include", "tgmath.h"],
 }
+# Flags of our builds beside those of the workspace: names and flags of rustc, from the fastest code to the smallest.
+IN_REGISTERS = ["-Copt-level=2", "-Cpasses=slp-vectorizer", "-Cllvm-args=-unroll-runtime=false"]
+OUTLINED = "-Cllvm-args=-enable-machine-outliner=always"
+OUR_FLAG_SETS = {"": [], "2, SLP": IN_REGISTERS, "2, SLP, outlined": [*IN_REGISTERS, OUTLINED], "s, outlined": ["-Copt-level=s", OUTLINED]}
+# Ratio to CasADi's best with -O2 that our smaller build must keep.
+KEPT = 4
 
 
 # ---------------------------------------------------------------- the network and its Lagrangian, in CasADi
@@ -296,9 +303,17 @@ def our_code_bytes(executable):
     return sum(sizes.values())
 
 
-def our_build(path):
-    executable = path.resolve() if path else build_ours("leastaction-tests", ["--bin", "peer_cartpole"], "--ours PATH or --casadi-only")
-    return Build("leastaction", "", executable, our_code_bytes(executable), {}, {})
+def our_builds(path, folder, flag_sets):
+    """The build at this path, or one with each set of flags."""
+    if path:
+        return [Build("leastaction", "", path.resolve(), our_code_bytes(path.resolve()), {}, {})]
+    builds = []
+    for name in flag_sets:
+        built = build_ours("leastaction-tests", ["--bin", "peer_cartpole"], "--ours PATH or --casadi-only", flags=OUR_FLAG_SETS[name])
+        # The next build replaces this one.
+        executable = shutil.copy(built, folder / f"leastaction {name}")
+        builds.append(Build("leastaction", name, executable, our_code_bytes(executable), {}, {}))
+    return builds
 
 
 def measure(builds, ours, options, folder):
@@ -307,8 +322,8 @@ def measure(builds, ours, options, folder):
     for _ in range(options.rounds):
         for build in builds:
             build.measure(column_major)
-        if ours:
-            ours.measure([folder / "weights.f32", folder / "states.f32"])
+        for build in ours:
+            build.measure([folder / "weights.f32", folder / "states.f32"])
 
 
 # ---------------------------------------------------------------- the report
@@ -325,9 +340,32 @@ def comparison(builds, ours, key):
     rows = {"casadi_o2_ns": base.best[key], "casadi_o2_variant": base.name, "casadi_o2_code_bytes": base.code_bytes}
     rows |= {"casadi_any_ns": tuned.best[key], "casadi_any_variant": f"{tuned.name}, {tuned.flags}"}
     if ours:
-        rows |= {"ours_ns": ours.best[key], "ours_code_bytes": ours.code_bytes}
-        rows |= {"ratio_o2": base.best[key] / ours.best[key], "ratio_any": tuned.best[key] / ours.best[key]}
+        rows |= {"ours_ns": ours[0].best[key], "ours_code_bytes": ours[0].code_bytes}
+        rows |= {"ratio_o2": base.best[key] / ours[0].best[key], "ratio_any": tuned.best[key] / ours[0].best[key]}
     return rows
+
+
+def trade(builds, ours):
+    """Size and speed of the fastest and the smallest code of both programs; the speed is relative to CasADi's best with -O2."""
+    base = [build for build in builds if build.flags == BASE_FLAGS]
+
+    def row(name, build):
+        ratios = {key: fastest(base, key).best[key] / build.best[key] for key in KERNELS}
+        return {"name": name, "flags": build.flags, "code_bytes": build.code_bytes} | ratios
+
+    def slowest(build):
+        return min(row("", build)[key] for key in KERNELS)
+
+    def size(build):
+        return build.code_bytes
+
+    rows = []
+    if ours:
+        kept = [build for build in ours if slowest(build) >= KEPT]
+        rows += [row("ours, fastest", max(ours, key=slowest))]
+        rows += [row(f"ours, smallest that is {KEPT} times as fast", min(kept, key=size))] if kept else []
+        rows += [row("ours, smallest", min(ours, key=size))]
+    return [*rows, row("CasADi's fastest", max(builds, key=slowest)), row("CasADi's smallest", min(builds, key=size))]
 
 
 def summary(build, expected):
@@ -339,7 +377,8 @@ def make_report(builds, ours, expected, options):
     report = {"casadi": ca.__version__, "gcc": run(["gcc", "-dumpfullversion"]).strip(), "h": H}
     report |= {"seed": options.seed, "states": options.states, "rounds": options.rounds}
     report["builds"] = [summary(build, expected) for build in builds]
-    report["ours"] = summary(ours, expected) if ours else None
+    report["ours"] = [summary(build, expected) for build in ours]
+    report["trade"] = trade(builds, ours)
     report["comparison"] = {key: comparison(builds, ours, key) for key in KERNELS}
     return report
 
@@ -356,9 +395,12 @@ def print_report(report):
     print(f"{'':<44}{'acceleration':>14}{'residual+jac':>14}{'code bytes':>14}{'rel. error':>12}")
     for row in report["builds"]:
         print_row(row)
-    if report["ours"]:
-        print_row(report["ours"])
+    for row in report["ours"]:
+        print_row(row)
     print()
+    print("code of both functions, and speed relative to CasADi's best with -O2, acceleration and residual+jac:")
+    for row in report["trade"]:
+        print(f"  {row['name']:<40}{row['code_bytes']:>8,} bytes" + "".join(f"{row[key]:>8.2f}" for key in KERNELS) + f"  {row['flags']}")
     for key, row in report["comparison"].items():
         print_comparison(key.removesuffix("_ns"), row)
 
@@ -372,7 +414,7 @@ def print_comparison(kernel, row):
 
 def check(report, options):
     """Raises when an output is wrong or a demanded ratio is missed."""
-    for row in [*report["builds"], *([report["ours"]] if report["ours"] else [])]:
+    for row in [*report["builds"], *report["ours"]]:
         for key, error in row["relative_error"].items():
             if not error <= options.tolerance:
                 raise Failure(f"{row['name']} {row['flags']}: `{key}` is off by {error:.1e} relative, allowed {options.tolerance:.1e}")
@@ -389,7 +431,7 @@ def parse(arguments):
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
     parser.add_argument("--self-test", action="store_true", help="check CasADi's f64 outputs against numpy finite differences, and stop")
     parser.add_argument("--casadi-only", action="store_true", help="measure CasADi alone")
-    parser.add_argument("--quick", action="store_true", help="only gcc -O2, without the further flags")
+    parser.add_argument("--quick", action="store_true", help="only gcc -O2 and our usual build, without the further flags")
     parser.add_argument("--ours", type=Path, metavar="PATH", help="use this peer_cartpole instead of building it")
     parser.add_argument("--require", type=float, metavar="RATIO", help="fail unless ours is RATIO times faster than CasADi at -O2")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="allowed relative error against CasADi in f64 (default %(default)s)")
@@ -415,7 +457,7 @@ def benchmark(weights, states, options, folder):
     need("gcc", "install a C compiler, e.g. `apt install gcc`")
     need("size", "install GNU binutils, e.g. `apt install binutils`")
     need("nm", "install GNU binutils, e.g. `apt install binutils`")
-    ours = None if options.casadi_only else our_build(options.ours)
+    ours = [] if options.casadi_only else our_builds(options.ours, folder, list(OUR_FLAG_SETS)[:1 if options.quick else None])
     write_inputs(folder, weights, states)
     builds = casadi_builds(weights, folder, [BASE_FLAGS] if options.quick else FLAG_SETS)
     measure(builds, ours, options, folder)

@@ -35,15 +35,17 @@ def run(command, **options):
     return result.stdout
 
 
-def build_ours(package, target, otherwise, profile="release"):
-    """Builds one of our executables and returns its path; `otherwise` names the options that make the build unnecessary."""
+def build_ours(package, target, otherwise, profile="release", flags=()):
+    """Builds one of our executables, itself with further flags of the compiler, and returns its path; `otherwise` names the options that make
+    the build unnecessary."""
     need("cargo", f"install Rust from https://rustup.rs, or pass {otherwise}")
-    command = ["cargo", "build", "--profile", profile, "-p", package, *target]
-    messages = run([*command, "--message-format=json"], cwd=HERE.parent)
+    command = ["cargo", "rustc" if flags else "build", "--profile", profile, "-p", package, *target, "--message-format=json"]
+    command += ["--", *flags] if flags else []
+    messages = run(command, cwd=HERE.parent)
     artifacts = [json.loads(line) for line in messages.splitlines() if line.startswith("{")]
     executables = [a["executable"] for a in artifacts if a.get("executable")]
     if not executables:
-        raise Failure(f"`{' '.join(command)}` built no executable")
+        raise Failure(f"`{' '.join(map(str, command))}` built no executable")
     return Path(executables[-1])
 
 
