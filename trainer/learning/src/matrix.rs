@@ -29,11 +29,12 @@ pub fn column_mut(a: &mut DMatrix<f64>, j: usize) -> &mut [f64] {
     &mut a.as_mut_slice()[j * rows..][..rows]
 }
 
-/// Adds AᵀA to the lower triangle of `sum`; the entries above the diagonal are meaningless.
+/// Adds AᵀA to the lower triangle of `sum`; the entries above the diagonal are meaningless. Column j of A belongs to position `at[j]` of the
+/// sum; positions are ascending.
 ///
 /// Every entry is a dot product of two columns, which are contiguous: nothing is rearranged. Tiles of entries are kept in registers, and
 /// the columns of a block in the second-level cache.
-pub fn add_gram(sum: &mut DMatrix<f64>, a: &DMatrix<f64>) {
+pub fn add_gram(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, at: &[usize]) {
     let p = a.ncols();
     for first in (0..a.nrows()).step_by(GRAM_ROWS) {
         let rows = first..a.nrows().min(first + GRAM_ROWS);
@@ -41,7 +42,7 @@ pub fn add_gram(sum: &mut DMatrix<f64>, a: &DMatrix<f64>) {
             let end = p.min(start + GRAM_BLOCK);
             for k in (0..end).step_by(GRAM_TILE[1]) {
                 for j in (start.max(k)..end).step_by(GRAM_TILE[0]) {
-                    add_gram_tile(sum, a, [j..end, k..p], &rows);
+                    add_gram_tile((sum, at), a, [j..end, k..p], &rows);
                 }
             }
         }
@@ -56,7 +57,12 @@ const GRAM_ROWS: usize = 512;
 const GRAM_BLOCK: usize = 60;
 
 /// Adds some rows' part of those entries of the tile at the beginning of these ranges that are in the ranges and in the lower triangle.
-fn add_gram_tile(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, [j, k]: [Range<usize>; 2], rows: &Range<usize>) {
+fn add_gram_tile(
+    (sum, at): (&mut DMatrix<f64>, &[usize]),
+    a: &DMatrix<f64>,
+    [j, k]: [Range<usize>; 2],
+    rows: &Range<usize>,
+) {
     const J: usize = GRAM_TILE[0];
     const K: usize = GRAM_TILE[1];
     // Columns beyond the last one are read again; their products are not used.
@@ -64,8 +70,8 @@ fn add_gram_tile(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, [j, k]: [Range<usize>
     let (x, y) = (std::array::from_fn(|i| of(j.start + i)), std::array::from_fn(|i| of(k.start + i)));
     let products: [[f64; J]; K] = dot_products(x, y);
     for (k, products) in k.zip(&products) {
-        let column = column_mut(sum, k);
-        j.clone().zip(products).filter(|(j, _)| *j >= k).for_each(|(j, product)| column[j] += product);
+        let column = column_mut(sum, at[k]);
+        j.clone().zip(products).filter(|(j, _)| *j >= k).for_each(|(j, product)| column[at[j]] += product);
     }
 }
 
@@ -210,10 +216,21 @@ mod tests {
         for (rows, columns) in [(1, 1), (3, 2), (50, 7), (240, 97), (31, 250), (1030, 61), (513, 64)] {
             let a = wave(rows, columns);
             let mut sum = DMatrix::from_element(columns, columns, 0.5);
-            add_gram(&mut sum, &a);
+            add_gram(&mut sum, &a, &Vec::from_iter(0..columns));
             let expected = (a.transpose() * &a).add_scalar(0.5);
             close(&sum.lower_triangle(), &expected.lower_triangle());
         }
+    }
+
+    #[test]
+    fn a_gram_of_few_columns_is_that_with_zeros_in_the_others() {
+        let (at, a) = ([1, 4, 5, 9, 12], wave(530, 5));
+        let mut whole = DMatrix::zeros(530, 14);
+        at.iter().enumerate().for_each(|(j, at)| whole.set_column(*at, &a.column(j)));
+        let [mut few, mut all] = [(); 2].map(|()| DMatrix::from_element(14, 14, 0.5));
+        add_gram(&mut few, &a, &at);
+        add_gram(&mut all, &whole, &Vec::from_iter(0..14));
+        assert_eq!(few.lower_triangle(), all.lower_triangle());
     }
 
     #[test]

@@ -55,11 +55,11 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Evaluates a model over the windows of a loss. `shared` is the weight block followed by the calibration numbers.
-    /// The standard errors are those of the learned numbers of `learned`, as these windows give them; without `learned`
-    /// there are none.
-    pub fn new(loss: &WindowLoss, shared: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
-        let weights = settled(loss, shared);
+    /// Evaluates a model over the windows of a loss. `weights` are the weight block followed by the calibration numbers, or all parameters of
+    /// the loss. The standard errors are those of the learned numbers of `learned`, as these windows give them; without `learned` there are
+    /// none.
+    pub fn new(loss: &WindowLoss, weights: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
+        let weights = settled(loss, weights);
         let deviations = loss.residual_scales(&weights);
         let scaled = loss.scaled_residuals(&weights, WINDOWS);
         let residuals =
@@ -70,9 +70,11 @@ impl Fit {
     }
 }
 
-/// All parameters of a loss, with the start states and scales that fit these numbers best.
-pub(crate) fn settled(loss: &WindowLoss, shared: &[f64]) -> Vec<f64> {
-    let mut weights = loss.enter(shared.to_vec());
+/// All parameters of a loss, with the start states and scales that fit the numbers best that all windows share. Start states that are given
+/// are where the search begins.
+pub(crate) fn settled(loss: &WindowLoss, weights: &[f64]) -> Vec<f64> {
+    let mut weights =
+        if weights.len() == loss.parameters() { weights.to_vec() } else { loss.enter(weights.to_vec()) };
     for _ in 0..ROUNDS {
         loss.settle(&mut weights);
         let _ = loss.completed_loss(&mut weights);

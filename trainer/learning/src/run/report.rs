@@ -15,7 +15,7 @@ use leastaction_models::{Facts, Model};
 /// The page on the best weights of a run; `None` if nothing was learned over windows.
 pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportError> {
     let Some(windows) = &plan.windows else { return Ok(None) };
-    let Windowed { logs, settings, layout } = windows;
+    let Windowed { logs, settings, layout, .. } = windows;
     let Ok(loss) = windows.loss(&plan.architecture) else { return Ok(None) };
     let shared = shared(state, *layout);
     let length = settings.steps as f64 * logs.h;
@@ -24,12 +24,13 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let torques = plan.torques().filter(|_| plan.config.training.loss == Some(TrainingLoss::Torque));
     let torques = torques.map(|report| &report.numbers);
+    let learned = torques.is_none().then_some(&plan.architecture);
     let report = Page {
         title: format!("Learned from {}", plan.config.data.file),
         facts: facts(plan, windows, (state, &model)),
         predictor: Predictor { model: &model, zeros: &calibrated.zeros, logs },
         beside: simple.as_ref().map(|simple| (simple.name.to_owned(), simple.predictor(logs))),
-        fit: Some(Fit::new(&loss, shared, length, torques.is_none().then_some(&plan.architecture))),
+        fit: Some(Fit::new(&loss, starts(plan, state, windows), length, learned)),
         torques,
     };
     report.html().map(Some)
@@ -39,6 +40,12 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
 fn shared(state: &State, layout: CalibrationLayout) -> &[f64] {
     let weights = &state.best.weights;
     weights.get(..layout.end()).unwrap_or(weights)
+}
+
+/// The best parameters, with the start states of the windows that are shown if the last stage has found them.
+fn starts<'s>(plan: &Plan, state: &'s State, windows: &Windowed) -> &'s [f64] {
+    let has_starts = windows.ends_with_shown && state.stage + 1 == plan.stages.len();
+    if has_starts { &state.best.weights } else { shared(state, windows.layout) }
 }
 
 /// The model with the drives of its logs.
@@ -60,7 +67,7 @@ pub(super) fn calibrated(plan: &Plan, state: &State) -> Option<(Model, Vec<Vec<f
 pub(super) fn certainty(plan: &Plan, state: &State) -> Option<Certainty> {
     let windows = plan.windows.as_ref()?;
     let loss = windows.loss(&plan.architecture).ok()?;
-    let weights = settled(&loss, shared(state, windows.layout));
+    let weights = settled(&loss, starts(plan, state, windows));
     windows::certainty(&loss, &weights, &plan.architecture.ranges())
 }
 

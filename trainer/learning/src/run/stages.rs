@@ -105,8 +105,12 @@ fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
     is_forced(architecture, data) || architecture.family.shows_scale()
 }
 
+/// Name of the stage that learns the model, or all of it.
+pub(super) const TRAINING: &str = "training";
 /// Name of the stage that learns correcting networks together with the model, after the model alone.
 pub(super) const NETWORKS: &str = "networks";
+/// Name of the stage that learns from a part of many windows, before all of them are used.
+pub(super) const PART: &str = "part of the windows";
 /// Name of the last stage of a loss over windows, which adds the logs held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
@@ -137,7 +141,7 @@ fn kinds(
     if !scale {
         notices.push(Notice::UnknownScale);
     }
-    let mut kinds = vec![("training", loss)];
+    let mut kinds = vec![(TRAINING, loss)];
     let first = match loss {
         LossKind::NextPosition => Some(LossKind::DelResidual),
         loss => laws.then_some(loss),

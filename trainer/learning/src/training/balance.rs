@@ -84,8 +84,14 @@ impl Residuals for Balance {
         Ok(self.blocks.squares(weights, samples)? + penalty)
     }
 
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        self.blocks.linearise(weights, samples, rows)
+    fn linearise(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
+        self.blocks.linearise(weights, samples, rows, add)
     }
 
     fn add_penalty(&self, weights: &[f64], sum: &mut NormalEquations) {

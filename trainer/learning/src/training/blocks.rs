@@ -178,13 +178,21 @@ impl Residuals for Blocks {
         })
     }
 
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+    fn linearise(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
         let shape = (self.components, weights.len(), &self.fixed[..]);
         self.losses.with(|loss| {
             linearise_blocks(shape, &samples, rows, |place, residual, derivatives| {
                 self.evaluate(loss.as_mut(), weights, place, (residual, Derivatives::Jacobian(derivatives)))
             })
-        })
+        })?;
+        add(rows);
+        Ok(())
     }
 
     fn add_gradient(

@@ -1,5 +1,5 @@
 use crate::training::{
-    Adam, AdamSettings, Bounds, Levenberg, NormalEquations, Objective, Progress, Range, Schedule,
+    Adam, AdamSettings, Bounds, ChunkRows, Levenberg, NormalEquations, Objective, Progress, Range, Schedule,
 };
 use leastaction_models::tree::{INERTIAL, Inertia, LogCholesky};
 
@@ -122,7 +122,7 @@ fn normal_equations_are_scaled_by_slopes() {
     let of = |slopes: [f64; 3]| {
         let jacobian = nalgebra::DMatrix::from_fn(2, 3, |i, j| rows[i][j] * slopes[j]);
         let mut equations = NormalEquations::zero(3);
-        equations.add(&jacobian, &residual);
+        equations.add(&ChunkRows::of(jacobian, residual.to_vec()));
         equations
     };
     let (mut scaled, expected) = (of([1.0; 3]), of(slopes));
@@ -176,10 +176,10 @@ fn normal_equations_of_a_body_are_in_its_free_numbers() {
     };
     let free = &jacobian * nalgebra::DMatrix::from_fn(count, count, slope);
     let mut equations = NormalEquations::zero(count);
-    equations.add(&jacobian, &residual);
+    equations.add(&ChunkRows::of(jacobian, residual.to_vec()));
     equations.bring_to_free(&bounds, &theta);
     let mut expected = NormalEquations::zero(count);
-    expected.add(&free, &residual);
+    expected.add(&ChunkRows::of(free, residual.to_vec()));
     for i in 0..count {
         let error = (equations.gradient[i] - expected.gradient[i]).abs();
         assert!(error < 1e-7, "{i}: {error}");

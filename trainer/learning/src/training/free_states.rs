@@ -307,13 +307,21 @@ impl Residuals for FreeStates {
         })
     }
 
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+    fn linearise(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
         let shape = (self.n(), self.parameters, &self.fixed[..]);
         self.evaluators.with(|evaluator| {
             linearise_blocks(shape, &samples, rows, |place, residual, derivatives| {
                 self.evaluate(evaluator, weights, place, (residual, Some(derivatives)))
             })
-        })
+        })?;
+        add(rows);
+        Ok(())
     }
 
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {

@@ -1,4 +1,4 @@
-use super::Bounds;
+use super::{Bounds, ChunkRows};
 use crate::matrix::{add_gram, column, column_mut};
 use leastaction_programs::Row;
 use nalgebra::DMatrix;
@@ -24,15 +24,17 @@ impl NormalEquations {
     }
 
     /// Adds the rows of a chunk. The sum is sequential, so it is the same on any number of threads.
-    pub fn add(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) {
-        add_gram(&mut self.gram, jacobian);
-        self.add_gradient(jacobian, residual);
+    pub fn add(&mut self, rows: &ChunkRows) {
+        add_gram(&mut self.gram, rows.jacobian(), rows.positions());
+        self.add_gradient(rows);
     }
 
     /// Adds the rows of a chunk to the gradient and the sum of squares alone.
-    pub fn add_gradient(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) {
-        for (j, g) in self.gradient.iter_mut().enumerate() {
-            *g += column(jacobian, j).iter().zip(residual).map(|(a, b)| a * b).sum::<f64>();
+    pub fn add_gradient(&mut self, rows: &ChunkRows) {
+        let residual = &rows.residual;
+        for (j, position) in rows.positions().iter().enumerate() {
+            let products = column(rows.jacobian(), j).iter().zip(residual).map(|(a, b)| a * b);
+            self.gradient[*position] += products.sum::<f64>();
         }
         self.squares += residual.iter().map(|r| r * r).sum::<f64>();
         self.rows += residual.len();

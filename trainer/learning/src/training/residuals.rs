@@ -45,11 +45,17 @@ pub trait Residuals: Sync {
             _ => (0.0, samples.len()),
         }
     }
-    /// Writes the residuals of a chunk and their derivatives: component i of sample k is row i · samples + k.
+    /// Passes the residuals of a chunk with their derivatives to `add`, at once or in parts, each written to `rows`.
     ///
     /// # Errors
     /// [`Failed`] if a residual cannot be computed.
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed>;
+    fn linearise(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed>;
     /// Adds only Jᵀr and rᵀr of a chunk.
     ///
     /// # Errors
@@ -61,9 +67,7 @@ pub trait Residuals: Sync {
         rows: &mut ChunkRows,
         sum: &mut NormalEquations,
     ) -> Result<(), Failed> {
-        self.linearise(weights, samples, rows)?;
-        sum.add_gradient(&rows.jacobian, &rows.residual);
-        Ok(())
+        self.linearise(weights, samples, rows, &mut |rows| sum.add_gradient(rows))
     }
     /// See [`Objective::project`]; does nothing if every number is a weight.
     fn project(&self, _weights: &mut [f64]) {}
@@ -123,30 +127,56 @@ pub trait Residuals: Sync {
     }
 }
 
-/// Workspace for the rows of one chunk.
+/// Workspace for the rows of one chunk: residuals, and their derivatives with respect to the parameters on which they depend.
 pub struct ChunkRows {
     /// Residuals r.
     pub residual: Vec<f64>,
     jacobian: DMatrix<f64>,
+    /// Parameter of every column, in ascending order.
+    positions: Vec<usize>,
 }
 
 impl ChunkRows {
     fn new() -> Self {
-        Self { residual: Vec::new(), jacobian: DMatrix::zeros(0, 0) }
+        Self { residual: Vec::new(), jacobian: DMatrix::zeros(0, 0), positions: Vec::new() }
     }
 
-    /// Resizes to `rows` rows, filled with zeros.
+    /// Rows with a column for every parameter.
+    #[cfg(test)]
+    pub fn of(jacobian: DMatrix<f64>, residual: Vec<f64>) -> Self {
+        Self { residual, positions: (0..jacobian.ncols()).collect(), jacobian }
+    }
+
+    /// Resizes to `rows` rows and a column for every parameter. Residuals are 0; columns may hold earlier numbers.
     pub fn reset(&mut self, rows: usize, parameters: usize) {
+        self.reset_to(rows, 0..parameters);
+    }
+
+    /// Resizes to `rows` rows and columns for these parameters, in ascending order; the derivatives with respect to all others are 0.
+    /// Residuals are 0; columns may hold earlier numbers.
+    pub fn reset_to(&mut self, rows: usize, parameters: impl IntoIterator<Item = usize>) {
         self.residual.clear();
         self.residual.resize(rows, 0.0);
-        if self.jacobian.shape() != (rows, parameters) {
-            self.jacobian = DMatrix::zeros(rows, parameters);
+        self.positions.clear();
+        self.positions.extend(parameters);
+        if self.jacobian.shape() != (rows, self.positions.len()) {
+            self.jacobian = DMatrix::zeros(rows, self.positions.len());
         }
     }
 
-    /// The derivatives with respect to a parameter in some rows.
-    pub fn column(&mut self, parameter: usize, rows: Range<usize>) -> &mut [f64] {
-        &mut column_mut(&mut self.jacobian, parameter)[rows]
+    /// Parameter of every column, in ascending order.
+    pub fn positions(&self) -> &[usize] {
+        &self.positions
+    }
+
+    /// The derivatives, one row for every residual.
+    pub fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
+    /// Column `k` of the derivatives in some rows.
+    pub fn column(&mut self, k: usize, rows: Range<usize>) -> &mut [f64] {
+        &mut column_mut(&mut self.jacobian, k)[rows]
     }
 
     /// Stores the first lanes of a residual component and of its derivatives in these rows.
@@ -216,11 +246,7 @@ pub(crate) fn normal_equations_of<R: Residuals>(
     sum(
         (samples, parts, residuals.chunk()),
         || NormalEquations::zero(p),
-        |sum, rows, chunk| {
-            residuals.linearise(weights, chunk, rows)?;
-            sum.add(&rows.jacobian, &rows.residual);
-            Ok(())
-        },
+        |sum, rows, chunk| residuals.linearise(weights, chunk, rows, &mut |rows| sum.add(rows)),
     )
 }
 
@@ -347,6 +373,7 @@ mod tests {
             weights: &[f64],
             samples: Range<usize>,
             rows: &mut ChunkRows,
+            add: &mut dyn FnMut(&ChunkRows),
         ) -> Result<(), Failed> {
             rows.reset(samples.len(), 2);
             for (row, k) in samples.enumerate() {
@@ -354,6 +381,7 @@ mod tests {
                 rows.column(0, row..row + 1)[0] = 1.0;
                 rows.column(1, row..row + 1)[0] = k as f64;
             }
+            add(rows);
             Ok(())
         }
     }

@@ -1,5 +1,6 @@
 mod fitted;
 mod states;
+mod zeros;
 
 use super::calibration::{CalibrationLayout, Prior};
 use super::logs::{TooShort, Window, WindowLogs};
@@ -39,6 +40,8 @@ pub struct WindowLoss {
     steppers: Pool<Box<dyn Steps>>,
     bounds: Bounds,
     project: Projection,
+    /// Relative decrease of the loss below which iterations stop, at least.
+    tolerance: f64,
 }
 
 impl WindowLoss {
@@ -92,6 +95,7 @@ impl WindowLoss {
             steppers: Pool::new(make),
             bounds,
             project,
+            tolerance: 0.0,
         })
     }
 
@@ -229,34 +233,43 @@ impl Residuals for WindowLoss {
         (sum * self.unit(weights), unsolved)
     }
 
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+    fn linearise(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
         let (n, count) = (self.n(), samples.len());
         let lanes = self.lanes(weights, samples.start);
         let starts = self.starts(weights, samples.start);
         let (mut own, _) = self.steppers.with(|stepper| lanes.rows(&mut **stepper, &starts, In::All));
         own.eliminate(2 * n);
         let unit = self.unit(weights).sqrt();
-        rows.reset(count * self.components(), self.shared());
-        let all = 0..count * self.components();
-        (self.layout.zero(0, 0)..self.shared()).for_each(|zero| rows.column(zero, all.clone()).fill(0.0));
+        let scaled = |row: &Row| Row(row.0.map(|x| unit * x));
         let before = self.learned.positions(&self.layout);
+        let zeros = self.zeros_of(&lanes.windows[..count]);
+        rows.reset_to(
+            count * self.components(),
+            before.iter().copied().chain(zeros.iter().map(|zero| zero.position)),
+        );
+        let all = 0..count * self.components();
+        (before.len()..before.len() + zeros.len())
+            .for_each(|column| rows.column(column, all.clone()).fill(0.0));
         for (component, residual) in own.residual.iter().enumerate() {
             let place = component * count..(component + 1) * count;
             let derivatives = own.row(component);
-            let scaled = |row: &Row| Row(row.0.map(|x| unit * x));
             rows.residual[place.clone()].copy_from_slice(&scaled(residual).0[..count]);
-            for (position, row) in before.iter().zip(derivatives) {
-                rows.column(*position, place.clone()).copy_from_slice(&scaled(row).0[..count]);
+            for (column, row) in derivatives[..before.len()].iter().enumerate() {
+                rows.column(column, place.clone()).copy_from_slice(&scaled(row).0[..count]);
             }
-            for (i, row) in derivatives[before.len()..][..n].iter().enumerate() {
-                for (lane, window) in lanes.windows[..count].iter().enumerate() {
-                    let column = self.layout.zero(window.log, i);
-                    let at = place.start + lane;
-                    rows.column(column, at..at + 1)[0] = unit * row.0[lane];
-                }
+            for (column, zero) in zeros.iter().enumerate() {
+                let row = scaled(&derivatives[before.len() + zero.coordinate]);
+                let own = place.start + zero.windows.start..place.start + zero.windows.end;
+                rows.column(before.len() + column, own).copy_from_slice(&row.0[zero.windows.clone()]);
             }
         }
-        self.fixed.iter().for_each(|position| rows.column(*position, all.clone()).fill(0.0));
+        add(rows);
         Ok(())
     }
 
@@ -303,7 +316,8 @@ impl Residuals for WindowLoss {
     /// Smaller decreases do not matter: if a learned number is off by one standard error, the loss rises by about one
     /// residual's share.
     fn tolerance(&self) -> f64 {
-        (0.03 / (self.windows.len() * self.components()) as f64).clamp(LEAST_TOLERANCE, MOST_TOLERANCE)
+        let own = 0.03 / (self.windows.len() * self.components()) as f64;
+        own.clamp(LEAST_TOLERANCE, MOST_TOLERANCE).max(self.tolerance)
     }
 
     fn bounds(&self) -> &Bounds {

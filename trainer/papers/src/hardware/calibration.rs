@@ -135,7 +135,13 @@ impl Residuals for Offsets<'_> {
         Ok(windows.zip(&paths).map(of).sum())
     }
 
-    fn linearise(&self, unknown: &[f64], windows: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+    fn linearise(
+        &self,
+        unknown: &[f64],
+        windows: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
         let (count, n, of_start) = (windows.len(), self.log.joints(), self.of_start());
         rows.reset(count * self.components(), unknown.len());
         (0..unknown.len()).for_each(|k| rows.column(k, 0..count * self.components()).fill(0.0));
@@ -154,6 +160,10 @@ impl Residuals for Offsets<'_> {
                 }
             }
         }
-        if rows.residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(Failed) }
+        if rows.residual.iter().any(|r| !r.is_finite()) {
+            return Err(Failed);
+        }
+        add(rows);
+        Ok(())
     }
 }

@@ -12,15 +12,19 @@ pub(in crate::run) struct Windowed {
     pub settings: WindowSettings,
     /// Positions of the learned sensor and actuator numbers.
     pub layout: CalibrationLayout,
+    /// Largest number of windows whose residuals are shown.
+    pub shown: usize,
+    /// Whether the windows of the last stage are those that are shown.
+    pub ends_with_shown: bool,
 }
 
 impl Windowed {
-    /// The loss over all logs.
+    /// The loss over windows of all logs.
     ///
     /// # Errors
     /// [`PlanError`] for a model that [`WindowModel::new`] refuses, or logs that [`WindowLoss::new`] refuses.
     pub fn loss(&self, architecture: &Architecture) -> Result<WindowLoss, PlanError> {
-        self.loss_over(architecture, 0..self.logs.count(), self.settings)
+        Ok(self.loss_over(architecture, 0..self.logs.count(), self.settings)?.with_at_most(self.shown))
     }
 
     /// The loss over adjacent windows of `steps` steps, for some of the logs.

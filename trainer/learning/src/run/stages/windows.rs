@@ -1,12 +1,12 @@
 //! The stages of a loss over windows.
 
 use super::windowed::Windowed;
-use super::{ALL_LOGS, NETWORKS, PlanError, Scope, Stage, WARM_UP, shows_scale, torques};
+use super::{ALL_LOGS, NETWORKS, PART, PlanError, Scope, Stage, TRAINING, WARM_UP, shows_scale, torques};
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
 use crate::run::lengths;
 use crate::run::notice::Notice;
-use crate::training::Objective;
+use crate::training::{Objective, Residuals};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
 use leastaction_models::Architecture;
 use leastaction_models::config::Source;
@@ -31,6 +31,19 @@ const MANY_WINDOWS: usize = 2000;
 /// Overlap of consecutive windows if there are fewer windows.
 const OVERLAP: f64 = 0.5;
 
+/// Largest number of windows that a stage before the last learns from. Many more hardly lead nearer to the numbers that all windows give.
+const MOST_WINDOWS: usize = 1024;
+/// Largest number of windows from which the residuals of a fit to torques are shown.
+const SHOWN_WINDOWS: usize = 128;
+/// Relative decrease of the loss of a part of the windows below which all windows go on.
+const ENOUGH_OF_A_PART: f64 = 1e-4;
+/// Relative decrease of the loss of many windows below which they show nothing that matters.
+const ENOUGH_OF_MANY: f64 = 1e-5;
+/// Relative decrease of the loss below which an iteration does not change a comparison.
+const ENOUGH_TO_COMPARE: f64 = 1e-3;
+/// Largest number of held-back windows that judge an iteration.
+const MOST_JUDGES: usize = 256;
+
 /// The default overlap of windows of `steps` steps.
 fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
     let windows: usize = data.trajectories.iter().map(|trajectory| trajectory.samples() / steps).sum();
@@ -53,28 +66,49 @@ pub(in crate::run) fn of_windows(
     if !shows_scale(architecture, data) {
         notices.push(Notice::UnknownScale);
     }
-    let windows = Windows::new(config, architecture, data);
+    let windows = Windows::new((config, scope), architecture, data);
     let count = windows.logs.count();
     let held_back = match scope {
         Scope::Whole => training..count,
         Scope::Fold { .. } => count..count,
     };
-    let mut stages = Vec::new();
-    for span in windows.spans(scope) {
-        stages.push(if windows.of_torques && span.name == NETWORKS {
-            let iterations = scope.iterations(config.training.iterations);
-            torques::networks((config, iterations), architecture, (data, training), &windows.layout()?)?
-        } else {
-            windows.stage(span, 0..training, held_back.clone())?
-        });
-    }
+    let mut spans: Vec<_> =
+        windows.spans(scope).into_iter().map(|span| (span, 0..training, held_back.clone())).collect();
     if !held_back.is_empty() && !windows.of_torques {
         // The held-back logs have served to choose the weights; now the model learns from them, too.
         let iterations = scope.iterations(config.training.iterations);
-        stages.push(windows.stage(windows.whole(ALL_LOGS, iterations), 0..count, 0..0)?);
+        spans.push((windows.whole(ALL_LOGS, iterations), 0..count, 0..0));
     }
-    let layout = windows.layout()?;
-    Ok((stages, Windowed { settings: windows.settings(windows.steps), logs: windows.logs, layout }))
+    let (mut stages, last) = (Vec::new(), spans.len());
+    for (k, (span, of, judges)) in (1..).zip(spans) {
+        if windows.of_torques && span.name == NETWORKS {
+            let (part, iterations) = ((data, training), scope.iterations(config.training.iterations));
+            stages.push(torques::networks((config, iterations), architecture, part, &windows.layout()?)?);
+            continue;
+        }
+        if k == last && span.name == TRAINING && windows.are_many(of.clone())? {
+            let part = Span { name: PART, ..span };
+            stages.push(windows.stage(part, Extent::Part, (of.clone(), judges.clone()))?);
+        }
+        let extent = if k < last || windows.of_torques { Extent::Part } else { Extent::All };
+        stages.push(windows.stage(span, extent, (of, judges))?);
+    }
+    let windowed = Windowed {
+        settings: windows.settings(windows.steps),
+        layout: windows.layout()?,
+        shown: if windows.of_torques { SHOWN_WINDOWS } else { usize::MAX },
+        ends_with_shown: held_back.is_empty() || !windows.of_torques,
+        logs: windows.logs,
+    };
+    Ok((stages, windowed))
+}
+
+/// Windows that a stage learns from.
+#[derive(Clone, Copy, PartialEq)]
+enum Extent {
+    /// At most as many as lead near to the numbers that all windows give.
+    Part,
+    All,
 }
 
 /// Name of a stage, number of steps in its windows, and its iteration limit.
@@ -97,16 +131,19 @@ struct Windows<'a> {
     adds_networks: bool,
     /// Whether numbers learned from torques are fitted beforehand, so that windows only add networks.
     of_torques: bool,
+    /// Whether the result is only compared with others.
+    compares: bool,
 }
 
 impl<'a> Windows<'a> {
-    fn new(config: &'a Config, architecture: &'a Architecture, data: &'a Dataset) -> Self {
+    fn new((config, scope): (&'a Config, Scope), architecture: &'a Architecture, data: &'a Dataset) -> Self {
         let window = config.training.window.unwrap_or_else(|| lengths::usual(data));
         Self {
             logs: Arc::new(WindowLogs::new(data)),
             steps: lengths::steps(window, data.h),
             adds_networks: !architecture.corrections.is_none() && config.model.source() != Source::Weights,
             of_torques: config.training.loss == Some(TrainingLoss::Torque),
+            compares: matches!(scope, Scope::Fold { .. }),
             config,
             architecture,
             data,
@@ -129,7 +166,7 @@ impl<'a> Windows<'a> {
             && self.config.model.source() == Source::Nothing;
         let warm_up = warms_up.then_some(Span { name: WARM_UP, steps: short, iterations: warm_up });
         let networks = self.adds_networks.then(|| self.whole(NETWORKS, iterations));
-        warm_up.into_iter().chain([self.whole("training", iterations)]).chain(networks).collect()
+        warm_up.into_iter().chain([self.whole(TRAINING, iterations)]).chain(networks).collect()
     }
 
     fn settings(&self, steps: usize) -> WindowSettings {
@@ -160,12 +197,48 @@ impl<'a> Windows<'a> {
         Ok(WindowLoss::new(model, &self.logs, of, self.settings(steps))?)
     }
 
-    /// A stage that learns from the logs `of`, and is judged by whole windows of others.
-    fn stage(&self, span: Span, of: Range<usize>, judges: Range<usize>) -> Result<Stage, PlanError> {
+    /// Largest number of windows of a stage before the last. A fit to torques shows its residuals over windows, and learns nothing from them.
+    fn most(&self) -> usize {
+        if self.of_torques { SHOWN_WINDOWS } else { MOST_WINDOWS }
+    }
+
+    /// Whether these logs have more windows than a part of them that suffices for a while.
+    fn are_many(&self, of: Range<usize>) -> Result<bool, PlanError> {
+        Ok(Residuals::samples(&self.loss(self.steps, of, true)?) > MOST_WINDOWS)
+    }
+
+    /// The windows of these logs that a stage learns from, with the decrease of their loss below which it ends.
+    fn extent(
+        &self,
+        span: Span,
+        extent: Extent,
+        of: Range<usize>,
+        with_networks: bool,
+    ) -> Result<WindowLoss, PlanError> {
+        let loss = self.loss(span.steps, of, with_networks)?;
+        let are_many = Residuals::samples(&loss) > MOST_WINDOWS;
+        let enough = match extent {
+            _ if self.compares => ENOUGH_TO_COMPARE,
+            Extent::Part if are_many => ENOUGH_OF_A_PART,
+            Extent::All if are_many => ENOUGH_OF_MANY,
+            _ => 0.0,
+        };
+        let most = if extent == Extent::Part { self.most() } else { usize::MAX };
+        Ok(loss.with_at_most(most).with_tolerance(enough))
+    }
+
+    /// A stage that learns from windows of some logs, and is judged by whole windows of others.
+    fn stage(
+        &self,
+        span: Span,
+        extent: Extent,
+        (of, judges): (Range<usize>, Range<usize>),
+    ) -> Result<Stage, PlanError> {
         // Networks are added only after the simple physics has been learned.
         let with_networks = !self.adds_networks || [NETWORKS, ALL_LOGS].contains(&span.name);
         let validation =
             (!judges.is_empty()).then(|| self.loss(self.steps, judges, with_networks)).transpose()?;
+        let validation = validation.map(|loss| loss.with_at_most(MOST_JUDGES));
         let begins_with = (self.adds_networks && span.name == NETWORKS).then(|| {
             let first = self.architecture.corrections.initial_weights(self.config.training.seed);
             (self.architecture.corrections_start(), first)
@@ -175,7 +248,7 @@ impl<'a> Windows<'a> {
             begins_with,
             optimiser: self.config.training.optimiser,
             iterations: span.iterations,
-            objective: Box::new(self.loss(span.steps, of, with_networks)?),
+            objective: Box::new(self.extent(span, extent, of, with_networks)?),
             validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
             judge: None,
         })

@@ -108,6 +108,14 @@ impl Torques for OfBase<'_> {
         self.columns.len()
     }
 
+    fn of_joint(&self, joint: usize) -> Vec<usize> {
+        let (carried, bodies) = (&self.problem.carried[joint], self.problem.body_numbers());
+        let is_read = |column: usize| {
+            if column < bodies { carried.contains(&(column / INERTIAL)) } else { column == bodies + joint }
+        };
+        (0..self.columns.len()).filter(|k| is_read(self.columns[*k])).collect()
+    }
+
     fn at(&self, numbers: &[f64], _: bool) -> Self::At {
         numbers.to_vec()
     }

@@ -20,7 +20,7 @@ use crate::torque::linear::{Design, Terms};
 use crate::training::{Levenberg, normal_equations_of};
 use leastaction_models::tree::{INERTIAL, Tree};
 use nalgebra::DMatrix;
-use problem::{Problem, Squares, Torques, charts, joints, regressors};
+use problem::{Problem, Squares, Torques, carried, charts, joints, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;
 
@@ -223,7 +223,9 @@ impl<'a> Start<'a> {
         let solution = design.solve().ok_or(FitError::Samples(samples.count()))?;
         let scales = scales(&design.predict(&solution.numbers), samples);
         let charts = charts(tree, learned).map_err(FitError::Prior)?;
-        let problem = Problem { samples, regressors: regressors(tree, samples), charts, scales };
+        let regressors = regressors(tree, samples);
+        let carried = carried(&regressors, n);
+        let problem = Problem { samples, regressors, charts, scales, carried };
         let bodies = problem.body_numbers();
         let numbers = &solution.numbers[bodies..];
         let at = |kind: usize, i: usize| numbers[kind * n + i];

@@ -24,6 +24,8 @@ pub(super) struct Problem<'a> {
     pub charts: Vec<Chart>,
     /// Scale of the torque residuals, by coordinate.
     pub scales: Vec<f64>,
+    /// Bodies that every joint carries, on which its torque depends.
+    pub carried: Vec<Vec<usize>>,
 }
 
 /// Torques of the bodies, row by row, as functions of some numbers.
@@ -34,11 +36,13 @@ pub(super) trait Torques: Sync {
     fn problem(&self) -> &Problem<'_>;
     /// Number of variables.
     fn count(&self) -> usize;
+    /// Variables on which the torque of a joint depends, in ascending order.
+    fn of_joint(&self, joint: usize) -> Vec<usize>;
     /// Evaluates the shared values, either for torques only or also for their derivatives.
     fn at(&self, numbers: &[f64], with_derivatives: bool) -> Self::At;
     /// The torque of a row.
     fn torque(&self, at: &Self::At, row: usize) -> f64;
-    /// Writes the derivatives of the torque of a row into `slopes`, which is 0 before.
+    /// Writes the derivatives of the torque of a row with respect to the variables on which it depends.
     fn slopes(&self, at: &Self::At, row: usize, slopes: &mut [f64]);
 }
 
@@ -63,6 +67,15 @@ pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
         row
     })
     .collect()
+}
+
+/// Bodies that every joint carries: those whose numbers appear in its rows of the regressor.
+pub(super) fn carried(regressors: &[Vec<f64>], n: usize) -> Vec<Vec<usize>> {
+    let bodies = regressors.first().map_or(0, |row| row.len() / INERTIAL);
+    let is_read = |row: &[f64], body: usize| row[INERTIAL * body..][..INERTIAL].iter().any(|x| *x != 0.0);
+    let by =
+        |joint: usize, body: usize| regressors.iter().skip(joint).step_by(n).any(|row| is_read(row, body));
+    (0..n).map(|joint| (0..bodies).filter(|body| by(joint, *body)).collect()).collect()
 }
 
 /// Charts around a tree's own bodies; the error is the name of the first learned body that is not physically
@@ -134,6 +147,10 @@ impl Torques for Problem<'_> {
         self.body_numbers()
     }
 
+    fn of_joint(&self, joint: usize) -> Vec<usize> {
+        self.carried[joint].iter().flat_map(|body| INERTIAL * body..INERTIAL * (body + 1)).collect()
+    }
+
     fn at(&self, numbers: &[f64], with_derivatives: bool) -> Self::At {
         let thetas = if with_derivatives { numbers.as_chunks().0 } else { &[] };
         let charts = self.charts.iter().zip(thetas);
@@ -145,11 +162,10 @@ impl Torques for Problem<'_> {
     }
 
     fn slopes(&self, (_, slopes): &Self::At, row: usize, into: &mut [f64]) {
-        let bodies = self.regressors[row].as_chunks::<INERTIAL>().0.iter().zip(slopes);
-        for ((row, slopes), into) in bodies.zip(into.as_chunks_mut::<INERTIAL>().0) {
-            if row.iter().any(|x| *x != 0.0) {
-                *into = slopes.map(|slope| dot(row, &slope));
-            }
+        let (regressor, into) =
+            (self.regressors[row].as_chunks::<INERTIAL>().0, into.as_chunks_mut::<INERTIAL>().0);
+        for body in &self.carried[row % self.n()] {
+            into[*body] = slopes[*body].map(|slope| dot(&regressor[*body], &slope));
         }
     }
 }
@@ -179,23 +195,31 @@ impl<T: Torques> Residuals for Squares<'_, T> {
         Ok(sum + prior)
     }
 
-    fn linearise(&self, x: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+    /// The rows of one joint after the other: most numbers belong to bodies that a joint does not carry, and to other joints.
+    fn linearise(
+        &self,
+        x: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
         let (problem, (bodies, own)) = (self.torques.problem(), x.split_at(self.torques.count()));
         let (at, joints, n) = (self.torques.at(bodies, true), joints(own), problem.n());
-        rows.reset(n * samples.len(), x.len());
-        let mut slopes = vec![0.0; x.len()];
-        for (k, row) in (n * samples.start..n * samples.end).enumerate() {
-            let (i, v, a, tau) = problem.row(row);
-            let (place, scale) = (i * samples.len() + k / n, problem.scales[i]);
-            let (predicted, gain, own) = joints[i].slopes(self.torques.torque(&at, row), v, a);
-            slopes.fill(0.0);
-            let (of_bodies, of_joints) = slopes.split_at_mut(bodies.len());
-            self.torques.slopes(&at, row, of_bodies);
-            of_bodies.iter_mut().for_each(|slope| *slope *= gain);
-            of_joints[JOINT * i..JOINT * (i + 1)].copy_from_slice(&own);
-            rows.residual[place] = (predicted - tau) / scale;
-            let columns = slopes.iter().enumerate();
-            columns.for_each(|(j, slope)| rows.column(j, place..place + 1)[0] = slope / scale);
+        let mut slopes = vec![0.0; bodies.len()];
+        for (i, joint) in joints.iter().enumerate() {
+            let (of_bodies, first) = (self.torques.of_joint(i), bodies.len() + JOINT * i);
+            rows.reset_to(samples.len(), of_bodies.iter().copied().chain(first..first + JOINT));
+            for (place, k) in samples.clone().enumerate() {
+                let (_, v, a, tau) = problem.row(n * k + i);
+                let (predicted, gain, own) = joint.slopes(self.torques.torque(&at, n * k + i), v, a);
+                self.torques.slopes(&at, n * k + i, &mut slopes);
+                rows.residual[place] = (predicted - tau) / problem.scales[i];
+                let of_bodies = of_bodies.iter().map(|body| gain * slopes[*body]);
+                for (column, slope) in of_bodies.chain(own).enumerate() {
+                    rows.column(column, place..place + 1)[0] = slope / problem.scales[i];
+                }
+            }
+            add(rows);
         }
         Ok(())
     }

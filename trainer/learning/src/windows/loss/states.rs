@@ -14,11 +14,27 @@ const GROWING: [f64; 2] = [0.25, 0.5];
 const FEWEST_STEPS: usize = 5;
 
 impl WindowLoss {
+    /// Keeps at most `most` windows, taken from all parts of the logs.
+    #[must_use]
+    pub fn with_at_most(mut self, most: usize) -> Self {
+        let all = self.windows.len();
+        if all > most {
+            self.windows = (0..most).map(|k| self.windows[k * all / most]).collect();
+        }
+        self
+    }
+
     /// The start states of the windows from `first` on.
     pub(super) fn starts(&self, weights: &[f64], first: usize) -> State {
         let last = self.windows.len() - 1;
         let of = |lane: usize, i: usize| weights[self.start((first + lane).min(last))][i];
         (0..2 * self.n()).map(|i| Row(std::array::from_fn(|lane| of(lane, i)))).collect()
+    }
+
+    /// Ends iterations that lower the loss by less than this part of it.
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
     }
 
     /// Replaces the start states of all windows by those of the blocks.

@@ -65,7 +65,13 @@ impl<B: Batched> Residuals for InBatches<B> {
         Ok(self.0.residuals(&layers(&self.0, weights)?, &samples).1.norm_squared())
     }
 
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+    fn linearise(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        add: &mut dyn FnMut(&ChunkRows),
+    ) -> Result<(), Failed> {
         let (count, components) = (samples.len(), self.0.components());
         let layers = layers(&self.0, weights)?;
         let (trace, residuals) = self.0.residuals(&layers, &samples);
@@ -76,6 +82,7 @@ impl<B: Batched> Residuals for InBatches<B> {
             let y = DMatrix::from_fn(count, components, |_, k| f64::from(u8::from(k == i)));
             self.0.derive(&layers, (&trace, &samples), &y, |each| layers.fill(each, rows, range));
         }
+        add(rows);
         Ok(())
     }
 
