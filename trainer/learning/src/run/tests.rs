@@ -2,7 +2,7 @@ use super::*;
 use crate::checkpoint::Trained;
 use crate::config::{Config, TrainingLoss};
 use crate::data::Dataset;
-use crate::training::StateNoise;
+use crate::training::{Objective, StateNoise};
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_ground_truth::{
     Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many,
@@ -379,4 +379,25 @@ fn networks_that_correct_come_after_the_model_alone() {
         let _ = state.iterate(&plan.stages[1]);
     }
     assert_ne!(numbers(&state), plan.architecture.corrections.without_effect());
+}
+
+/// Stages before the last learn from a part of many windows, and few held-back windows judge them; the last learns from all.
+#[test]
+fn many_windows_are_learned_from_in_the_end() {
+    let mut config = config();
+    (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), Some(0.2));
+    let data = data(1600, true);
+    let of_plan = |validation: f64| -> Vec<(&str, usize, Option<usize>)> {
+        config.data.validation = validation;
+        let plan = Plan::new(config.clone(), &data).unwrap();
+        let samples = |of: &Option<Box<dyn Objective>>| of.as_ref().map(|of| of.samples());
+        let of = |stage: &Stage| (stage.name, stage.objective.samples(), samples(&stage.validation));
+        plan.stages.iter().map(of).collect()
+    };
+    let mut stages = [0.0, 0.25].map(of_plan);
+    let all = stages[0].pop().unwrap();
+    assert_eq!((all.0, all.2), ("training", None));
+    assert!(all.1 >= 1600, "{all:?}");
+    assert_eq!(stages[0], [("part of the windows", 1024, None)]);
+    assert_eq!(stages[1], [("training", 1024, Some(256)), ("all logs", all.1, None)]);
 }
