@@ -59,22 +59,19 @@ def loops(model):
             to[0, k], to[1, k] = pin.computeKineticEnergy(model, data, q[k], v[k]), pin.computePotentialEnergy(model, data)
         return to
 
-    def inverse_dynamics(q, v, x):
-        to = np.empty_like(q)
-        for k in range(len(q)):
-            to[k] = pin.rnea(model, data, q[k], v[k], x[k])
-        return to
+    def each(of):
+        """A function of Pinocchio that takes q, v and one more vector, state by state."""
+        def loop(q, v, x):
+            to = np.empty_like(q)
+            for k in range(len(q)):
+                to[k] = of(model, data, q[k], v[k], x[k])
+            return to
+        return loop
 
     def mass_matrix(q, _v, _x):
         to = np.empty((len(q), n, n))
         for k in range(len(q)):
             to[k] = pin.crba(model, data, q[k])
-        return to
-
-    def acceleration(q, v, x):
-        to = np.empty_like(q)
-        for k in range(len(q)):
-            to[k] = pin.aba(model, data, q[k], v[k], x[k])
         return to
 
     def derivatives(q, v, x):
@@ -84,7 +81,8 @@ def loops(model):
             to[0, k], to[1, k], to[2, k] = data.ddq_dq, data.ddq_dv, data.Minv
         return to
 
-    return {of.__name__: of for of in [energies, inverse_dynamics, mass_matrix, acceleration, derivatives]}
+    return {"energies": energies, "inverse_dynamics": each(pin.rnea), "mass_matrix": mass_matrix, "acceleration": each(pin.aba),
+            "derivatives": derivatives}
 
 
 def calls(model):
@@ -112,10 +110,9 @@ def whole(name, result):
     """The result with what Pinocchio leaves out: triangles of symmetric matrices. Its kinetic energy omits the rotors of some joints."""
     if name == "energies":
         return result[1]
-    symmetric = {"mass_matrix": result, "derivatives": result[2]} if name in ["mass_matrix", "derivatives"] else {}
-    if name in symmetric:
-        upper = np.triu(symmetric[name])
-        symmetric[name][...] = upper + np.triu(symmetric[name], 1).swapaxes(-1, -2)
+    if name in ["mass_matrix", "derivatives"]:
+        matrix = result if name == "mass_matrix" else result[2]
+        matrix[...] = np.triu(matrix) + np.triu(matrix, 1).swapaxes(-1, -2)
     return result
 
 

@@ -60,12 +60,12 @@ pub(super) fn sum_of_squares(
     Ok(sum)
 }
 
-/// Writes residuals of samples and their derivatives, block by block; those with respect to `fixed` weights are zero.
+/// Writes residuals of samples and their derivatives, block by block, and passes them on; those with respect to `fixed` weights are zero.
 /// `evaluate` writes the residuals of a block and adds its derivatives to rows of zeros.
 pub(super) fn linearise_blocks(
     (components, parameters, fixed): (usize, usize, &[usize]),
     samples: &Range<usize>,
-    rows: &mut ChunkRows,
+    (rows, add): (&mut ChunkRows, &mut dyn FnMut(&ChunkRows)),
     mut evaluate: impl FnMut(Place, &mut [Row], &mut [Vec<Row>]) -> Result<(), Failed>,
 ) -> Result<(), Failed> {
     let count = samples.len();
@@ -80,6 +80,7 @@ pub(super) fn linearise_blocks(
             rows.store_rows(first..first + (count - start).min(WIDTH), residual, derivatives);
         }
     }
+    add(rows);
     Ok(())
 }
 
@@ -187,12 +188,10 @@ impl Residuals for Blocks {
     ) -> Result<(), Failed> {
         let shape = (self.components, weights.len(), &self.fixed[..]);
         self.losses.with(|loss| {
-            linearise_blocks(shape, &samples, rows, |place, residual, derivatives| {
+            linearise_blocks(shape, &samples, (rows, add), |place, residual, derivatives| {
                 self.evaluate(loss.as_mut(), weights, place, (residual, Derivatives::Jacobian(derivatives)))
             })
-        })?;
-        add(rows);
-        Ok(())
+        })
     }
 
     fn add_gradient(

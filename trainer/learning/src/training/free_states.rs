@@ -316,12 +316,10 @@ impl Residuals for FreeStates {
     ) -> Result<(), Failed> {
         let shape = (self.n(), self.parameters, &self.fixed[..]);
         self.evaluators.with(|evaluator| {
-            linearise_blocks(shape, &samples, rows, |place, residual, derivatives| {
+            linearise_blocks(shape, &samples, (rows, add), |place, residual, derivatives| {
                 self.evaluate(evaluator, weights, place, (residual, Some(derivatives)))
             })
-        })?;
-        add(rows);
-        Ok(())
+        })
     }
 
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {

@@ -4,10 +4,15 @@
 //! parent's frame, parent_x = R x + p at q = 0; the axis is a unit vector in the joint's frame, and the body's frame is the joint's frame
 //! moved by q. SI units; gravity is a vector in the base frame, normally (0, 0, −9.81) m/s².
 
+#[cfg(test)]
+mod branched;
 mod dynamics;
 mod inertia;
 mod kinematics;
 mod nearest;
+
+#[cfg(test)]
+pub(crate) use branched::branched;
 
 pub use inertia::{INERTIAL, Inertia, LogCholesky};
 

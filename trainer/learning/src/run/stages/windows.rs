@@ -86,12 +86,13 @@ pub(in crate::run) fn of_windows(
             stages.push(torques::networks((config, iterations), architecture, part, &windows.layout()?)?);
             continue;
         }
-        if k == last && span.name == TRAINING && windows.are_many(of.clone())? {
-            let part = Span { name: PART, ..span };
-            stages.push(windows.stage(part, Extent::Part, (of.clone(), judges.clone()))?);
-        }
         let extent = if k < last || windows.of_torques { Extent::Part } else { Extent::All };
-        stages.push(windows.stage(span, extent, (of, judges))?);
+        let stage = windows.stage(span, extent, (of.clone(), judges.clone()))?;
+        if span.name == TRAINING && stage.objective.samples() > MOST_WINDOWS {
+            let part = Span { name: PART, ..span };
+            stages.push(windows.stage(part, Extent::Part, (of, judges))?);
+        }
+        stages.push(stage);
     }
     let windowed = Windowed {
         settings: windows.settings(windows.steps),
@@ -200,11 +201,6 @@ impl<'a> Windows<'a> {
     /// Largest number of windows of a stage before the last. A fit to torques shows its residuals over windows, and learns nothing from them.
     fn most(&self) -> usize {
         if self.of_torques { SHOWN_WINDOWS } else { MOST_WINDOWS }
-    }
-
-    /// Whether these logs have more windows than a part of them that suffices for a while.
-    fn are_many(&self, of: Range<usize>) -> Result<bool, PlanError> {
-        Ok(Residuals::samples(&self.loss(self.steps, of, true)?) > MOST_WINDOWS)
     }
 
     /// The windows of these logs that a stage learns from, with the decrease of their loss below which it ends.

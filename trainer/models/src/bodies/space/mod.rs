@@ -4,6 +4,8 @@ pub mod config;
 pub mod describe;
 mod described;
 mod dynamics;
+#[cfg(test)]
+mod dynamics_tests;
 
 pub use dynamics::ArmDynamics;
 

@@ -1,42 +1,15 @@
 //! Arms by the recursions of core against the programs that are derived from their Lagrangian.
 
-use leastaction_models::tree::{Body, Inertia, Joint, Limits, Pose, Tree};
-use leastaction_models::{ArmArchitecture, Model, Number};
+use crate::{ArmArchitecture, Model, Number, tree};
 use leastaction_programs::dynamics::{AccelerationSlopes, Accelerations, InverseDynamics};
 use leastaction_programs::{Row, WIDTH};
-use nalgebra::{Matrix3, Unit, Vector3};
 
 const N: usize = 4;
 
-fn body(k: usize, parent: Option<usize>, joint: fn(Unit<Vector3<f64>>) -> Joint) -> Body {
-    let x = k as f64;
-    let centre = Vector3::new(0.1 + 0.1 * x, -0.2, 0.3 * x);
-    Body {
-        name: format!("body {k}"),
-        joint_name: format!("joint {k}"),
-        parent,
-        joint: joint(Unit::new_normalize(Vector3::new(1.0, 0.5 - x, 0.3 * x))),
-        pose: Pose::of_rpy([0.4, 0.1 * x, -0.3], [0.3 * x, 0.7, -0.2 * x]),
-        coordinate: k,
-        ratio: 1.0,
-        offset: 0.0,
-        inertia: Inertia::of_centre(1.0 + x, centre, Matrix3::identity() * 0.02),
-        limits: Limits::none(),
-    }
-}
-
 /// A branched tree with a slide and rotors.
 fn branched() -> Model {
-    let bodies = [
-        body(0, None, Joint::Revolute),
-        body(1, Some(0), Joint::Prismatic),
-        body(2, Some(1), Joint::Revolute),
-        body(3, Some(0), Joint::Revolute),
-    ];
-    let mut tree = Tree::new(bodies.to_vec()).unwrap();
-    tree.gravity = Vector3::new(1.0, -2.0, -9.0);
-    let arm = ArmArchitecture::new(&tree, |_| false, |k| Number::known(0.1 * k as f64)).unwrap();
-    let weights = leastaction_models::Family::initial_weights(&arm, 0);
+    let arm = ArmArchitecture::new(&tree::branched(), |_| false, |k| Number::known(0.1 * k as f64)).unwrap();
+    let weights = crate::Family::initial_weights(&arm, 0);
     Model::new(arm, weights)
 }
 
@@ -93,7 +66,7 @@ fn recursions_give_the_numbers_of_the_programs() {
 #[test]
 fn other_families_have_no_such_dynamics() {
     use leastaction_core::energy::inertia_network::Coordinate;
-    let network = leastaction_models::InertiaNetworkArchitecture::new(&[Coordinate::Angle], 5);
-    let weights = leastaction_models::Family::initial_weights(&network, 0);
+    let network = crate::InertiaNetworkArchitecture::new(&[Coordinate::Angle], 5);
+    let weights = crate::Family::initial_weights(&network, 0);
     assert!(Model::new(network, weights).arm_dynamics().is_none());
 }
