@@ -10,7 +10,11 @@ use crate::source::Source;
 use crate::table::Table;
 use crate::{DataError, Dataset, control_name, located};
 use leastaction_core::forces::ControlKind;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+
+/// Number of files that are read side by side; each may take much memory until its columns are known.
+const AT_ONCE: usize = 4;
 
 /// Settings for reading files as one log.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -129,8 +133,9 @@ fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
 pub fn read_logs(files: &[PathBuf], reading: &Reading) -> Result<(Dataset, Vec<(PathBuf, Note)>), DataError> {
     let mut all: Option<Dataset> = None;
     let mut notes = Vec::new();
-    for file in files {
-        let (mut log, said) = read_as(file, reading)?;
+    let read = |files: &[PathBuf]| files.par_iter().map(|file| read_as(file, reading)).collect::<Vec<_>>();
+    for (file, read) in files.chunks(AT_ONCE).flat_map(|files| files.iter().zip(read(files))) {
+        let (mut log, said) = read?;
         notes.extend(said.into_iter().map(|note| (file.clone(), note)));
         let Some(all) = &mut all else {
             all = Some(log);

@@ -61,7 +61,21 @@ impl Function {
         }
     }
 
+    /// Returns the numbers that [`Function::write`] writes for one row; those that are not `wanted` may have any value.
+    #[inline]
+    pub(crate) fn at(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
+        if self != Self::Activation(Activation::Squareplus) {
+            return self.curve(x, wanted);
+        }
+        let mut curve = [Row::default(); ORDERS];
+        let mut places = curve.each_mut().map(|row| Some(std::slice::from_mut(row)));
+        places.iter_mut().zip(wanted).filter(|(_, wanted)| !wanted).for_each(|(place, _)| *place = None);
+        self.write(std::slice::from_ref(x), places);
+        curve
+    }
+
     /// Returns f and its derivatives at x; those that are not `wanted` may have any value.
+    #[inline]
     fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
         match self {
             Self::Activation(activation) => activated(activation, x, wanted[3]),
@@ -73,12 +87,13 @@ impl Function {
             Self::SquareRoot => {
                 let root = x.map_lanes(Scalar::sqrt);
                 let inverse = root.map_lanes(|root| Lanes::one() / root);
-                let scaled = |c: f64, power: i32| {
+                let scaled = |order: usize, c: f64, power: i32| {
                     let mut result = Row::splat(c);
-                    (0..power).for_each(|_| result = result.zip(&inverse, |a, b| a * b));
+                    let factors = if wanted[order] { power } else { 0 };
+                    (0..factors).for_each(|_| result = result.zip(&inverse, |a, b| a * b));
                     result
                 };
-                [root, scaled(0.5, 1), scaled(-0.25, 3), scaled(0.375, 5)]
+                [root, scaled(1, 0.5, 1), scaled(2, -0.25, 3), scaled(3, 0.375, 5)]
             }
             Self::Reciprocal => {
                 let inverse = x.map_lanes(|x| Lanes::one() / x);

@@ -8,7 +8,6 @@ mod shape;
 
 use crate::evaluate::horizons::{HorizonErrors, Predictions, Predictor, Spread, WHOLE};
 use crate::torque_numbers::TorqueNumbers;
-use crate::training::Residuals;
 use crate::windows::{CalibrationLayout, Certainty, WindowLogs, WindowLoss, certainty};
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
@@ -34,8 +33,6 @@ pub enum ReportError {
 
 /// Largest number of windows whose residuals are drawn.
 const WINDOWS: usize = 4096;
-/// Number of alternations between fitting start states and estimating the scales of residuals.
-const ROUNDS: usize = 3;
 /// Quantiles of the window errors for which a window is drawn, with their captions.
 const DRAWN: [(f64, &str); 2] =
     [(0.5, "a window of the median error"), (0.9, "a window of the 90th percentile")];
@@ -59,7 +56,7 @@ impl Fit {
     /// the loss. The standard errors are those of the learned numbers of `learned`, as these windows give them; without `learned` there are
     /// none.
     pub fn new(loss: &WindowLoss, weights: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
-        let weights = settled(loss, weights);
+        let weights = loss.settled(weights);
         let deviations = loss.residual_scales(&weights);
         let scaled = loss.scaled_residuals(&weights, WINDOWS);
         let residuals =
@@ -68,18 +65,6 @@ impl Fit {
         let certainty = ranges.and_then(|ranges| certainty(loss, &weights, &ranges));
         Self { residuals, deviations, seconds, certainty: certainty.map(|of| (of, loss.layout())) }
     }
-}
-
-/// All parameters of a loss, with the start states and scales that fit the numbers best that all windows share. Start states that are given
-/// are where the search begins.
-pub(crate) fn settled(loss: &WindowLoss, weights: &[f64]) -> Vec<f64> {
-    let mut weights =
-        if weights.len() == loss.parameters() { weights.to_vec() } else { loss.enter(weights.to_vec()) };
-    for _ in 0..ROUNDS {
-        loss.settle(&mut weights);
-        let _ = loss.completed_loss(&mut weights);
-    }
-    weights
 }
 
 /// Contents of a report page.

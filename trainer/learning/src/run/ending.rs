@@ -121,17 +121,20 @@ impl Run {
     /// velocity, and the number of all training samples; `None` before the last stage.
     pub(super) fn unsolved(&self) -> Option<(usize, usize)> {
         let stage = self.stage().filter(|_| self.is_in_last_stage())?;
-        Some((self.unsolved_of(&*stage.objective), stage.objective.samples()))
+        let weights = &self.state.best.weights;
+        let solved = within(self.pool.as_ref(), || stage.objective.solved(weights));
+        Some((solved.unsolved, stage.objective.samples()))
     }
 
     pub(super) fn is_in_last_stage(&self) -> bool {
         self.state.stage + 1 == self.plan.stages.len()
     }
 
-    fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        // The parameters of single samples differ between stages, and for held-back samples, so they are set anew.
-        let weights = || objective.enter(self.state.best.weights.clone());
-        within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
+    /// Number of held-back samples that cannot be solved with the best weights.
+    fn unsolved_of_held_back(&self, held_back: &dyn Objective) -> usize {
+        // The parameters of single samples are those of training samples, so they are set anew.
+        let weights = || held_back.enter(self.state.best.weights.clone());
+        within(self.pool.as_ref(), || held_back.solved(&weights()).unsolved)
     }
 
     /// Warns of results that are doubtful or useless although no error occurred.
@@ -145,7 +148,9 @@ impl Run {
         if let Some(stage) = self.plan.stages.last() {
             said.extend(of_unsolved(unsolved, "training", &*stage.objective));
             let validation = stage.validation.as_deref();
-            said.extend(validation.and_then(|part| of_unsolved(self.unsolved_of(part), "held-back", part)));
+            said.extend(
+                validation.and_then(|part| of_unsolved(self.unsolved_of_held_back(part), "held-back", part)),
+            );
         }
         said.into_iter().for_each(|message| self.warn(message, monitor));
     }

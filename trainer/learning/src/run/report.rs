@@ -6,7 +6,7 @@ use super::stages::Windowed;
 use crate::checkpoint::State;
 use crate::config::{TrainingConfig, TrainingLoss};
 use crate::evaluate::horizons::Predictor;
-use crate::report::{Fit, Page, ReportError, settled};
+use crate::report::{Fit, Page, ReportError};
 use crate::torques::SplitErrors;
 use crate::windows::{self, Calibrated, CalibrationLayout, Certainty, WindowLogs};
 use leastaction_models::config::Origin;
@@ -67,7 +67,7 @@ pub(super) fn calibrated(plan: &Plan, state: &State) -> Option<(Model, Vec<Vec<f
 pub(super) fn certainty(plan: &Plan, state: &State) -> Option<Certainty> {
     let windows = plan.windows.as_ref()?;
     let loss = windows.loss(&plan.architecture).ok()?;
-    let weights = settled(&loss, starts(plan, state, windows));
+    let weights = loss.settled(starts(plan, state, windows));
     windows::certainty(&loss, &weights, &plan.architecture.ranges())
 }
 

@@ -140,7 +140,14 @@ impl State {
         let named = (0..names.len()).filter(|position| names[*position].is_some());
         let named: Vec<usize> = named.chain(names.len()..windows.layout.end()).collect();
         let free = Free { objective: &*stage.objective, positions: &named, initial: &plan.given };
-        if let Some((weights, loss)) = free.least_motion(&self.best.weights) {
+        let weights = &self.best.weights;
+        let found = match windows.part(&plan.architecture) {
+            Some(part) => {
+                free.least_motion_of_part(weights, (&part, &part.settled(&weights[..windows.layout.end()])))
+            }
+            None => free.least_motion(weights),
+        };
+        if let Some((weights, loss)) = found {
             (self.best.weights, self.best.train) = (weights, loss);
         }
     }

@@ -398,6 +398,6 @@ fn many_windows_are_learned_from_in_the_end() {
     let all = stages[0].pop().unwrap();
     assert_eq!((all.0, all.2), ("training", None));
     assert!(all.1 >= 1600, "{all:?}");
-    assert_eq!(stages[0], [("part of the windows", 1024, None)]);
-    assert_eq!(stages[1], [("training", 1024, Some(256)), ("all logs", all.1, None)]);
+    assert_eq!(stages[0], [("part of the windows", 512, None)]);
+    assert_eq!(stages[1], [("training", 512, Some(128)), ("all logs", all.1, None)]);
 }

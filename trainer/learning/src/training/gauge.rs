@@ -24,6 +24,8 @@ const FURTHEST: f64 = 0.3;
 const NEAR: f64 = 1e-3;
 /// Gauss–Newton steps that lead back to the least loss after a move.
 const CORRECTIONS: usize = 3;
+/// Number of times that the parameters of single samples are solved for after all samples have gone the way of a part.
+const FOLLOWS: usize = 3;
 /// Growth of moves as long as none has to be halved.
 const GROWTH: f64 = 1.5;
 /// Number of times that a move is halved if the loss rises.
@@ -138,9 +140,7 @@ impl Free<'_> {
     /// The weights with the same loss that are nearest to the initial ones in relative terms, and their loss; `None` if
     /// the samples leave nothing free, or if the weights are there already. `weights` are all parameters at a minimum.
     pub fn least_motion(self, weights: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let mut best = weights.to_vec();
-        let start = self.objective.completed_loss(&mut best);
-        let bound = start * (1.0 + RISE * self.objective.tolerance().max(f64::EPSILON));
+        let (mut best, bound) = self.completed(weights);
         let (mut found, mut step) = (None, FURTHEST);
         let mut left = EVALUATIONS;
         while left > 0 {
@@ -161,6 +161,34 @@ impl Free<'_> {
             step = if taken == step { (GROWTH * step).min(FURTHEST) } else { taken };
         }
         found.map(|loss| (best, loss))
+    }
+
+    /// [`Free::least_motion`] with the way found on `part`, a part of the samples, from `weights_of_part`. All samples go that way at once,
+    /// or as far as their loss lets them.
+    pub fn least_motion_of_part(
+        self,
+        weights: &[f64],
+        (part, weights_of_part): (&dyn Objective, &[f64]),
+    ) -> Option<(Vec<f64>, f64)> {
+        let (moved, _) = Free { objective: part, ..self }.least_motion(weights_of_part)?;
+        let (start, bound) = self.completed(weights);
+        (0..HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|far| {
+            let mut trial = start.clone();
+            let shared = trial.iter_mut().zip(&moved).take(self.objective.shared());
+            shared.for_each(|(x, moved)| *x += far * (moved - *x));
+            // The parameters of single samples follow step by step.
+            let loss =
+                (0..FOLLOWS).map(|_| self.objective.completed_loss(&mut trial)).find(|loss| *loss <= bound);
+            loss.map(|loss| (trial, loss))
+        })
+    }
+
+    /// The completed weights, and the largest loss that is taken for theirs.
+    fn completed(self, weights: &[f64]) -> (Vec<f64>, f64) {
+        let mut weights = weights.to_vec();
+        let loss = self.objective.completed_loss(&mut weights);
+        let bound = loss * (1.0 + RISE * self.objective.tolerance().max(f64::EPSILON));
+        (weights, bound)
     }
 
     /// Weights with a loss of at most `bound`, by Gauss–Newton steps from these; `None` if they do not lead there with the
@@ -254,14 +282,14 @@ mod tests {
     use super::*;
     use crate::training::{Bounds, NormalEquations, Range};
 
-    /// Residuals a b − 6, c d² − 4 and e − 2; all numbers are above 0.
-    struct Products(Bounds);
+    /// Residuals a b − p, c d² − 4 and e − 2, with p given; all numbers are above 0.
+    struct Products(Bounds, f64);
 
     impl Products {
-        fn rows(w: &[f64]) -> [(f64, [f64; 5]); 3] {
+        fn rows(&self, w: &[f64]) -> [(f64, [f64; 5]); 3] {
             let [a, b, c, d, e] = [w[0], w[1], w[2], w[3], w[4]];
             [
-                (a * b - 6.0, [b, a, 0.0, 0.0, 0.0]),
+                (a * b - self.1, [b, a, 0.0, 0.0, 0.0]),
                 (c * d * d - 4.0, [0.0, 0.0, d * d, 2.0 * c * d, 0.0]),
                 (e - 2.0, [0.0, 0.0, 0.0, 0.0, 1.0]),
             ]
@@ -277,11 +305,11 @@ mod tests {
         }
         fn loss(&self, weights: &[f64]) -> f64 {
             // The rest stands for noise.
-            1e-4 + Self::rows(weights).iter().map(|(r, _)| r * r).sum::<f64>()
+            1e-4 + self.rows(weights).iter().map(|(r, _)| r * r).sum::<f64>()
         }
         fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
             let mut sum = NormalEquations::zero(5);
-            for (r, row) in Self::rows(weights) {
+            for (r, row) in self.rows(weights) {
                 let slopes: Vec<(usize, f64)> = row.into_iter().enumerate().collect();
                 sum.add_square(&slopes, r, 1.0);
             }
@@ -299,9 +327,25 @@ mod tests {
 
     const PATH: [f64; 5] = [0.6, 10.0, 0.05, 8.944_271_909_999_16, 2.0];
 
+    fn products(p: f64) -> Products {
+        Products(Bounds::new((0..5).map(|i| (i, Range::Positive)).collect()), p)
+    }
+
+    #[test]
+    fn the_way_of_a_part_is_followed_if_the_loss_of_all_stays() {
+        let (all, initial) = (products(6.0), [2.0, 3.0, 1.0, 2.2, 9.0]);
+        let free = Free { objective: &all, positions: &[0, 1, 2, 3, 4], initial: &initial };
+        let (expected, _) = free.least_motion(&PATH).unwrap();
+        let (found, loss) = free.least_motion_of_part(&PATH, (&products(6.0), &PATH)).unwrap();
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert!(loss < 1.001e-4, "{loss}");
+        let other = [1.2, 10.0, PATH[2], PATH[3], PATH[4]];
+        assert_eq!(free.least_motion_of_part(&PATH, (&products(12.0), &other)), None);
+    }
+
     #[test]
     fn numbers_return_to_where_they_began_as_far_as_the_residuals_let_them() {
-        let products = Products(Bounds::new((0..5).map(|i| (i, Range::Positive)).collect()));
+        let products = products(6.0);
         let initial = [2.0, 3.0, 1.0, 2.2, 9.0];
         let free = Free { objective: &products, positions: &[0, 1, 2, 3, 4], initial: &initial };
         let (found, loss) = free.least_motion(&PATH).unwrap();
@@ -318,7 +362,7 @@ mod tests {
 
     #[test]
     fn combinations_are_named_by_their_relative_changes() {
-        let products = Products(Bounds::default());
+        let products = Products(Bounds::default(), 6.0);
         let weights = [2.0, 3.0, 1.0, 2.0, 2.0];
         let gram = products.normal_equations(&weights).unwrap();
         let gram = DMatrix::from_fn(5, 5, |i, j| gram.entry(i, j));

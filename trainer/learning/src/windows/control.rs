@@ -114,8 +114,8 @@ impl Lanes<'_> {
     /// p)a.
     fn command(&self, sample: usize, i: usize, delay: f64) -> [[Row; 2]; 2] {
         let at = |sample: usize| {
-            let u = self.windows.map(|of| self.logs.delayed_control(of.log, of.first + sample, i, delay));
-            [0, 1].map(|part| Row(u.map(|u| u[part])))
+            let places = self.windows.map(|of| (of.log, of.first + sample));
+            self.logs.delayed_control(places, i, delay).map(Row)
         };
         let [mean, slope] = at(sample);
         if self.logs.control != ControlKind::Held {

@@ -12,6 +12,8 @@ const GUESS: usize = 7;
 const GUESS_TIME: f64 = 0.06;
 /// Largest number of positions from which a state is estimated.
 const LONGEST_GUESS: usize = 121;
+/// Number of states that suffices for a first guess.
+const MOST_GUESSES: usize = 20_000;
 /// Length of the remainder at the end of a log, relative to the stride, from which on it gets a window of its own.
 const REST: f64 = 0.5;
 
@@ -94,25 +96,28 @@ impl WindowLogs {
         self.logs[log].u.get(sample * self.n + i).copied().unwrap_or(0.0)
     }
 
-    /// Command u_i that acts at a sample after a delay (≥ 0, s), and its derivative with respect to the delay. The
-    /// command is constant before the first sample, and 0 without control.
+    /// Commands u_i that act at samples of logs, given as (log, sample), after a delay (≥ 0, s), and their derivatives with respect to the
+    /// delay. A command is constant before the first sample, and 0 without control.
     ///
     /// Between samples the command is interpolated linearly; for a held u the result is also its mean over a step.
-    pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
-        let u = &self.logs[log].u;
-        if u.is_empty() {
-            return [0.0; 2];
-        }
+    pub(super) fn delayed_control<const L: usize>(
+        &self,
+        at: [(usize, usize); L],
+        i: usize,
+        delay: f64,
+    ) -> [[f64; L]; 2] {
         let late = delay / self.h;
-        let whole = late.floor();
-        let after = sample as f64 - whole;
-        if after < 1.0 {
-            return [u[i], 0.0];
-        }
-        let after = after as usize;
-        let [before, after] = [after - 1, after].map(|k| u[k * self.n + i]);
-        let part = late - whole;
-        [after + part * (before - after), (before - after) / self.h]
+        let (whole, part) = (late as usize, late.fract());
+        let of = |earlier: usize| {
+            at.map(|(log, sample)| {
+                let u = &self.logs[log].u;
+                u.get(sample.saturating_sub(whole + earlier) * self.n + i).copied().unwrap_or(0.0)
+            })
+        };
+        let [before, after] = [of(1), of(0)];
+        let value = |lane: usize| after[lane] + part * (before[lane] - after[lane]);
+        let slope = |lane: usize| (before[lane] - after[lane]) / self.h;
+        [std::array::from_fn(value), std::array::from_fn(slope)]
     }
 
     /// Number of positions from which a state is estimated; odd.
@@ -152,17 +157,20 @@ impl WindowLogs {
     /// samples, \[states\]\[n\], flat. They are noisy and smoothed, and thus only good for a first guess.
     pub fn smoothed(&self) -> [Vec<f64>; 4] {
         let mut states: [Vec<f64>; 4] = Default::default();
-        let (count, middle) = (self.guessed_from(), self.guessed_from() / 2);
-        let shares = [Share::Value, Share::Slope, Share::Curvature].map(|share| shares(count, middle, share));
+        let count = self.guessed_from();
+        let samples: usize = (0..self.count()).map(|log| self.samples(log)).sum();
+        let stride = (count / 2).max(samples / MOST_GUESSES);
+        let shares =
+            [Share::Value, Share::Slope, Share::Curvature].map(|share| shares(count, count / 2, share));
         for log in 0..self.count() {
             let last = (self.samples(log) + 1).saturating_sub(count);
-            for (first, i) in (0..last).step_by(middle).flat_map(|k| (0..self.n).map(move |i| (k, i))) {
+            for (first, i) in (0..last).step_by(stride).flat_map(|k| (0..self.n).map(move |i| (k, i))) {
                 let sum = |shares: &[f64]| -> f64 {
                     let each = shares.iter().enumerate();
                     each.map(|(k, share)| share * self.position(log, first + k, i)).sum()
                 };
                 let (value, slope, curvature) = (sum(&shares[0]), sum(&shares[1]), sum(&shares[2]));
-                let u = |k: usize| self.delayed_control(log, first + k, i, 0.0)[0];
+                let u = |k: usize| self.command(log, (first + k) as isize, i);
                 let force = (0..count).map(u).sum::<f64>() / count as f64;
                 let own = [value, slope / self.h, curvature / (self.h * self.h), force];
                 states.iter_mut().zip(own).for_each(|(all, x)| all.push(x));
@@ -351,10 +359,11 @@ mod tests {
     fn a_delay_of_steps_and_of_parts_of_them() {
         let logs = logs([5, 0]);
         let u = |sample: usize| ((2 * sample + 1) * (2 * sample + 1)) as f64;
-        assert_eq!(logs.delayed_control(0, 3, 1, 0.0), [u(3), (u(2) - u(3)) / 0.5]);
-        assert_eq!(logs.delayed_control(0, 3, 1, 0.5), [u(2), (u(1) - u(2)) / 0.5]);
-        assert_eq!(logs.delayed_control(0, 3, 1, 0.625)[0], 0.75 * u(2) + 0.25 * u(1));
-        assert_eq!(logs.delayed_control(0, 1, 1, 3.0), [u(0), 0.0]);
+        let at = |sample: usize, delay: f64| logs.delayed_control([(0, sample)], 1, delay).map(|[x]| x);
+        assert_eq!(at(3, 0.0), [u(3), (u(2) - u(3)) / 0.5]);
+        assert_eq!(at(3, 0.5), [u(2), (u(1) - u(2)) / 0.5]);
+        assert_eq!(at(3, 0.625)[0], 0.75 * u(2) + 0.25 * u(1));
+        assert_eq!(at(1, 3.0), [u(0), 0.0]);
     }
 
     #[test]

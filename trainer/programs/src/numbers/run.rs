@@ -1,7 +1,6 @@
 //! Execution of the operations.
 
 use super::{Numbers, Operation};
-use crate::function::ORDERS;
 use crate::row::Row;
 use wide::f64x8;
 
@@ -46,17 +45,10 @@ impl Operation {
                 registers[to as usize] = Row::store(std::array::from_fn(|g| x[g].mul_add(y[g], z[g])));
             }
             Self::Curve { function, x, to } => {
-                let (x, mut curve) = (registers[x as usize], [Row::default(); ORDERS]);
-                let mut places = curve.each_mut().map(|row| Some(std::slice::from_mut(row)));
-                places
-                    .iter_mut()
-                    .zip(&to)
-                    .filter(|(_, to)| to.is_none())
-                    .for_each(|(place, _)| *place = None);
-                function.write(&[x], places);
-                for (to, row) in to.iter().zip(curve) {
+                let curve = function.at(&registers[x as usize], to.map(|to| to.is_some()));
+                for (to, row) in to.iter().zip(&curve) {
                     if let Some(to) = to {
-                        registers[*to as usize] = row;
+                        registers[*to as usize] = *row;
                     }
                 }
             }

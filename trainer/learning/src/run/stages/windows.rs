@@ -32,17 +32,17 @@ const MANY_WINDOWS: usize = 2000;
 const OVERLAP: f64 = 0.5;
 
 /// Largest number of windows that a stage before the last learns from. Many more hardly lead nearer to the numbers that all windows give.
-const MOST_WINDOWS: usize = 1024;
+const MOST_WINDOWS: usize = 512;
 /// Largest number of windows from which the residuals of a fit to torques are shown.
 const SHOWN_WINDOWS: usize = 128;
 /// Relative decrease of the loss of a part of the windows below which all windows go on.
 const ENOUGH_OF_A_PART: f64 = 1e-4;
 /// Relative decrease of the loss of many windows below which they show nothing that matters.
-const ENOUGH_OF_MANY: f64 = 1e-5;
+const ENOUGH_OF_MANY: f64 = 5e-5;
 /// Relative decrease of the loss below which an iteration does not change a comparison.
 const ENOUGH_TO_COMPARE: f64 = 1e-3;
 /// Largest number of held-back windows that judge an iteration.
-const MOST_JUDGES: usize = 256;
+const MOST_JUDGES: usize = 128;
 
 /// The default overlap of windows of `steps` steps.
 fn usual_overlap(data: &Dataset, steps: usize) -> f64 {

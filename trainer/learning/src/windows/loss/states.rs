@@ -1,6 +1,7 @@
 //! The start states of windows.
 
 use super::WindowLoss;
+use crate::training::Residuals;
 use crate::windows::rollout::Lanes;
 use crate::windows::starts;
 use leastaction_programs::steps::State;
@@ -13,7 +14,23 @@ const GROWING: [f64; 2] = [0.25, 0.5];
 /// Least number of steps in such a fraction.
 const FEWEST_STEPS: usize = 5;
 
+/// Number of alternations between fitting new start states and estimating the scales of residuals.
+const ROUNDS: usize = 3;
+
 impl WindowLoss {
+    /// All parameters, with the start states and scales that fit the numbers best that all windows share. `weights` are these numbers alone,
+    /// or all parameters, whose start states are where the search begins.
+    pub fn settled(&self, weights: &[f64]) -> Vec<f64> {
+        let is_complete = weights.len() == Residuals::parameters(self);
+        let mut weights =
+            if is_complete { weights.to_vec() } else { Residuals::enter(self, weights.to_vec()) };
+        for _ in 0..if is_complete { 1 } else { ROUNDS } {
+            Residuals::settle(self, &mut weights);
+            let _loss = Residuals::completed_loss(self, &mut weights);
+        }
+        weights
+    }
+
     /// Keeps at most `most` windows, taken from all parts of the logs.
     #[must_use]
     pub fn with_at_most(mut self, most: usize) -> Self {
