@@ -40,7 +40,7 @@ const ENOUGH_OF_A_PART: f64 = 1e-4;
 /// Relative decrease of the loss of many windows below which they show nothing that matters.
 const ENOUGH_OF_MANY: f64 = 5e-5;
 /// Relative decrease of the loss below which an iteration does not change a comparison.
-const ENOUGH_TO_COMPARE: f64 = 1e-3;
+const ENOUGH_TO_COMPARE: f64 = 1e-4;
 /// Largest number of held-back windows that judge an iteration.
 const MOST_JUDGES: usize = 128;
 
