@@ -50,8 +50,7 @@ impl Function {
         let wanted = to.each_ref().map(Option::is_some);
         let mut to = to.map(Option::unwrap_or_default);
         if self == Self::Activation(Activation::Squareplus) {
-            let set = (0..ORDERS).map(|order| usize::from(wanted[order]) << order).sum::<usize>();
-            return SQUAREPLUS[set](x, to);
+            return squareplus_writer(wanted)(x, to);
         }
         for (i, x) in x.iter().enumerate() {
             let curve = self.curve(x, wanted);
@@ -61,23 +60,18 @@ impl Function {
         }
     }
 
-    /// Returns the numbers that [`Function::write`] writes for one row; those that are not `wanted` may have any value.
-    #[inline]
-    pub(crate) fn at(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
-        if self != Self::Activation(Activation::Squareplus) {
-            return self.curve(x, wanted);
-        }
-        let mut curve = [Row::default(); ORDERS];
-        let mut places = curve.each_mut().map(|row| Some(std::slice::from_mut(row)));
-        places.iter_mut().zip(wanted).filter(|(_, wanted)| !wanted).for_each(|(place, _)| *place = None);
-        self.write(std::slice::from_ref(x), places);
-        curve
-    }
-
     /// Returns f and its derivatives at x; those that are not `wanted` may have any value.
     #[inline]
-    fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
+    pub(crate) fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
         match self {
+            Self::Activation(Activation::Squareplus) => {
+                let mut curve = [Row::default(); ORDERS];
+                squareplus_writer(wanted)(
+                    std::slice::from_ref(x),
+                    curve.each_mut().map(std::slice::from_mut),
+                );
+                curve
+            }
             Self::Activation(activation) => activated(activation, x, wanted[3]),
             Self::Sine => {
                 let [sin, cos] = sin_cos(x);
@@ -138,6 +132,11 @@ fn squareplus<const WANTED: usize>(x: &[Row], to: [&mut [Row]; ORDERS]) {
 
 /// Writer of the derivatives of a function.
 type Writer = fn(&[Row], [&mut [Row]; ORDERS]);
+
+/// Returns [`squareplus`] for the derivatives that are wanted.
+fn squareplus_writer(wanted: [bool; ORDERS]) -> Writer {
+    SQUAREPLUS[(0..ORDERS).map(|order| usize::from(wanted[order]) << order).sum::<usize>()]
+}
 
 /// Writers for every set of derivatives of [`squareplus`].
 const SQUAREPLUS: [Writer; 1 << ORDERS] = [

@@ -55,7 +55,7 @@ pub(super) fn pictures(
 
 /// Positions of a coordinate sampled throughout the logs, m or rad.
 pub(super) fn column(logs: &WindowLogs, i: usize) -> Vec<f64> {
-    let all: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
+    let all = logs.all_samples();
     let stride = all.div_ceil(SAMPLES).max(1);
     let of = |log: usize| (0..logs.samples(log)).step_by(stride).map(move |k| logs.position(log, k, i));
     (0..logs.count()).flat_map(of).collect()

@@ -105,7 +105,7 @@ impl Simple {
 
 fn facts(plan: &Plan, windows: &Windowed, (state, model): (&State, &Model)) -> Vec<(&'static str, String)> {
     let (logs, architecture) = (&windows.logs, &plan.architecture);
-    let samples: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
+    let samples = logs.all_samples();
     let length = windows.settings.steps as f64 * logs.h;
     let mut facts = vec![
         (

@@ -126,6 +126,11 @@ pub(crate) fn size(value: f64, initial: f64, error: f64) -> f64 {
     if size > 0.0 { size } else { 1.0 }
 }
 
+/// Parts of a move that are tried one after the other.
+fn halvings() -> impl Iterator<Item = f64> {
+    (0..HALVINGS).map(|k| 0.5_f64.powi(k as i32))
+}
+
 /// Numbers of a loss that may be free.
 #[derive(Clone, Copy)]
 pub(crate) struct Free<'a> {
@@ -151,7 +156,7 @@ impl Free<'_> {
             if largest < NEAR {
                 break;
             }
-            let steps = (0..HALVINGS).map(|k| step * 0.5_f64.powi(k as i32));
+            let steps = halvings().map(|part| step * part);
             let mut trials = steps.map(|step| {
                 let change = &pull * (step / largest).min(1.0);
                 Some((step, self.settled(self.moved(&best, (&at, &change)), (bound, &mut left))?))
@@ -172,7 +177,7 @@ impl Free<'_> {
     ) -> Option<(Vec<f64>, f64)> {
         let (moved, _) = Free { objective: part, ..self }.least_motion(weights_of_part)?;
         let (start, bound) = self.completed(weights);
-        (0..HALVINGS).map(|k| 0.5_f64.powi(k as i32)).find_map(|far| {
+        halvings().find_map(|far| {
             let mut trial = start.clone();
             let shared = trial.iter_mut().zip(&moved).take(self.objective.shared());
             shared.for_each(|(x, moved)| *x += far * (moved - *x));

@@ -84,6 +84,11 @@ impl WindowLogs {
         self.logs[log].q.len() / self.n.max(1)
     }
 
+    /// Number of samples in all logs.
+    pub fn all_samples(&self) -> usize {
+        (0..self.count()).map(|log| self.samples(log)).sum()
+    }
+
     /// Position i at a sample.
     pub(crate) fn position(&self, log: usize, sample: usize, i: usize) -> f64 {
         self.logs[log].q[sample * self.n + i]
@@ -158,8 +163,7 @@ impl WindowLogs {
     pub fn smoothed(&self) -> [Vec<f64>; 4] {
         let mut states: [Vec<f64>; 4] = Default::default();
         let count = self.guessed_from();
-        let samples: usize = (0..self.count()).map(|log| self.samples(log)).sum();
-        let stride = (count / 2).max(samples / MOST_GUESSES);
+        let stride = (count / 2).max(self.all_samples() / MOST_GUESSES);
         let shares =
             [Share::Value, Share::Slope, Share::Curvature].map(|share| shares(count, count / 2, share));
         for log in 0..self.count() {

@@ -45,7 +45,7 @@ impl Operation {
                 registers[to as usize] = Row::store(std::array::from_fn(|g| x[g].mul_add(y[g], z[g])));
             }
             Self::Curve { function, x, to } => {
-                let curve = function.at(&registers[x as usize], to.map(|to| to.is_some()));
+                let curve = function.curve(&registers[x as usize], to.map(|to| to.is_some()));
                 for (to, row) in to.iter().zip(&curve) {
                     if let Some(to) = to {
                         registers[*to as usize] = *row;

@@ -332,8 +332,7 @@ impl Values {
     /// Returns a derivative of a function of a number.
     fn derivative(&mut self, function: Function, order: usize, x: Id) -> Id {
         if let Some(known) = self.known(x) {
-            let mut curve = [Row::default(); ORDERS];
-            function.write(&[Row::splat(known)], curve.each_mut().map(|row| Some(std::slice::from_mut(row))));
+            let curve = function.curve(&Row::splat(known), [true; ORDERS]);
             return self.constant(curve[order].0[0]);
         }
         self.functions.insert(function.number(), function);

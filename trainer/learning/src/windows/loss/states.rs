@@ -22,9 +22,12 @@ impl WindowLoss {
     /// or all parameters, whose start states are where the search begins.
     pub fn settled(&self, weights: &[f64]) -> Vec<f64> {
         let is_complete = weights.len() == Residuals::parameters(self);
-        let mut weights =
-            if is_complete { weights.to_vec() } else { Residuals::enter(self, weights.to_vec()) };
-        for _ in 0..if is_complete { 1 } else { ROUNDS } {
+        let (mut weights, rounds) = if is_complete {
+            (weights.to_vec(), 1)
+        } else {
+            (Residuals::enter(self, weights.to_vec()), ROUNDS)
+        };
+        for _ in 0..rounds {
             Residuals::settle(self, &mut weights);
             let _loss = Residuals::completed_loss(self, &mut weights);
         }
